@@ -1,0 +1,2 @@
+//! asi-cli.
+fn main() {}

@@ -1,0 +1,2 @@
+//! factory-connector.
+fn main() {}

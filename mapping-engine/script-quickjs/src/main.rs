@@ -1,0 +1,2 @@
+//! script-quickjs.
+fn main() {}

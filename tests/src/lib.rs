@@ -1,0 +1,1 @@
+//! verbund-tests.
