@@ -1,1 +1,16 @@
-//! asi-model.
+//! The shared language of Verbund: what partners' tools, factory connectors and the platform say to each other.
+//!
+//! This crate knows *what* is said, never how it travels. It is pure: no I/O, no async, no clock, no randomness.
+//!
+//! - [`ids`]: identifiers that cannot be malformed.
+//! - [`values`]: OPC UA built-in values (OPC 10000-6 §5.1) as plain Rust data.
+//! - [`network`]: operation networks, dynamic data requests and report formats.
+//! - [`messages`]: every message of the wire contract besides reports.
+
+pub mod ids;
+pub mod messages;
+pub mod network;
+pub mod values;
+
+pub use ids::*;
+pub use values::{BuiltInType, DataValue, DateTime, NodeId, Scalar, StatusCode, Variant};

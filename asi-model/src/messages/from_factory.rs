@@ -1,0 +1,255 @@
+//! What a factory sends to the platform, besides reports.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::to_factory::Comment;
+use crate::{
+    ids::{AssetId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationId, OperationNetworkId},
+    values::DateTime,
+};
+
+/// Any message from a factory besides reports, told apart by `messageType`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "messageType", rename_all = "kebab-case")]
+pub enum FactoryMessage {
+    /// What became of a message of the platform.
+    Acknowledgement(Acknowledgement),
+    /// What the factory's engineer decided about a field or an asset's data set.
+    Decision(Decision),
+    /// Sequence numbers that will never come.
+    Gap(Gap),
+    /// A remark by a person.
+    Comment(Comment),
+    /// Status data sets that could be asked for.
+    AssetOffer(AssetOffer),
+}
+
+impl FactoryMessage {
+    /// The wire name of the message type, also the AMQP subject.
+    #[must_use]
+    pub const fn message_type(&self) -> &'static str {
+        match self {
+            Self::Acknowledgement(_) => "acknowledgement",
+            Self::Decision(_) => "decision",
+            Self::Gap(_) => "gap",
+            Self::Comment(_) => "comment",
+            Self::AssetOffer(_) => "asset-offer",
+        }
+    }
+
+    /// The message's id.
+    #[must_use]
+    pub const fn message_id(&self) -> &MessageId {
+        match self {
+            Self::Acknowledgement(m) => &m.message_id,
+            Self::Decision(m) => &m.message_id,
+            Self::Gap(m) => &m.message_id,
+            Self::Comment(m) => &m.message_id,
+            Self::AssetOffer(m) => &m.message_id,
+        }
+    }
+}
+
+/// Something wrong with a message, as a partner can mend it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Fault {
+    /// JSON pointer (RFC 6901) into the message; empty for the whole.
+    pub pointer: String,
+    /// A stable code, as `UNKNOWN_OPERATION`.
+    pub code: String,
+    /// A sentence that says what is wrong and what to do.
+    pub message: String,
+}
+
+/// What became of a message of the platform. What is rejected changes nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Acknowledgement {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that answers.
+    pub factory_id: FactoryId,
+    /// The message answered; the transport's message id where the body could not be parsed.
+    pub correlation_id: MessageId,
+    /// The network it was about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operation_network_id: Option<OperationNetworkId>,
+    /// The revision it was about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub revision: Option<u64>,
+    /// The outcome.
+    pub result: AcknowledgementResult,
+    /// Everything that was wrong; empty unless rejected.
+    #[serde(default)]
+    pub fault_list: Vec<Fault>,
+}
+
+/// The outcome of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum AcknowledgementResult {
+    /// In effect.
+    Accepted,
+    /// Nothing new in it.
+    Unchanged,
+    /// Wrong; nothing was changed.
+    Rejected,
+}
+
+/// Where a field stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum MappingState {
+    /// Not yet decided.
+    #[default]
+    Pending,
+    /// Decided: values flow from the named source.
+    Mapped,
+    /// Decided: no values.
+    Refused,
+}
+
+/// Where a mapped field's values come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum ValueSource {
+    /// A mapping from local OPC UA data.
+    Mapping,
+    /// People on the operator's page.
+    Manual,
+    /// OPC UA clients that write the node.
+    External,
+}
+
+/// A kind of status data set of an asset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum AssetKind {
+    /// Axis positions with their ranges.
+    Pose,
+    /// Power and energy.
+    Power,
+    /// Health and overall condition.
+    Condition,
+    /// Safety states.
+    Safety,
+}
+
+/// What a decision is about.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, rename_all_fields = "camelCase")]
+pub enum DecisionTarget {
+    /// A report field.
+    Field {
+        /// The network.
+        operation_network_id: OperationNetworkId,
+        /// The operation.
+        operation_id: OperationId,
+        /// The request.
+        dynamic_data_request_id: DynamicDataRequestId,
+        /// The field.
+        field_name: FieldName,
+    },
+    /// A status data set of an asset.
+    Asset {
+        /// The asset.
+        asset_id: AssetId,
+        /// The data set.
+        kind: AssetKind,
+    },
+}
+
+/// What the factory's engineer decided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Decision {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that decided.
+    pub factory_id: FactoryId,
+    /// What about.
+    #[serde(flatten)]
+    pub target: DecisionTarget,
+    /// The outcome.
+    pub mapping_state: MappingState,
+    /// Why, in words for the partner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// When.
+    pub decided_at: DateTime,
+    /// The precision the partner gets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disclosure: Option<DisclosureStatement>,
+}
+
+/// In words and numbers, how a value is coarsened before it leaves.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct DisclosureStatement {
+    /// One sentence for people.
+    pub description: String,
+    /// Values are rounded to multiples of this, in the field's unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rounding_step: Option<f64>,
+    /// At most one value per this many milliseconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub minimum_interval_ms: Option<u64>,
+    /// Times are rounded down to multiples of this many milliseconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step_ms: Option<u64>,
+    /// Values leave this many milliseconds late.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay_ms: Option<u64>,
+}
+
+/// Sequence numbers that will never come, committed with their deletion.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Gap {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory.
+    pub factory_id: FactoryId,
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch (MajorVersion).
+    pub epoch: u32,
+    /// The first that will not come.
+    pub first_sequence: u32,
+    /// The last that will not come.
+    pub last_sequence: u32,
+    /// Why.
+    pub cause: GapCause,
+}
+
+/// Why sequence numbers will never come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum GapCause {
+    /// The spool was full and kept only newer values.
+    Coalesced,
+    /// Too old.
+    Expired,
+    /// The request was withdrawn.
+    Withdrawn,
+    /// The engineer revoked the consent.
+    Revoked,
+}
+
+/// Status data sets that could be asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct AssetOffer {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory.
+    pub factory_id: FactoryId,
+    /// The asset.
+    pub asset_id: AssetId,
+    /// Which data sets there are.
+    pub kind_list: Vec<AssetKind>,
+    /// What the asset is, in words.
+    pub description: String,
+}

@@ -1,0 +1,158 @@
+//! What the platform sends to a factory.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::from_factory::AssetKind;
+use crate::{
+    ids::{
+        AssetId, CollaborationId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationNetworkId,
+        OrganisationId,
+    },
+    network::OperationNetwork,
+    values::DateTime,
+};
+
+/// Any message from the platform to a factory, told apart by `messageType`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "messageType", rename_all = "kebab-case")]
+pub enum PlatformMessage {
+    /// The factory's part of a network, in one revision.
+    OperationNetwork(OperationNetworkMessage),
+    /// A whole network is withdrawn.
+    Withdraw(Withdraw),
+    /// A remark by a person.
+    Comment(Comment),
+    /// Somebody asks for an asset's status.
+    AssetRequest(AssetRequest),
+    /// What the platform holds.
+    Receipt(Receipt),
+}
+
+impl PlatformMessage {
+    /// The wire name of the message type, also the AMQP subject.
+    #[must_use]
+    pub const fn message_type(&self) -> &'static str {
+        match self {
+            Self::OperationNetwork(_) => "operation-network",
+            Self::Withdraw(_) => "withdraw",
+            Self::Comment(_) => "comment",
+            Self::AssetRequest(_) => "asset-request",
+            Self::Receipt(_) => "receipt",
+        }
+    }
+
+    /// The message's id.
+    #[must_use]
+    pub const fn message_id(&self) -> &MessageId {
+        match self {
+            Self::OperationNetwork(m) => &m.message_id,
+            Self::Withdraw(m) => &m.message_id,
+            Self::Comment(m) => &m.message_id,
+            Self::AssetRequest(m) => &m.message_id,
+            Self::Receipt(m) => &m.message_id,
+        }
+    }
+}
+
+/// The whole part of a network that concerns the factory. A higher revision replaces a lower one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct OperationNetworkMessage {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory it is for.
+    pub factory_id: FactoryId,
+    /// The collaboration it belongs to.
+    pub collaboration_id: CollaborationId,
+    /// Counts up with every change.
+    pub revision: u64,
+    /// The content.
+    pub operation_network: OperationNetwork,
+}
+
+/// Ends a whole network; its revision stays as a tombstone.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Withdraw {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory it is for.
+    pub factory_id: FactoryId,
+    /// The network that ends.
+    pub operation_network_id: OperationNetworkId,
+    /// The revision of the withdrawal itself: higher than any before.
+    pub revision: u64,
+}
+
+/// A remark on a network, a request or a field; goes both ways.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Comment {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that takes part in the talk.
+    pub factory_id: FactoryId,
+    /// The network talked about.
+    pub operation_network_id: OperationNetworkId,
+    /// The request talked about, if one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_data_request_id: Option<DynamicDataRequestId>,
+    /// The field talked about, if one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field_name: Option<FieldName>,
+    /// Who says it.
+    pub author_id: String,
+    /// What is said.
+    pub text: String,
+}
+
+/// A wish for an asset's status data sets.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct AssetRequest {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that owns the asset.
+    pub factory_id: FactoryId,
+    /// The asset.
+    pub asset_id: AssetId,
+    /// Which of its data sets.
+    pub kind_list: Vec<AssetKind>,
+    /// The organisation that asks.
+    pub requester_id: OrganisationId,
+    /// The organisations that may see the answers.
+    pub recipient_list: Vec<OrganisationId>,
+    /// What for.
+    pub purpose: String,
+    /// Until when.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub valid_until: Option<DateTime>,
+}
+
+/// What the platform holds of a factory's reports. The connector keeps a report until it is receipted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Receipt {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory it is for.
+    pub factory_id: FactoryId,
+    /// One entry per writer and epoch with news.
+    pub receipt_list: Vec<WriterReceipt>,
+}
+
+/// What the platform holds of one writer within one epoch.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct WriterReceipt {
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch (MajorVersion).
+    pub epoch: u32,
+    /// The highest sequence number seen; all up to it are held but for the missing ones.
+    pub through_sequence: u32,
+    /// Sequence numbers below it that never came and were not announced as gaps.
+    #[serde(default)]
+    pub missing_list: Vec<u32>,
+}

@@ -1,0 +1,236 @@
+//! NodeIds and qualified names (OPC 10000-6 §5.2.2.9 to §5.2.2.13, text form §5.1.12).
+
+use std::{fmt, str::FromStr, sync::Arc};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use uuid::Uuid;
+
+/// The namespace of a NodeId or qualified name.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub enum Namespace {
+    /// `http://opcfoundation.org/UA/`, index 0.
+    #[default]
+    Ua,
+    /// Any other namespace by its URI: what we persist and emit.
+    Uri(Arc<str>),
+    /// An index whose table is unknown: only from foreign messages, never persisted.
+    Index(u16),
+}
+
+/// The URI of namespace 0.
+pub const UA_NAMESPACE_URI: &str = "http://opcfoundation.org/UA/";
+
+impl Namespace {
+    /// From a URI; namespace 0's own URI yields [`Namespace::Ua`].
+    #[must_use]
+    pub fn uri(uri: &str) -> Self {
+        if uri == UA_NAMESPACE_URI { Self::Ua } else { Self::Uri(Arc::from(uri)) }
+    }
+}
+
+/// The identifier within a namespace.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Identifier {
+    /// `i=`
+    Numeric(u32),
+    /// `s=`
+    String(Arc<str>),
+    /// `g=`
+    Guid(Uuid),
+    /// `b=` (Base64 in text)
+    Opaque(Arc<[u8]>),
+}
+
+/// A node's identity. Text form `nsu=<uri>;s=<id>`; namespace 0 bare (`i=884`).
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
+#[schemars(with = "String")]
+pub struct NodeId {
+    /// Whose node it is.
+    pub namespace: Namespace,
+    /// Its identifier there.
+    pub identifier: Identifier,
+}
+
+/// A NodeId that may live on another server.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ExpandedNodeId {
+    /// The node.
+    pub node_id: NodeId,
+    /// The other server, if any.
+    pub server: Server,
+}
+
+/// Which server a node lives on.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub enum Server {
+    /// This one.
+    #[default]
+    Local,
+    /// By the URI of the server.
+    Uri(Arc<str>),
+    /// By an index into a table we do not have.
+    Index(u32),
+}
+
+/// A name within a namespace, as BrowseNames are.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct QualifiedName {
+    /// Whose name it is.
+    pub namespace: Namespace,
+    /// The name; `None` is the null string.
+    pub name: Option<Arc<str>>,
+}
+
+/// A text is not a NodeId.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a NodeId must look like i=2258, ns=2;i=7 or nsu=urn:press;s=Counter, but is {found:?}")]
+pub struct InvalidNodeId {
+    /// What was found, cut after 120 characters.
+    pub found: String,
+}
+
+/// Longest NodeId text accepted, in bytes (OPC 10000-3 bounds string identifiers at 4096).
+pub const NODE_ID_BYTES_MAX: usize = 8192;
+
+impl NodeId {
+    /// A numeric NodeId of namespace 0.
+    #[must_use]
+    pub const fn ua(identifier: u32) -> Self {
+        Self { namespace: Namespace::Ua, identifier: Identifier::Numeric(identifier) }
+    }
+
+    /// A string NodeId in the namespace of a URI.
+    #[must_use]
+    pub fn string(namespace_uri: &str, identifier: &str) -> Self {
+        Self { namespace: Namespace::uri(namespace_uri), identifier: Identifier::String(Arc::from(identifier)) }
+    }
+
+    /// A numeric NodeId in the namespace of a URI.
+    #[must_use]
+    pub fn numeric(namespace_uri: &str, identifier: u32) -> Self {
+        Self { namespace: Namespace::uri(namespace_uri), identifier: Identifier::Numeric(identifier) }
+    }
+
+    /// The null NodeId `i=0`.
+    #[must_use]
+    pub const fn null() -> Self {
+        Self::ua(0)
+    }
+}
+
+impl fmt::Display for Identifier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Numeric(id) => write!(f, "i={id}"),
+            Self::String(id) => write!(f, "s={id}"),
+            Self::Guid(id) => write!(f, "g={}", id.hyphenated()),
+            Self::Opaque(id) => {
+                use base64::Engine as _;
+                write!(f, "b={}", base64::engine::general_purpose::STANDARD.encode(id))
+            }
+        }
+    }
+}
+
+impl fmt::Display for NodeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.namespace {
+            Namespace::Ua => {}
+            Namespace::Uri(uri) => {
+                write!(f, "nsu=")?;
+                // OPC 10000-6 §5.1.12: `;` and `%` inside the URI are percent-encoded.
+                for part in uri.split_inclusive([';', '%']) {
+                    let (text, special) = match part.as_bytes().last() {
+                        Some(b';') => (&part[..part.len() - 1], "%3B"),
+                        Some(b'%') => (&part[..part.len() - 1], "%25"),
+                        _ => (part, ""),
+                    };
+                    write!(f, "{text}{special}")?;
+                }
+                write!(f, ";")?;
+            }
+            Namespace::Index(index) => write!(f, "ns={index};")?,
+        }
+        self.identifier.fmt(f)
+    }
+}
+
+fn decode_uri(text: &str) -> Option<String> {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('%') {
+        out.push_str(&rest[..at]);
+        match rest.get(at..at + 3)? {
+            "%3B" | "%3b" => out.push(';'),
+            "%25" => out.push('%'),
+            _ => return None,
+        }
+        rest = &rest[at + 3..];
+    }
+    out.push_str(rest);
+    Some(out)
+}
+
+fn parse_identifier(text: &str) -> Option<Identifier> {
+    use base64::Engine as _;
+    let (kind, id) = text.split_at_checked(2)?;
+    Some(match kind {
+        "i=" => Identifier::Numeric(id.parse().ok()?),
+        "s=" => Identifier::String(Arc::from(id)),
+        "g=" => Identifier::Guid(id.parse().ok()?),
+        "b=" => Identifier::Opaque(base64::engine::general_purpose::STANDARD.decode(id).ok()?.into()),
+        _ => return None,
+    })
+}
+
+fn parse_node_id(text: &str) -> Option<NodeId> {
+    if text.len() > NODE_ID_BYTES_MAX {
+        return None;
+    }
+    let (namespace, rest) = if let Some(rest) = text.strip_prefix("nsu=") {
+        let (uri, rest) = rest.split_once(';')?;
+        (Namespace::uri(&decode_uri(uri)?), rest)
+    } else if let Some(rest) = text.strip_prefix("ns=") {
+        let (index, rest) = rest.split_once(';')?;
+        let index = index.parse().ok()?;
+        (if index == 0 { Namespace::Ua } else { Namespace::Index(index) }, rest)
+    } else {
+        (Namespace::Ua, text)
+    };
+    Some(NodeId { namespace, identifier: parse_identifier(rest)? })
+}
+
+impl FromStr for NodeId {
+    type Err = InvalidNodeId;
+    fn from_str(text: &str) -> Result<Self, InvalidNodeId> {
+        parse_node_id(text).ok_or_else(|| InvalidNodeId { found: text.chars().take(120).collect() })
+    }
+}
+
+impl Serialize for NodeId {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for NodeId {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        std::borrow::Cow::<'de, str>::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_form_round_trips() {
+        for text in ["i=884", "nsu=urn:press;s=Cell.Counter", "nsu=urn:a%3Bb%25c;i=7", "ns=3;s=x;y=z", "b=AQID"] {
+            assert_eq!(text.parse::<NodeId>().map(|id| id.to_string()), Ok(text.to_owned()));
+        }
+        for text in ["", "i=", "i=-1", "nsu=urn:x", "q=1", "nsu=urn:%41;i=1"] {
+            assert!(text.parse::<NodeId>().is_err(), "{text:?}");
+        }
+    }
+}
