@@ -1,0 +1,67 @@
+# Verbund. `make help` lists what there is.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-print-directory
+
+CARGO ?= cargo
+PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin simulator --bin demo
+WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null)
+
+help: ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
+
+demo: prerequisites web ## two factories and a cloud on this machine, until Ctrl-C; a second start goes on
+	$(CARGO) build --locked $(PROGRAMS)
+	target/debug/demo run
+
+demo-check: prerequisites-test foreign web ## the demo headless, each step checked from outside
+	$(CARGO) build --locked $(PROGRAMS)
+	target/debug/demo check
+
+dev: prerequisites web ## build everything for development
+	$(CARGO) build --workspace --all-targets
+
+test: prerequisites-test foreign web lint ## everything that proves the product right (what CI runs)
+	$(CARGO) build --locked --workspace --bins --tests
+	if $(CARGO) nextest --version >/dev/null 2>&1; then $(CARGO) nextest run --locked --workspace --no-fail-fast; \
+	  else $(CARGO) test --locked --workspace --no-fail-fast; fi
+
+check: test ## the same, under the name people look for
+
+lint: web ## format, clippy, documentation, and the same for the web pages
+	$(CARGO) fmt --all --check
+	cd web && npm run --silent lint && npm run --silent check && npm run --silent test
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --quiet
+
+bench: prerequisites web ## latency and throughput of the whole path, release build; writes target/bench/results.json
+	$(CARGO) build --locked --release $(PROGRAMS) --bin bench
+	target/release/bench
+
+screenshots: demo-programs ## every page in light and dark, German and English, into target/screenshots
+	target/debug/demo screenshots
+
+demo-programs: prerequisites-test web
+	$(CARGO) build --locked $(PROGRAMS)
+
+web: web/dist/.built
+
+web/node_modules/.installed: web/package-lock.json
+	cd web && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
+
+web/dist/.built: web/node_modules/.installed $(WEB_SOURCES)
+	cd web && npm run --silent build
+	touch $@
+
+foreign:
+	@tests/foreign/setup.sh
+
+prerequisites:
+	@tools/prerequisites.sh demo
+
+prerequisites-test:
+	@tools/prerequisites.sh test
+
+.PHONY: help demo demo-check demo-programs dev test check lint bench screenshots web foreign prerequisites prerequisites-test

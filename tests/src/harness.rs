@@ -1,0 +1,11 @@
+//! The real programs, started in a folder of their own and addressed from outside.
+
+mod api;
+mod daemon;
+mod ports;
+mod wait;
+
+pub use api::{Api, ApiError};
+pub use daemon::{Daemon, DaemonCommand, binary};
+pub use ports::free_ports;
+pub use wait::{Deadline, eventually};

@@ -1,0 +1,136 @@
+//! A daemon's web API as a browser would use it: signed in by cookie, changes guarded by the CSRF header.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use reqwest::{Method, StatusCode};
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::Value;
+
+/// A signed-in client of one daemon.
+#[derive(Debug, Clone)]
+pub struct Api {
+    base: String,
+    http: reqwest::Client,
+    csrf: Option<String>,
+}
+
+/// An answer that was not a success, with its problem document.
+#[derive(Debug, thiserror::Error)]
+#[error("{method} {path}: {status}: {problem}")]
+pub struct ApiError {
+    /// The method of the call.
+    pub method: Method,
+    /// Its path.
+    pub path: String,
+    /// The status.
+    pub status: StatusCode,
+    /// The body, an RFC 9457 problem where the daemon answered itself.
+    pub problem: Value,
+}
+
+impl Api {
+    /// A client that is not signed in yet; `base` as `http://127.0.0.1:8080`.
+    ///
+    /// # Errors
+    /// When the client cannot be made.
+    pub fn new(base: impl Into<String>) -> anyhow::Result<Self> {
+        let http = reqwest::Client::builder()
+            .cookie_store(true)
+            .no_proxy()
+            .timeout(Duration::from_secs(30))
+            .build()
+            .context("making an HTTP client")?;
+        Ok(Self { base: base.into(), http, csrf: None })
+    }
+
+    /// The address of the daemon.
+    #[must_use]
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
+    /// Signs in and keeps the session.
+    ///
+    /// # Errors
+    /// When the daemon refuses or does not answer.
+    pub async fn sign_in(&mut self, user: &str, password: &str) -> anyhow::Result<()> {
+        let session: Value =
+            self.post("/api/v1/session", &serde_json::json!({"userName": user, "password": password})).await?;
+        self.csrf = session["csrfToken"].as_str().map(str::to_owned);
+        Ok(())
+    }
+
+    /// GET.
+    ///
+    /// # Errors
+    /// [`ApiError`] for an answer that is not a success; transport and decoding errors.
+    pub async fn get<T: DeserializeOwned>(&self, path: &str) -> anyhow::Result<T> {
+        self.call(Method::GET, path, None::<&()>).await
+    }
+
+    /// POST.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub async fn post<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> anyhow::Result<T> {
+        self.call(Method::POST, path, Some(body)).await
+    }
+
+    /// PUT.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub async fn put<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> anyhow::Result<T> {
+        self.call(Method::PUT, path, Some(body)).await
+    }
+
+    /// DELETE.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub async fn delete<T: DeserializeOwned>(&self, path: &str) -> anyhow::Result<T> {
+        self.call(Method::DELETE, path, None::<&()>).await
+    }
+
+    /// The open answer of a server-sent event stream; no overall timeout.
+    ///
+    /// # Errors
+    /// When the daemon refuses or does not answer.
+    pub async fn events(&self, path: &str) -> anyhow::Result<reqwest::Response> {
+        let answer = self
+            .http
+            .get(format!("{}{path}", self.base))
+            .header("accept", "text/event-stream")
+            .timeout(Duration::from_secs(24 * 3600))
+            .send()
+            .await
+            .with_context(|| format!("GET {path}"))?;
+        Ok(answer.error_for_status()?)
+    }
+
+    async fn call<T: DeserializeOwned>(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<&impl Serialize>,
+    ) -> anyhow::Result<T> {
+        let mut request = self.http.request(method.clone(), format!("{}{path}", self.base));
+        if let Some(csrf) = &self.csrf {
+            request = request.header("x-csrf-token", csrf);
+        }
+        if let Some(body) = body {
+            request = request.json(body);
+        }
+        let answer = request.send().await.with_context(|| format!("{method} {path}"))?;
+        let status = answer.status();
+        let bytes = answer.bytes().await.with_context(|| format!("{method} {path}"))?;
+        if !status.is_success() {
+            let problem = serde_json::from_slice(&bytes)
+                .unwrap_or_else(|_| Value::String(String::from_utf8_lossy(&bytes).chars().take(300).collect()));
+            return Err(ApiError { method, path: path.to_owned(), status, problem }.into());
+        }
+        let bytes: &[u8] = if bytes.is_empty() { b"null" } else { &bytes };
+        serde_json::from_slice(bytes).with_context(|| format!("{method} {path}: reading the answer"))
+    }
+}

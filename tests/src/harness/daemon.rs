@@ -1,0 +1,157 @@
+//! One running program: started, killed, restarted, never left behind.
+
+use std::{
+    fs::{File, OpenOptions},
+    io,
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus, Stdio},
+    time::{Duration, Instant},
+};
+
+use anyhow::Context as _;
+
+/// How a program is started, so that it can be started again the same way.
+#[derive(Debug, Clone)]
+pub struct DaemonCommand {
+    /// What it is called in messages and in the name of its log file.
+    pub name: String,
+    /// The program.
+    pub program: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+    /// Further environment variables.
+    pub environment: Vec<(String, String)>,
+    /// Where its output goes, appended.
+    pub log: PathBuf,
+}
+
+/// A running program. Dropping it kills it; if this process dies first, the kernel does.
+#[derive(Debug)]
+pub struct Daemon {
+    command: DaemonCommand,
+    child: Child,
+}
+
+/// Finds a program of this workspace beside the running executable.
+///
+/// # Errors
+/// When it was not built.
+pub fn binary(name: &str) -> anyhow::Result<PathBuf> {
+    let own = std::env::current_exe().context("finding the running executable")?;
+    own.ancestors()
+        .skip(1)
+        .take(3)
+        .map(|folder| folder.join(name))
+        .find(|candidate| candidate.is_file())
+        .with_context(|| format!("the program {name:?} was not built; run `cargo build --workspace --bins` first"))
+}
+
+impl Daemon {
+    /// Starts the program.
+    ///
+    /// # Errors
+    /// When the log cannot be opened or the program cannot be started.
+    pub fn start(command: DaemonCommand) -> anyhow::Result<Self> {
+        let child = spawn(&command).with_context(|| format!("starting {}", command.name))?;
+        Ok(Self { command, child })
+    }
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.command.name
+    }
+
+    /// Where its output goes.
+    #[must_use]
+    pub fn log(&self) -> &Path {
+        &self.command.log
+    }
+
+    /// Its process id.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// The exit status, if it has ended by itself.
+    ///
+    /// # Errors
+    /// When the operating system does not say.
+    pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
+        self.child.try_wait()
+    }
+
+    /// `kill -9`: no drain, no goodbye.
+    ///
+    /// # Errors
+    /// When the process cannot be killed or awaited.
+    pub fn kill(&mut self) -> io::Result<()> {
+        self.child.kill()?;
+        self.child.wait().map(|_| ())
+    }
+
+    /// Starts the same program again after it ended or was killed.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn restart(&mut self) -> anyhow::Result<()> {
+        self.kill().ok();
+        self.child = spawn(&self.command).with_context(|| format!("restarting {}", self.command.name))?;
+        Ok(())
+    }
+
+    /// Asks it to stop (SIGTERM) and waits; kills it when the limit passes.
+    ///
+    /// # Errors
+    /// When it had to be killed.
+    pub fn stop(&mut self, limit: Duration) -> anyhow::Result<ExitStatus> {
+        if let Some(status) = self.child.try_wait()? {
+            return Ok(status);
+        }
+        let pid = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw);
+        rustix::process::kill_process(pid.context("a process id is never zero")?, rustix::process::Signal::TERM)?;
+        let deadline = Instant::now() + limit;
+        while Instant::now() < deadline {
+            if let Some(status) = self.child.try_wait()? {
+                return Ok(status);
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        self.kill()?;
+        anyhow::bail!("{} did not stop within {limit:?} and was killed", self.command.name)
+    }
+
+    /// The last lines of its log, for error messages.
+    #[must_use]
+    pub fn log_tail(&self, lines: usize) -> String {
+        let text = std::fs::read_to_string(&self.command.log).unwrap_or_default();
+        let all: Vec<&str> = text.lines().collect();
+        all[all.len().saturating_sub(lines)..].join("\n")
+    }
+}
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        self.kill().ok();
+    }
+}
+
+fn spawn(command: &DaemonCommand) -> anyhow::Result<Child> {
+    let log: File = OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(&command.log)
+        .with_context(|| format!("opening the log {}", command.log.display()))?;
+    // The kernel kills the program when this process dies, however it dies.
+    let child = Command::new("setpriv")
+        .args(["--pdeathsig", "KILL", "--"])
+        .arg(&command.program)
+        .args(&command.arguments)
+        .envs(command.environment.iter().cloned())
+        .stdin(Stdio::null())
+        .stdout(log.try_clone()?)
+        .stderr(log)
+        .spawn()?;
+    Ok(child)
+}

@@ -1,0 +1,46 @@
+//! Waiting means polling a condition until a deadline; nothing here sleeps for a fixed time and hopes.
+
+use std::{
+    future::Future,
+    time::{Duration, Instant},
+};
+
+/// Until when a condition must hold, and what is said if it does not.
+#[derive(Debug, Clone, Copy)]
+pub struct Deadline(Instant);
+
+impl Deadline {
+    /// So long from now.
+    #[must_use]
+    pub fn after(duration: Duration) -> Self {
+        Self(Instant::now() + duration)
+    }
+
+    /// True once it has passed.
+    #[must_use]
+    pub fn has_passed(self) -> bool {
+        Instant::now() >= self.0
+    }
+}
+
+/// Polls `condition` every few milliseconds until it yields a value.
+///
+/// # Errors
+/// When `limit` passes first; the message names what was waited for and the last thing seen.
+pub async fn eventually<T, F, Fut>(what: &str, limit: Duration, mut condition: F) -> anyhow::Result<T>
+where
+    F: FnMut() -> Fut,
+    Fut: Future<Output = Result<T, String>>,
+{
+    let deadline = Deadline::after(limit);
+    loop {
+        let seen = match condition().await {
+            Ok(value) => return Ok(value),
+            Err(seen) => seen,
+        };
+        if deadline.has_passed() {
+            anyhow::bail!("{what}: not within {limit:?}; last seen: {seen}");
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+}
