@@ -1,1 +1,16 @@
-//! opcua-stack.
+//! The one place where the OPC UA stack enters the house.
+//!
+//! The stack (`async-opcua`) is pinned to an exact version and changes its API between minor versions, so everything
+//! that speaks OPC UA imports it from here as [`opcua`], and what is easy to get wrong stands here once:
+//!
+//! - [`values`]: conversion between [`asi_model::values`] and the stack's values, both ways. Ours name namespaces by
+//!   URI and the stack's by index, so each conversion takes the peer's [`NamespaceTable`].
+//! - [`limits`]: limits of servers and clients. Several defaults of the stack lose data silently.
+
+pub use opcua;
+
+pub mod limits;
+mod namespaces;
+pub mod values;
+
+pub use namespaces::NamespaceTable;
