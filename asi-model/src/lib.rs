@@ -6,10 +6,18 @@
 //! - [`values`]: OPC UA built-in values (OPC 10000-6 §5.1) as plain Rust data.
 //! - [`network`]: operation networks, dynamic data requests and report formats.
 //! - [`messages`]: every message of the wire contract besides reports.
+//! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
+//! - [`units`]: UNECE units, their aliases and conversion.
+//! - [`asi_types`]: the OPC UA type model of the Activity Status Interface.
+//! - [`json`]: the bounded reader and the plain writer that the encodings share.
 
+pub mod asi_types;
 pub mod ids;
+pub mod json;
 pub mod messages;
 pub mod network;
+pub mod pubsub;
+pub mod units;
 pub mod values;
 
 pub use ids::*;

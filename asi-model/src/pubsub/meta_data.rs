@@ -1,0 +1,175 @@
+//! Metadata: what the fields of a data set are (DataSetMetaDataType, OPC 10000-14 §6.2.3.2).
+
+use std::sync::Arc;
+
+use uuid::Uuid;
+
+use super::MetaDataVersion;
+use crate::{
+    asi_types::ASI_NAMESPACE_URI,
+    messages::DisclosureStatement,
+    network::{ReportField, Semantic},
+    units::{self, EngineeringUnit},
+    values::{BuiltInType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Variant},
+};
+
+/// Property of a field: its unit as EUInformation (BrowseName of namespace 0).
+pub const PROPERTY_ENGINEERING_UNITS: &str = "EngineeringUnits";
+/// Property of a field: its semantic as text (BrowseName of the ASI namespace).
+pub const PROPERTY_SEMANTIC: &str = "Semantic";
+/// Property of a field: how its value is coarsened, in words (BrowseName of the ASI namespace).
+pub const PROPERTY_DISCLOSURE: &str = "Disclosure";
+
+/// What the fields of a data set are.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DataSetMetaData {
+    /// The data set's name: the report's name.
+    pub name: Arc<str>,
+    /// More about it.
+    pub description: Option<LocalizedText>,
+    /// The namespaces that indexes in this message and its data refer to; the first is index 1.
+    pub namespaces: Vec<Arc<str>>,
+    /// The fields, in payload order.
+    pub fields: Vec<FieldMetaData>,
+    /// The class of data sets this one belongs to.
+    pub data_set_class_id: Option<Uuid>,
+    /// The version that data refers to.
+    pub configuration_version: MetaDataVersion,
+}
+
+impl DataSetMetaData {
+    /// The field with this name.
+    #[must_use]
+    pub fn field(&self, name: &str) -> Option<&FieldMetaData> {
+        self.fields.iter().find(|field| &*field.name == name)
+    }
+}
+
+/// What one field is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldMetaData {
+    /// Its name in the payload.
+    pub name: Arc<str>,
+    /// More about it.
+    pub description: Option<LocalizedText>,
+    /// True where it also travels in the transport's header (field flag 0).
+    pub is_promoted: bool,
+    /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant for abstract types.
+    pub built_in_type: BuiltInType,
+    /// Its data type.
+    pub data_type: NodeId,
+    /// -1 scalar, 1 array, n matrix.
+    pub value_rank: i32,
+    /// The lengths of its dimensions, where fixed.
+    pub array_dimensions: Vec<u32>,
+    /// Longest String or ByteString in bytes; 0: no bound.
+    pub max_string_length: u32,
+    /// Identifies the field over renames.
+    pub data_set_field_id: Uuid,
+    /// Further properties, as [`PROPERTY_ENGINEERING_UNITS`].
+    pub properties: Vec<(QualifiedName, Variant)>,
+}
+
+impl FieldMetaData {
+    /// A field of a built-in type.
+    #[must_use]
+    pub fn new(name: impl Into<Arc<str>>, built_in_type: BuiltInType, data_set_field_id: Uuid) -> Self {
+        Self {
+            name: name.into(),
+            description: None,
+            is_promoted: false,
+            built_in_type,
+            data_type: NodeId::ua(u32::from(built_in_type.id())),
+            value_rank: crate::network::VALUE_RANK_SCALAR,
+            array_dimensions: Vec::new(),
+            max_string_length: 0,
+            data_set_field_id,
+            properties: Vec::new(),
+        }
+    }
+
+    /// The metadata of a requested report field, with unit, semantic and disclosure as properties.
+    #[must_use]
+    pub fn of_report_field(
+        field: &ReportField,
+        disclosure: Option<&DisclosureStatement>,
+        data_set_field_id: Uuid,
+    ) -> Self {
+        let mut meta = Self::new(field.name.as_str(), field.field_type.0, data_set_field_id);
+        meta.value_rank = field.value_rank;
+        meta.description =
+            field.description.as_deref().map(|text| LocalizedText { locale: None, text: Some(Arc::from(text)) });
+        if let Some(unit) = field.unit.as_deref().and_then(units::lookup) {
+            meta.set_engineering_unit(unit);
+        }
+        if let Some(semantic) = &field.semantic {
+            meta.set_text_property(PROPERTY_SEMANTIC, semantic.as_str());
+        }
+        if let Some(disclosure) = disclosure {
+            meta.set_text_property(PROPERTY_DISCLOSURE, &disclosure.description);
+        }
+        meta
+    }
+
+    /// Says the field's unit.
+    pub fn set_engineering_unit(&mut self, unit: EngineeringUnit) {
+        let name = QualifiedName { namespace: Namespace::Ua, name: Some(Arc::from(PROPERTY_ENGINEERING_UNITS)) };
+        self.set_property(name, Variant::Scalar(Scalar::ExtensionObject(Box::new(unit.to_extension_object()))));
+    }
+
+    /// The field's unit, where it is said and known.
+    #[must_use]
+    pub fn engineering_unit(&self) -> Option<EngineeringUnit> {
+        match self.property(PROPERTY_ENGINEERING_UNITS)? {
+            Variant::Scalar(Scalar::ExtensionObject(object)) => EngineeringUnit::from_extension_object(object),
+            _ => None,
+        }
+    }
+
+    /// What the field means, where it is said.
+    #[must_use]
+    pub fn semantic(&self) -> Option<Semantic> {
+        self.property(PROPERTY_SEMANTIC)?.as_str()?.parse().ok()
+    }
+
+    /// How the value is coarsened, in words.
+    #[must_use]
+    pub fn disclosure(&self) -> Option<&str> {
+        self.property(PROPERTY_DISCLOSURE)?.as_str()
+    }
+
+    /// Adds or replaces a text property of the ASI namespace.
+    pub fn set_text_property(&mut self, name: &str, text: &str) {
+        let name = QualifiedName { namespace: Namespace::uri(ASI_NAMESPACE_URI), name: Some(Arc::from(name)) };
+        self.set_property(name, text.into());
+    }
+
+    fn property(&self, name: &str) -> Option<&Variant> {
+        self.properties.iter().find(|(key, _)| key.name.as_deref() == Some(name)).map(|(_, value)| value)
+    }
+
+    fn set_property(&mut self, name: QualifiedName, value: Variant) {
+        match self.properties.iter_mut().find(|(key, _)| *key == name) {
+            Some((_, old)) => *old = value,
+            None => self.properties.push((name, value)),
+        }
+    }
+}
+
+/// Finds the metadata that a message's bare values need (raw data, 1.05 Verbose).
+pub trait MetaDataLookup {
+    /// The newest metadata of a writer.
+    fn meta_data(&self, publisher_id: Option<&str>, data_set_writer_id: Option<u16>) -> Option<&DataSetMetaData>;
+}
+
+impl MetaDataLookup for () {
+    fn meta_data(&self, _: Option<&str>, _: Option<u16>) -> Option<&DataSetMetaData> {
+        None
+    }
+}
+
+impl MetaDataLookup for DataSetMetaData {
+    fn meta_data(&self, _: Option<&str>, _: Option<u16>) -> Option<&DataSetMetaData> {
+        Some(self)
+    }
+}
