@@ -1,0 +1,177 @@
+//! Configuration: a TOML file, overridden by environment variables, refused as a whole when anything in it is wrong.
+//!
+//! `VERBUND_WEB__LISTEN=0.0.0.0:8080` overrides `listen` in the section `[web]`; levels are parted by two underscores.
+//! Where the wanted type is a text, the variable is taken literally; else it is read as a TOML value (`true`, `12`,
+//! `["a", "b"]`). Unknown keys are refused: a misspelt limit must not silently be the default.
+
+mod document;
+mod fault;
+
+pub use fault::{ConfigurationError, ConfigurationFault, Origin};
+
+use std::path::Path;
+
+use document::Document;
+use serde::de::DeserializeOwned;
+
+/// Names of variables that carry the prefix but address the command line, not the file.
+const RESERVED_NAMES: [&str; 2] = ["CONFIG", "LOG"];
+
+/// Most faults listed at once.
+const FAULTS_MAX: usize = 50;
+
+/// Reads the file (if there is one), lays the process's environment over it and parses the result.
+///
+/// # Errors
+/// [`ConfigurationError`] with every fault that could be found at once: file, line, key, what is wrong, and the remedy.
+pub fn load<T: DeserializeOwned>(path: Option<&Path>, env_prefix: &str) -> Result<T, ConfigurationError> {
+    let text = match path {
+        None => String::new(),
+        Some(path) => std::fs::read_to_string(path)
+            .map_err(|source| ConfigurationError::ReadFile { path: path.to_owned(), source })?,
+    };
+    parse(path, &text, env_prefix, std::env::vars())
+}
+
+/// As [`load`], from a text and variables given. `path` only names the text in errors.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse<T: DeserializeOwned>(
+    path: Option<&Path>,
+    text: &str,
+    env_prefix: &str,
+    variables: impl IntoIterator<Item = (String, String)>,
+) -> Result<T, ConfigurationError> {
+    let mut document = Document::parse(path, text, env_prefix)?;
+    let prefix = format!("{env_prefix}_");
+    for (name, value) in variables {
+        let Some(rest) = name.strip_prefix(&prefix) else { continue };
+        if !RESERVED_NAMES.contains(&rest) {
+            document.override_with(&name, rest, &value);
+        }
+    }
+
+    // Each round finds one fault; what is at fault is taken out and the rest is tried again, so that the user sees
+    // all faults at once and not one per start.
+    let mut faults: Vec<ConfigurationFault> = Vec::new();
+    loop {
+        let result: Result<T, _> = serde_path_to_error::deserialize(document.value().clone());
+        let error = match result {
+            Ok(value) if faults.is_empty() => return Ok(value),
+            Ok(_) => break,
+            Err(error) => error,
+        };
+        let keys = document::keys(error.path());
+        if document.take_literally(&keys) {
+            continue;
+        }
+        let fault = document.fault(&keys, &error.inner().to_string());
+        let is_repeated = faults.contains(&fault);
+        if !is_repeated {
+            faults.push(fault);
+        }
+        if is_repeated || faults.len() >= FAULTS_MAX || !document.remove(&keys) {
+            break;
+        }
+    }
+    // A key that is missing only because it was taken out as faulty is no second fault.
+    Err(ConfigurationError::Invalid { faults })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeMap, net::SocketAddr};
+
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::Confidential;
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Example {
+        factory_id: String,
+        #[serde(default)]
+        web: Web,
+        #[serde(default)]
+        sources: BTreeMap<String, Source>,
+        #[serde(default)]
+        password: Confidential<String>,
+    }
+
+    #[derive(Debug, Default, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields, default)]
+    struct Web {
+        listen: Option<SocketAddr>,
+        sessions_max: u32,
+        names: Vec<String>,
+    }
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Source {
+        endpoint: String,
+    }
+
+    fn check(text: &str, variables: &[(&str, &str)]) -> Result<Example, String> {
+        let variables = variables.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
+        parse(Some(Path::new("example.toml")), text, "VERBUND", variables).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_environment_lies_over_the_file() {
+        let variables = [
+            ("VERBUND_FACTORY_ID", "4711"),
+            ("VERBUND_WEB__SESSIONS_MAX", "12"),
+            ("VERBUND_WEB__NAMES", "[\"a\", \"b\"]"),
+            ("VERBUND_PASSWORD", "true"),
+            ("VERBUND_SOURCES__PRESS__ENDPOINT", "opc.tcp://press:4840"),
+            ("VERBUND_CONFIG", "example.toml"),
+            ("PATH", "/bin"),
+        ];
+        let example = check("factory_id = \"A\"\n[web]\nlisten = \"127.0.0.1:80\"\n", &variables).expect("valid");
+        assert_eq!(example.factory_id, "4711", "a number is a text where a text is wanted");
+        assert_eq!(example.web.sessions_max, 12);
+        assert_eq!(example.web.names, ["a", "b"]);
+        assert_eq!(example.web.listen, "127.0.0.1:80".parse().ok());
+        assert_eq!(example.password.expose(), "true");
+        assert_eq!(example.sources["press"].endpoint, "opc.tcp://press:4840");
+    }
+
+    #[test]
+    fn all_faults_are_named_at_once_with_place_and_remedy() {
+        let text =
+            "factory_id = \"A\"\n\n[web]\nlistn = \"x\"\nlisten = \"nowhere\"\nsessions_max = -1\n\n[sources.press]\n";
+        let error = check(text, &[("VERBUND_WEB__NAMES", "a")]).expect_err("faulty");
+        for expected in [
+            "example.toml:4: web.listn: ",
+            "did you mean `listen`",
+            "example.toml:5: web.listen: ",
+            "example.toml:6: web.sessions_max: ",
+            "environment variable VERBUND_WEB__NAMES: web.names: ",
+            "example.toml:8: sources.press: missing field `endpoint`",
+        ] {
+            assert!(error.contains(expected), "{expected:?} is missing in:\n{error}");
+        }
+    }
+
+    #[test]
+    fn a_missing_key_names_its_variable() {
+        let error = check("", &[]).expect_err("factory_id is missing");
+        assert!(error.contains("missing field `factory_id`"), "{error}");
+        assert!(error.contains("VERBUND_FACTORY_ID"), "{error}");
+    }
+
+    #[test]
+    fn broken_syntax_names_the_line() {
+        let error = check("factory_id = \"A\"\n[web\n", &[]).expect_err("broken");
+        assert!(error.contains("example.toml:2"), "{error}");
+    }
+
+    #[test]
+    fn values_of_variables_are_not_repeated_in_errors() {
+        let error = check("factory_id = \"A\"\n", &[("VERBUND_WEB__SESSIONS_MAX", "canary")]).expect_err("no number");
+        assert!(!error.contains("canary"), "{error}");
+    }
+}

@@ -1,0 +1,254 @@
+//! Live news for pages: server-sent events with ids, so that a page that was away catches up.
+//!
+//! An [`EventLog`] keeps the newest events in a ring. Every reader has its own cursor into it, so a slow page costs
+//! nothing but its own place: when the ring has moved on, the page is told `reset` and loads afresh. Ids carry a mark of
+//! this start of the daemon, so that an id from before a restart also leads to `reset`.
+
+use std::{collections::VecDeque, convert::Infallible, sync::Arc, time::Duration};
+
+use axum::{
+    http::HeaderMap,
+    response::{
+        IntoResponse, Response,
+        sse::{Event, KeepAlive, Sse},
+    },
+};
+use futures::{StreamExt, stream::BoxStream};
+use parking_lot::RwLock;
+use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
+
+/// The newest events, shared by all readers. Clones share one log.
+pub struct EventLog<T> {
+    ring: Arc<RwLock<Ring<T>>>,
+    newest: Arc<watch::Sender<u64>>,
+    start_mark: u64,
+    capacity: usize,
+}
+
+struct Ring<T> {
+    events: VecDeque<Arc<T>>,
+    /// The number of the first event in the ring; events count from 1.
+    first: u64,
+}
+
+impl<T> Clone for EventLog<T> {
+    fn clone(&self) -> Self {
+        Self {
+            ring: Arc::clone(&self.ring),
+            newest: Arc::clone(&self.newest),
+            start_mark: self.start_mark,
+            capacity: self.capacity,
+        }
+    }
+}
+
+impl<T> std::fmt::Debug for EventLog<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EventLog").field("newest", &*self.newest.borrow()).finish_non_exhaustive()
+    }
+}
+
+/// The stream behind an answer.
+type EventStream = BoxStream<'static, Result<Event, Infallible>>;
+
+/// What a reader finds.
+enum Next<T> {
+    Event(u64, Arc<T>),
+    Reset(u64),
+    Nothing,
+}
+
+impl<T: Send + Sync + 'static> EventLog<T> {
+    /// A log of at most `capacity` events. `start_mark` differs from start to start.
+    #[must_use]
+    pub fn new(capacity: usize, start_mark: u64) -> Self {
+        let ring = Ring { events: VecDeque::with_capacity(capacity.min(1024)), first: 1 };
+        Self { ring: Arc::new(RwLock::new(ring)), newest: Arc::new(watch::Sender::new(0)), start_mark, capacity }
+    }
+
+    /// Tells all readers, in this order.
+    pub fn publish(&self, events: impl IntoIterator<Item = T>) {
+        let newest = {
+            let mut ring = self.ring.write();
+            for event in events {
+                if ring.events.len() >= self.capacity && ring.events.pop_front().is_some() {
+                    ring.first += 1;
+                }
+                ring.events.push_back(Arc::new(event));
+            }
+            ring.first + ring.events.len() as u64 - 1
+        };
+        self.newest.send_if_modified(|number| std::mem::replace(number, newest) != newest);
+    }
+
+    /// The id of the newest event: a page that has loaded its state after asking for this id misses nothing when it
+    /// reads on from it.
+    #[must_use]
+    pub fn newest_id(&self) -> String {
+        self.id(*self.newest.borrow())
+    }
+
+    fn id(&self, number: u64) -> String {
+        format!("{:x}-{number}", self.start_mark)
+    }
+
+    /// The number behind an id of this start; `None` for ids of another.
+    fn number(&self, id: &str) -> Option<u64> {
+        let (mark, number) = id.split_once('-')?;
+        (u64::from_str_radix(mark, 16).ok()? == self.start_mark).then(|| number.parse().ok())?
+    }
+
+    fn next(&self, after: u64) -> Next<T> {
+        let ring = self.ring.read();
+        let newest = ring.first + ring.events.len() as u64 - 1;
+        if after >= newest {
+            return Next::Nothing;
+        }
+        if after + 1 < ring.first {
+            return Next::Reset(newest);
+        }
+        let position = usize::try_from(after + 1 - ring.first).unwrap_or(usize::MAX);
+        match ring.events.get(position) {
+            Some(event) => Next::Event(after + 1, Arc::clone(event)),
+            None => Next::Nothing,
+        }
+    }
+
+    /// A stream of server-sent events after `last_event_id`, or of what comes from now on. `show` yields name and JSON
+    /// of an event, or `None` where the viewer must not see it. The stream ends at shutdown.
+    pub fn stream(
+        &self,
+        last_event_id: Option<&str>,
+        shutdown: CancellationToken,
+        mut show: impl FnMut(&T) -> Option<(&'static str, String)> + Send + 'static,
+    ) -> Response {
+        let (start, must_reset) = match last_event_id {
+            None => (*self.newest.borrow(), false),
+            Some(id) => match self.number(id) {
+                Some(number) if number <= *self.newest.borrow() => (number, false),
+                _ => (*self.newest.borrow(), true),
+            },
+        };
+        let log = self.clone();
+        let mut wake = self.newest.subscribe();
+        let stream = async_stream(move |sink| async move {
+            let mut after = start;
+            if must_reset && sink.send(reset(&log.id(after))).await.is_err() {
+                return;
+            }
+            loop {
+                wake.borrow_and_update();
+                loop {
+                    let event = match log.next(after) {
+                        Next::Nothing => break,
+                        Next::Reset(newest) => {
+                            after = newest;
+                            reset(&log.id(newest))
+                        }
+                        Next::Event(number, event) => {
+                            after = number;
+                            let Some((name, json)) = show(&event) else { continue };
+                            Event::default().id(log.id(number)).event(name).data(json)
+                        }
+                    };
+                    if sink.send(event).await.is_err() {
+                        return;
+                    }
+                }
+                tokio::select! {
+                    () = shutdown.cancelled() => return,
+                    () = sink.closed() => return,
+                    changed = wake.changed() => if changed.is_err() { return },
+                }
+            }
+        });
+        Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE_INTERVAL)).into_response()
+    }
+}
+
+/// The standard's header for catching up (HTML living standard §9.2).
+#[must_use]
+pub fn last_event_id(headers: &HeaderMap) -> Option<&str> {
+    headers.get("last-event-id").and_then(|id| id.to_str().ok())
+}
+
+const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
+/// Events written ahead of the socket per page.
+const AHEAD_MAX: usize = 64;
+
+fn reset(id: &str) -> Event {
+    Event::default().id(id).event("reset").data("{}")
+}
+
+/// A stream fed by a task that ends with it.
+fn async_stream<F, Fut>(feed: F) -> EventStream
+where
+    F: FnOnce(tokio::sync::mpsc::Sender<Event>) -> Fut,
+    Fut: Future<Output = ()> + Send + 'static,
+{
+    let (sender, mut receiver) = tokio::sync::mpsc::channel(AHEAD_MAX);
+    tokio::spawn(feed(sender));
+    futures::stream::poll_fn(move |context| receiver.poll_recv(context).map(|event| event.map(Ok))).boxed()
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::HttpBody;
+
+    use super::*;
+
+    fn log() -> EventLog<u32> {
+        let log = EventLog::new(3, 0xab);
+        log.publish([1, 2]);
+        log
+    }
+
+    /// Reads until `count` events have come.
+    async fn read(log: &EventLog<u32>, last: Option<&str>, count: usize) -> String {
+        let response =
+            log.stream(last, CancellationToken::new(), |event| (*event != 13).then(|| ("value", event.to_string())));
+        let mut body = response.into_body();
+        let mut text = String::new();
+        while text.matches("\n\n").count() < count {
+            let frame = std::future::poll_fn(|context| std::pin::Pin::new(&mut body).poll_frame(context));
+            let frame = tokio::time::timeout(Duration::from_secs(5), frame).await.expect("an event in time");
+            let bytes = frame.expect("not ended").expect("no error").into_data().expect("data");
+            text.push_str(std::str::from_utf8(&bytes).expect("UTF-8"));
+        }
+        text
+    }
+
+    #[tokio::test]
+    async fn a_page_catches_up_after_its_last_event() {
+        let log = log();
+        assert_eq!(log.newest_id(), "ab-2");
+        assert_eq!(read(&log, Some("ab-1"), 1).await, "id: ab-2\nevent: value\ndata: 2\n\n");
+    }
+
+    #[tokio::test]
+    async fn what_the_viewer_must_not_see_is_skipped() {
+        let log = log();
+        log.publish([13, 4]);
+        assert_eq!(read(&log, Some("ab-2"), 1).await, "id: ab-4\nevent: value\ndata: 4\n\n");
+    }
+
+    #[tokio::test]
+    async fn who_is_too_far_behind_or_from_another_start_is_reset() {
+        let log = log();
+        log.publish([3, 4, 5]);
+        for id in ["ab-1", "cd-5", "ab-99", "nonsense"] {
+            assert_eq!(read(&log, Some(id), 1).await, "id: ab-5\nevent: reset\ndata: {}\n\n", "{id}");
+        }
+    }
+
+    #[tokio::test]
+    async fn news_wake_a_waiting_page() {
+        let log = log();
+        let reader = log.clone();
+        let waiting = tokio::spawn(async move { read(&reader, Some("ab-2"), 1).await });
+        tokio::task::yield_now().await;
+        log.publish([7]);
+        assert_eq!(waiting.await.expect("no panic"), "id: ab-3\nevent: value\ndata: 7\n\n");
+    }
+}

@@ -1,0 +1,85 @@
+//! What sessions need of the owner's store.
+
+use std::{fmt, time::SystemTime};
+
+use async_trait::async_trait;
+use sha2::{Digest, Sha256};
+
+use super::password::PasswordHash;
+
+/// Users and sessions in the owner's store.
+#[async_trait]
+pub trait Accounts: Send + Sync + 'static {
+    /// Who somebody is: name, role and what else the owner's handlers decide by.
+    type Principal: Clone + Send + Sync + 'static;
+
+    /// The hash of a user's password; `None` where there is no such user.
+    async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError>;
+
+    /// Who the user is at this moment; `None` where there is none (any more).
+    async fn principal(&self, user_name: &str) -> Result<Option<Self::Principal>, AccountsError>;
+
+    /// Stores a new session; expired ones may be removed on the way.
+    async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError>;
+
+    /// Looks a session up.
+    async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError>;
+
+    /// Forgets a session; it is no error if there is none.
+    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError>;
+}
+
+/// The store failed.
+#[derive(Debug, thiserror::Error)]
+#[error("the account store failed")]
+pub struct AccountsError(#[source] pub Box<dyn std::error::Error + Send + Sync>);
+
+impl AccountsError {
+    /// From the store's own error.
+    pub fn new(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self(Box::new(error))
+    }
+}
+
+/// What the store knows of a session.
+#[derive(Clone, PartialEq, Eq)]
+pub struct StoredSession {
+    /// The hash of its token.
+    pub id: SessionId,
+    /// Whose it is.
+    pub user_name: String,
+    /// What changes must carry.
+    pub csrf_token: String,
+    /// When it ends.
+    pub expires_at: SystemTime,
+}
+
+impl fmt::Debug for StoredSession {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StoredSession").field("user_name", &self.user_name).finish_non_exhaustive()
+    }
+}
+
+/// The SHA-256 of a session's token in hexadecimal: enough to find the session, not to take it over.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct SessionId(String);
+
+impl SessionId {
+    /// The id of the session with this token.
+    #[must_use]
+    pub fn of(token: &str) -> Self {
+        Self(hex::encode(Sha256::digest(token.as_bytes())))
+    }
+
+    /// From the store.
+    #[must_use]
+    pub const fn from_stored(id: String) -> Self {
+        Self(id)
+    }
+
+    /// For the store.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}

@@ -1,0 +1,132 @@
+//! Passwords as Argon2id hashes (RFC 9106), in the PHC text form.
+
+use argon2::{
+    Argon2, PasswordHasher, PasswordVerifier,
+    password_hash::{PasswordHash as ParsedHash, SaltString},
+};
+use rand::RngCore;
+
+use crate::Confidential;
+
+/// The hash of a password; `$argon2id$...`.
+#[derive(Clone, PartialEq, Eq)]
+pub struct PasswordHash(String);
+
+/// A password is refused or could not be hashed.
+#[derive(Debug, thiserror::Error)]
+pub enum PasswordError {
+    /// Too short.
+    #[error("a password needs at least {min} characters")]
+    TooShort {
+        /// The least number of characters.
+        min: usize,
+    },
+    /// Longer than anybody types.
+    #[error("a password has at most {max} bytes")]
+    TooLong {
+        /// The greatest number of bytes.
+        max: usize,
+    },
+    /// The hash function failed.
+    #[error("the password could not be hashed: {0}")]
+    Hash(argon2::password_hash::Error),
+}
+
+/// What passwords must fulfil. Length counts, not decoration (NIST SP 800-63B §5.1.1).
+#[derive(Debug, Clone, Copy)]
+pub struct PasswordPolicy {
+    /// The least number of characters.
+    pub characters_min: usize,
+}
+
+impl Default for PasswordPolicy {
+    fn default() -> Self {
+        Self { characters_min: 10 }
+    }
+}
+
+const PASSWORD_BYTES_MAX: usize = 1024;
+
+impl PasswordHash {
+    /// Hashes a password that fulfils the policy. Takes some tens of milliseconds of CPU.
+    ///
+    /// # Errors
+    /// [`PasswordError`].
+    pub fn of(password: &Confidential<String>, policy: PasswordPolicy) -> Result<Self, PasswordError> {
+        let password = password.expose();
+        if password.chars().count() < policy.characters_min {
+            return Err(PasswordError::TooShort { min: policy.characters_min });
+        }
+        if password.len() > PASSWORD_BYTES_MAX {
+            return Err(PasswordError::TooLong { max: PASSWORD_BYTES_MAX });
+        }
+        let mut salt = [0_u8; 16];
+        rand::rng().fill_bytes(&mut salt);
+        let salt = SaltString::encode_b64(&salt).map_err(PasswordError::Hash)?;
+        let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(PasswordError::Hash)?;
+        Ok(Self(hash.to_string()))
+    }
+
+    /// From the store.
+    #[must_use]
+    pub const fn from_stored(hash: String) -> Self {
+        Self(hash)
+    }
+
+    /// For the store.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether this is the hash of the password. Takes some tens of milliseconds of CPU.
+    #[must_use]
+    pub fn is_of(&self, password: &Confidential<String>) -> bool {
+        password.expose().len() <= PASSWORD_BYTES_MAX
+            && ParsedHash::new(&self.0)
+                .is_ok_and(|parsed| Argon2::default().verify_password(password.expose().as_bytes(), &parsed).is_ok())
+    }
+}
+
+impl std::fmt::Debug for PasswordHash {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("<password hash>")
+    }
+}
+
+/// A hash that no password has; compared with where there is no user, so that time does not tell.
+const NOBODY: &str = "$argon2id$v=19$m=19456,t=2,p=1$bm9ib2R5bm9ib2R5bm9i$QUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUE";
+
+/// Compares off the async threads.
+pub(super) async fn verify(hash: Option<PasswordHash>, password: Confidential<String>) -> bool {
+    let is_known = hash.is_some();
+    let hash = hash.unwrap_or_else(|| PasswordHash(NOBODY.to_owned()));
+    let compared = tokio::task::spawn_blocking(move || hash.is_of(&password)).await;
+    is_known && compared.unwrap_or(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_right_password_fits() {
+        let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
+        assert!(hash.is_of(&"correct horse".into()));
+        assert!(!hash.is_of(&"correct hors".into()));
+        assert!(hash.as_str().starts_with("$argon2id$v=19$"));
+        assert!(!format!("{hash:?}").contains("argon2"));
+    }
+
+    #[test]
+    fn short_and_endless_passwords_are_refused() {
+        let policy = PasswordPolicy::default();
+        assert!(matches!(PasswordHash::of(&"short".into(), policy), Err(PasswordError::TooShort { min: 10 })));
+        assert!(matches!(PasswordHash::of(&"x".repeat(2000).into(), policy), Err(PasswordError::TooLong { .. })));
+    }
+
+    #[test]
+    fn the_stand_in_hash_is_well_formed() {
+        assert!(ParsedHash::new(NOBODY).is_ok(), "otherwise unknown users would be told by the time");
+    }
+}

@@ -1,0 +1,81 @@
+//! Signing in and out.
+
+use std::time::SystemTime;
+
+use serde_json::{Value, json};
+
+use crate::harness::Harness;
+
+async fn sign_in(harness: &Harness, user: &str, password: &str) -> (u16, Value) {
+    let body = json!({ "userName": user, "password": password });
+    let response = harness.client.post(harness.url("/api/v1/session")).json(&body).send().await.expect("an answer");
+    (response.status().as_u16(), response.json().await.expect("JSON"))
+}
+
+async fn who(harness: &Harness) -> u16 {
+    harness.client.get(harness.url("/api/v1/session")).send().await.expect("an answer").status().as_u16()
+}
+
+#[tokio::test]
+async fn a_session_from_sign_in_to_sign_out() {
+    let harness = Harness::start().await;
+    assert_eq!(who(&harness).await, 401);
+    let (status, view) = sign_in(&harness, "ann", "correct horse").await;
+    assert_eq!((status, &view["userName"]), (200, &json!("ann")));
+    assert_eq!(who(&harness).await, 200);
+
+    let session = harness.url("/api/v1/session");
+    let without_token = harness.client.delete(&session).send().await.expect("an answer");
+    assert_eq!(without_token.status(), 403);
+    let wrong_token = harness.client.delete(&session).header("x-csrf-token", "x").send().await.expect("an answer");
+    assert_eq!(wrong_token.status(), 403);
+
+    let token = view["csrfToken"].as_str().expect("a token");
+    let signed_out = harness.client.delete(&session).header("x-csrf-token", token).send().await.expect("an answer");
+    assert_eq!(signed_out.status(), 200);
+    assert_eq!(who(&harness).await, 401);
+    assert!(harness.memory.sessions.lock().is_empty());
+}
+
+#[tokio::test]
+async fn the_cookie_is_guarded_and_the_store_does_not_know_it() {
+    let harness = Harness::start().await;
+    let body = json!({ "userName": "ann", "password": "correct horse" });
+    let response = harness.client.post(harness.url("/api/v1/session")).json(&body).send().await.expect("an answer");
+    let cookie = response.headers()["set-cookie"].to_str().expect("text").to_owned();
+    for part in ["HttpOnly", "SameSite=Strict", "Path=/", "Max-Age=43200"] {
+        assert!(cookie.contains(part), "{cookie}");
+    }
+    let token = cookie.split(['=', ';']).nth(1).expect("a value");
+    assert!(harness.memory.sessions.lock().keys().all(|id| id != token));
+}
+
+#[tokio::test]
+async fn wrong_names_and_passwords_look_alike_and_are_slowed() {
+    let harness = Harness::start().await;
+    let (wrong_password, first) = sign_in(&harness, "ann", "wrong").await;
+    let (wrong_name, second) = sign_in(&harness, "bob", "correct horse").await;
+    assert_eq!((wrong_password, wrong_name), (401, 401));
+    assert_eq!(first, second);
+    for _ in 0..4 {
+        sign_in(&harness, "ann", "wrong").await;
+    }
+    let (status, problem) = sign_in(&harness, "ann", "correct horse").await;
+    assert_eq!(status, 429);
+    assert_eq!(problem["retryAfterSeconds"], 1);
+}
+
+#[tokio::test]
+async fn a_session_ends_by_time_and_with_its_user() {
+    let harness = Harness::start().await;
+    sign_in(&harness, "ann", "correct horse").await;
+    for session in harness.memory.sessions.lock().values_mut() {
+        session.expires_at = SystemTime::UNIX_EPOCH;
+    }
+    assert_eq!(who(&harness).await, 401);
+
+    sign_in(&harness, "ann", "correct horse").await;
+    assert_eq!(who(&harness).await, 200);
+    harness.memory.users.lock().clear();
+    assert_eq!(who(&harness).await, 401);
+}
