@@ -1,1 +1,31 @@
-//! messaging.
+//! How the two sides talk: one supervised [`Link`] from a connector or the platform to its broker.
+//!
+//! This crate knows how a message travels, never what it means.
+//!
+//! - [`address`]: logical addresses; [`profile`]: what they are called on each kind of broker.
+//! - [`envelope`]: a message with the headers that every broker can carry.
+//! - [`spool`]: the pure decisions about messages that wait to be sent, and the [`SpoolStore`] that holds them. The SQL
+//!   lives with the owner, in the owner's transaction.
+//! - [`inbox`]: what receives; a message is stored there before it is settled.
+//! - [`link`]: connects, sends from the spool, feeds the inbox, reconnects, and says truthfully how it stands.
+//!
+//! Delivery is at least once in both directions. Nothing here relies on a broker's deduplication, on link resumption or
+//! on transactions: a receiver discards repeats by message id in the transaction of their effect.
+
+pub mod address;
+pub mod envelope;
+pub mod inbox;
+pub mod link;
+pub mod profile;
+pub mod spool;
+mod transport;
+
+pub use address::{InvalidAddress, LogicalAddress};
+pub use envelope::{BodyError, ContentEncoding, Envelope};
+pub use inbox::{Delivery, Inbox, Rejection, Settlement};
+pub use link::{
+    BrokerUrl, ClientIdentity, InvalidBrokerUrl, Link, LinkConfig, LinkError, LinkHandle, LinkLimits, LinkPhase,
+    LinkState, Login, Roots, TlsConfig,
+};
+pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
+pub use spool::{Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError};

@@ -1,0 +1,135 @@
+//! Logical addresses: who speaks to whom, independent of any broker.
+
+use std::{fmt, str::FromStr};
+
+use asi_model::{FactoryId, ToolId};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A place that messages are sent to and received from. Only one side writes it, so the address tells the sender.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum LogicalAddress {
+    /// `factory.<factoryId>.requests`: the platform writes, the factory's connector reads.
+    FactoryRequests(FactoryId),
+    /// `factory.<factoryId>.ingress`: the factory's connector writes, the platform reads.
+    FactoryIngress(FactoryId),
+    /// `tool.<toolId>.requests`: a partner's tool writes, the platform reads.
+    ToolRequests(ToolId),
+    /// `tool.<toolId>.reports`: the platform writes, the tool reads.
+    ToolReports(ToolId),
+    /// `dead-letters`: what was rejected or exceeded its deliveries.
+    DeadLetters,
+}
+
+impl LogicalAddress {
+    /// The factory at one end of the address, if there is one.
+    #[must_use]
+    pub const fn factory_id(&self) -> Option<&FactoryId> {
+        match self {
+            Self::FactoryRequests(id) | Self::FactoryIngress(id) => Some(id),
+            _ => None,
+        }
+    }
+
+    /// The tool at one end of the address, if there is one.
+    #[must_use]
+    pub const fn tool_id(&self) -> Option<&ToolId> {
+        match self {
+            Self::ToolRequests(id) | Self::ToolReports(id) => Some(id),
+            _ => None,
+        }
+    }
+}
+
+/// Why a text is not a logical address.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "an address is factory.<id>.requests, factory.<id>.ingress, tool.<id>.requests, tool.<id>.reports or dead-letters, but this is {found:?}"
+)]
+pub struct InvalidAddress {
+    /// What was found, cut after 160 characters.
+    pub found: String,
+}
+
+impl fmt::Display for LogicalAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FactoryRequests(id) => write!(f, "factory.{id}.requests"),
+            Self::FactoryIngress(id) => write!(f, "factory.{id}.ingress"),
+            Self::ToolRequests(id) => write!(f, "tool.{id}.requests"),
+            Self::ToolReports(id) => write!(f, "tool.{id}.reports"),
+            Self::DeadLetters => f.write_str("dead-letters"),
+        }
+    }
+}
+
+impl FromStr for LogicalAddress {
+    type Err = InvalidAddress;
+
+    fn from_str(text: &str) -> Result<Self, InvalidAddress> {
+        let invalid = || InvalidAddress { found: text.chars().take(160).collect() };
+        let mut parts = text.split('.');
+        let parsed = match (parts.next(), parts.next(), parts.next(), parts.next()) {
+            (Some("dead-letters"), None, None, None) => Some(Self::DeadLetters),
+            (Some("factory"), Some(id), Some(role), None) => {
+                let id = FactoryId::new(id).map_err(|_| invalid())?;
+                match role {
+                    "requests" => Some(Self::FactoryRequests(id)),
+                    "ingress" => Some(Self::FactoryIngress(id)),
+                    _ => None,
+                }
+            }
+            (Some("tool"), Some(id), Some(role), None) => {
+                let id = ToolId::new(id).map_err(|_| invalid())?;
+                match role {
+                    "requests" => Some(Self::ToolRequests(id)),
+                    "reports" => Some(Self::ToolReports(id)),
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
+        parsed.ok_or_else(invalid)
+    }
+}
+
+impl Serialize for LogicalAddress {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for LogicalAddress {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_survive_a_round_trip() {
+        for text in
+            ["factory.FOR_MUC.requests", "factory.a-b.ingress", "tool.t1.requests", "tool.t1.reports", "dead-letters"]
+        {
+            assert_eq!(text.parse::<LogicalAddress>().expect("an address").to_string(), text);
+        }
+    }
+
+    #[test]
+    fn other_texts_are_refused() {
+        for text in [
+            "",
+            "factory",
+            "factory..requests",
+            "factory.a.b.requests",
+            "factory.a.other",
+            "tool.ü.reports",
+            "dead-letters.x",
+        ] {
+            assert!(text.parse::<LogicalAddress>().is_err(), "{text:?}");
+        }
+    }
+}

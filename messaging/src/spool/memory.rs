@@ -1,0 +1,172 @@
+//! A spool in memory, for tests only: behaves as an owner's store must, but survives nothing.
+
+use std::collections::BTreeMap;
+
+use async_trait::async_trait;
+use parking_lot::Mutex;
+use time::OffsetDateTime;
+
+use super::{Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError};
+use crate::{address::LogicalAddress, envelope::Envelope, inbox::Rejection};
+
+/// What a [`MemorySpool`] does with an accepted report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AcceptedReports {
+    /// They go, as at the platform.
+    Leave,
+    /// They stay as *sent*, as in the connector.
+    WaitForReceipt,
+}
+
+#[derive(Debug, Clone)]
+struct Row {
+    row: SpoolRow,
+    writer: Option<u16>,
+    state: State,
+    created_at: OffsetDateTime,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum State {
+    Waiting,
+    Sent,
+    Parked(Rejection),
+}
+
+/// A spool in memory.
+#[derive(Debug)]
+pub struct MemorySpool {
+    accepted_reports: AcceptedReports,
+    rows: Mutex<(i64, BTreeMap<RowId, Row>)>,
+}
+
+impl MemorySpool {
+    /// An empty spool.
+    #[must_use]
+    pub fn new(accepted_reports: AcceptedReports) -> Self {
+        Self { accepted_reports, rows: Mutex::new((0, BTreeMap::new())) }
+    }
+
+    /// Adds a control row.
+    pub fn push(&self, address: LogicalAddress, envelope: Envelope) -> RowId {
+        self.insert(address, envelope, None)
+    }
+
+    /// Adds a report row of a writer.
+    pub fn push_report(&self, address: LogicalAddress, envelope: Envelope, writer: u16) -> RowId {
+        self.insert(address, envelope, Some(writer))
+    }
+
+    /// How many rows wait.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.count(|state| *state == State::Waiting)
+    }
+
+    /// How many rows are sent and kept.
+    #[must_use]
+    pub fn sent(&self) -> usize {
+        self.count(|state| *state == State::Sent)
+    }
+
+    /// The rows set aside, with the reason.
+    #[must_use]
+    pub fn parked(&self) -> Vec<(RowId, Rejection)> {
+        let rows = self.rows.lock();
+        rows.1
+            .iter()
+            .filter_map(|(id, row)| match &row.state {
+                State::Parked(rejection) => Some((*id, rejection.clone())),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Makes sent rows wait again, as a receipt that misses them does.
+    pub fn make_wait(&self, ids: &[RowId]) {
+        let mut rows = self.rows.lock();
+        for id in ids {
+            if let Some(row) = rows.1.get_mut(id) {
+                row.state = State::Waiting;
+            }
+        }
+    }
+
+    fn count(&self, predicate: impl Fn(&State) -> bool) -> usize {
+        self.rows.lock().1.values().filter(|r| predicate(&r.state)).count()
+    }
+
+    fn insert(&self, address: LogicalAddress, envelope: Envelope, writer: Option<u16>) -> RowId {
+        let mut rows = self.rows.lock();
+        rows.0 += 1;
+        let id = RowId(rows.0);
+        let row = SpoolRow { id, address, envelope, attempts: 0 };
+        rows.1.insert(id, Row { row, writer, state: State::Waiting, created_at: OffsetDateTime::now_utc() });
+        id
+    }
+}
+
+#[async_trait]
+impl SpoolStore for MemorySpool {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+        let rows = self.rows.lock();
+        let in_range = rows.1.values().filter(|r| {
+            r.state == State::Waiting
+                && r.row.id > fetch.after
+                && fetch.through.is_none_or(|through| r.row.id <= through)
+                && r.writer.is_none() == (fetch.lane == Lane::Control)
+        });
+        if fetch.lane != Lane::Newest {
+            return Ok(in_range.take(fetch.limit).map(|r| r.row.clone()).collect());
+        }
+        let all_waiting = rows
+            .1
+            .values()
+            .filter(|r| r.state == State::Waiting && fetch.through.is_none_or(|through| r.row.id <= through));
+        let newest: BTreeMap<_, _> = all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
+        Ok(in_range
+            .filter(|r| r.writer.is_some_and(|w| newest.get(&w) == Some(&r.row.id)))
+            .take(fetch.limit)
+            .map(|r| r.row.clone())
+            .collect())
+    }
+
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+        let mut rows = self.rows.lock();
+        for outcome in outcomes {
+            let Some(row) = rows.1.get_mut(&outcome.id) else { continue };
+            match outcome.outcome {
+                SendOutcome::Accepted
+                    if row.writer.is_some() && self.accepted_reports == AcceptedReports::WaitForReceipt =>
+                {
+                    row.state = State::Sent;
+                }
+                SendOutcome::Accepted | SendOutcome::Expired => {
+                    rows.1.remove(&outcome.id);
+                }
+                SendOutcome::Rejected(_) => row.row.attempts += 1,
+                SendOutcome::Parked(rejection) => row.state = State::Parked(rejection),
+            }
+        }
+        Ok(())
+    }
+
+    async fn last_row(&self) -> Result<RowId, StoreError> {
+        Ok(RowId(self.rows.lock().0))
+    }
+
+    async fn backlog(&self) -> Result<Backlog, StoreError> {
+        let rows = self.rows.lock();
+        let kept = rows.1.values().filter(|r| !matches!(r.state, State::Parked(_)));
+        let mut backlog = Backlog::default();
+        for row in kept {
+            match row.state {
+                State::Waiting => backlog.waiting += 1,
+                _ => backlog.sent += 1,
+            }
+            backlog.bytes += row.row.envelope.body.len() as u64;
+            backlog.oldest_at = Some(backlog.oldest_at.map_or(row.created_at, |at| at.min(row.created_at)));
+        }
+        Ok(backlog)
+    }
+}
