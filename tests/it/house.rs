@@ -1,0 +1,173 @@
+//! The house itself: licences of what we build on, and dependencies that stay where they belong.
+
+use std::{collections::BTreeMap, process::Command};
+
+use serde_json::Value;
+
+/// Licences that may be in the product: permissive ones, and MPL-2.0 file by file.
+const LICENCES: [&str; 13] = [
+    "MIT",
+    "MIT-0",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "ISC",
+    "MPL-2.0",
+    "Unicode-3.0",
+    "Zlib",
+    "CC0-1.0",
+    "0BSD",
+    "BSL-1.0",
+];
+/// Licences of single crates that were read and found fit: the CDLA text covers a list of root certificates.
+const LICENCES_OF_DATA: [&str; 2] = ["CDLA-Permissive-2.0", "Unlicense"];
+
+fn metadata() -> Value {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let out = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--locked", "--offline", "--filter-platform"])
+        .arg(format!("{}-unknown-linux-gnu", std::env::consts::ARCH))
+        .current_dir(root)
+        .output()
+        .unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    serde_json::from_slice(&out.stdout).unwrap()
+}
+
+/// True when an SPDX expression of OR, AND, `/` and parentheses can be met with allowed licences.
+fn is_allowed(expression: &str) -> bool {
+    let expression = expression.replace('/', " OR ");
+    let expression = expression.trim();
+    if let Some(inner) = expression.strip_prefix('(').and_then(|e| e.strip_suffix(')')) {
+        if !inner.contains('(') {
+            return is_allowed(inner);
+        }
+    }
+    for (operator, all) in [(" AND ", true), (" OR ", false)] {
+        let parts = split_outside_parentheses(expression, operator);
+        if parts.len() > 1 {
+            return if all { parts.into_iter().all(is_allowed) } else { parts.into_iter().any(is_allowed) };
+        }
+    }
+    LICENCES.contains(&expression) || LICENCES_OF_DATA.contains(&expression)
+}
+
+fn split_outside_parentheses<'a>(text: &'a str, operator: &str) -> Vec<&'a str> {
+    let (mut parts, mut depth, mut from) = (Vec::new(), 0_i32, 0);
+    for (at, character) in text.char_indices() {
+        match character {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ if depth == 0 && at >= from && text[at..].starts_with(operator) => {
+                parts.push(text[from..at].trim());
+                from = at + operator.len();
+            }
+            _ => {}
+        }
+    }
+    parts.push(text[from..].trim());
+    parts
+}
+
+#[test]
+fn licences_are_permissive_or_mpl() {
+    for (expression, allowed) in [
+        ("MIT OR Apache-2.0", true),
+        ("MIT/Apache-2.0", true),
+        ("GPL-3.0", false),
+        ("MIT AND GPL-3.0", false),
+        ("(MIT OR GPL-3.0) AND Unicode-3.0", true),
+        ("Apache-2.0 WITH LLVM-exception OR Apache-2.0 OR MIT", true),
+    ] {
+        assert_eq!(is_allowed(expression), allowed, "{expression}");
+    }
+    let unfit: Vec<String> = metadata()["packages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|package| !package["license"].as_str().is_some_and(is_allowed))
+        .map(|package| format!("{} {}: {}", package["name"], package["version"], package["license"]))
+        .collect();
+    assert!(unfit.is_empty(), "licences to look at:\n{}", unfit.join("\n"));
+}
+
+/// Which crates may name which heavy dependency: each enters at one place.
+const ENTRANCES: [(&str, &[&str]); 7] = [
+    ("async-opcua", &["opcua-stack"]),
+    ("fe2o3-amqp", &["messaging", "broker"]),
+    ("rumqttc", &["messaging"]),
+    ("rquickjs", &["script-quickjs"]),
+    ("sqlx", &["factory-connector", "platform", "broker", "verbund-tests"]),
+    ("axum", &["daemon", "factory-connector", "platform", "simulator", "verbund-tests"]),
+    ("quick-xml", &["asi-model"]),
+];
+
+#[test]
+fn heavy_dependencies_enter_at_one_place() {
+    let metadata = metadata();
+    let members: Vec<&str> =
+        metadata["workspace_members"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let mut named_by: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for package in metadata["packages"].as_array().unwrap() {
+        if members.contains(&package["id"].as_str().unwrap()) {
+            for dependency in package["dependencies"].as_array().unwrap() {
+                if dependency["kind"].is_null() {
+                    named_by
+                        .entry(dependency["name"].as_str().unwrap())
+                        .or_default()
+                        .push(package["name"].as_str().unwrap());
+                }
+            }
+        }
+    }
+    for (dependency, entrances) in ENTRANCES {
+        for member in named_by.get(dependency).into_iter().flatten() {
+            assert!(entrances.contains(member), "{member} names {dependency}, which may enter only at {entrances:?}");
+        }
+    }
+}
+
+#[test]
+fn cloud_and_plant_never_import_each_other() {
+    const PLATFORM: [&str; 2] = ["platform", "broker"];
+    const PLANT: [&str; 6] =
+        ["factory-connector", "twin", "shop-floor", "mapping-engine", "script-protocol", "opcua-stack"];
+    for package in metadata()["packages"].as_array().unwrap() {
+        let name = package["name"].as_str().unwrap();
+        let forbidden: &[&str] = if PLATFORM.contains(&name) {
+            &PLANT
+        } else if PLANT.contains(&name) {
+            &PLATFORM
+        } else {
+            continue;
+        };
+        for dependency in package["dependencies"].as_array().unwrap() {
+            let is_local = !dependency["path"].is_null() && dependency["kind"].is_null();
+            let dependency = dependency["name"].as_str().unwrap();
+            assert!(!is_local || !forbidden.contains(&dependency), "{name} imports {dependency}");
+        }
+    }
+}
+
+#[test]
+fn no_machine_path_or_registry_host_is_committed() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    // Assembled, so that this file does not find itself.
+    let hosts = [["crates", "io"], ["npmjs", "org"], ["pypi", "org"], ["debian", "org"]].map(|h| h.join("."));
+    let out = Command::new("git").args(["ls-files", "-z"]).current_dir(root).output().unwrap();
+    let mut found = Vec::new();
+    for file in String::from_utf8(out.stdout).unwrap().split('\0').filter(|f| !f.is_empty()) {
+        // Cargo writes the registry into its own lock file.
+        if file.ends_with("Cargo.lock") || file.starts_with("vendor/") {
+            continue;
+        }
+        let Ok(text) = std::fs::read_to_string(format!("{root}/{file}")) else { continue };
+        for host in &hosts {
+            if text.contains(host.as_str()) {
+                found.push(format!("{file} names {host}"));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}

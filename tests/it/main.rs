@@ -1,0 +1,4 @@
+//! What crosses the parts, proven with the real programs.
+#![allow(clippy::unwrap_used)]
+
+mod house;
