@@ -1,1 +1,4 @@
-//! factory-connector.
+//! The daemon in each factory.
+
+pub mod disclosure;
+pub mod ledger;
