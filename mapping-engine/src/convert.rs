@@ -128,10 +128,9 @@ pub fn converts(from: BuiltInType, to: BuiltInType) -> bool {
     from == to
         || (simple(from) && simple(to) && !matches!((from, to), (T::Boolean, T::DateTime) | (T::DateTime, T::Boolean)))
         || match to {
-            T::String | T::LocalizedText => !matches!(
-                from,
-                T::ExtensionObject | T::DataValue | T::Variant | T::DiagnosticInfo | T::ExpandedNodeId
-            ),
+            T::String | T::LocalizedText => {
+                !matches!(from, T::ExtensionObject | T::DataValue | T::Variant | T::DiagnosticInfo | T::ExpandedNodeId)
+            }
             T::XmlElement | T::QualifiedName | T::Guid | T::NodeId | T::ByteString => from == T::String,
             T::StatusCode => from.is_integer(),
             _ => from == T::StatusCode && to.is_integer(),
@@ -326,8 +325,16 @@ mod tests {
         check(f64::NAN, T::Int32, None);
         check(1.0e300, T::Float, None);
         check(0.1_f32, T::String, Some("0.1".into()));
-        check("2019-04-18T06:00:00Z", T::DateTime, Some(Scalar::DateTime(DateTime::from_unix_micros(1_555_567_200_000_000))));
-        check(1_555_567_200_000_i64, T::DateTime, Some(Scalar::DateTime(DateTime::from_unix_micros(1_555_567_200_000_000))));
+        check(
+            "2019-04-18T06:00:00Z",
+            T::DateTime,
+            Some(Scalar::DateTime(DateTime::from_unix_micros(1_555_567_200_000_000))),
+        );
+        check(
+            1_555_567_200_000_i64,
+            T::DateTime,
+            Some(Scalar::DateTime(DateTime::from_unix_micros(1_555_567_200_000_000))),
+        );
         check(true, T::DateTime, None);
         check(StatusCode::BAD_TIMEOUT, T::UInt32, Some(Scalar::UInt32(0x800A_0000)));
         check("AQID", T::ByteString, Some(Scalar::ByteString(Some(Arc::from([1_u8, 2, 3])))));

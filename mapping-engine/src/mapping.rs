@@ -19,8 +19,9 @@ pub use literal::Literal;
 pub use schema::TypeName;
 pub use step::{
     Aggregate, Bit, BitText, BitTexts, Constant, Convert, Counter, CounterInput, Deadband, Debounce, Edge,
-    EdgeDirection, Enumeration, EnumerationText, Expression, Format, Increment, Lookup, LookupEntry, Merge, MergeRule, OnDecrease,
-    Overflow, Parse, Rate, RatePeriod, Rounding, Scale, Script, Select, Step, Threshold, UnitConversion, Window,
+    EdgeDirection, Enumeration, EnumerationText, Expression, Format, Increment, Lookup, LookupEntry, Merge, MergeRule,
+    OnDecrease, Overflow, Parse, Rate, RatePeriod, Rounding, Scale, Script, Select, Step, Threshold, UnitConversion,
+    Window,
 };
 
 use crate::inputs::SourceId;

@@ -43,10 +43,9 @@ impl Literal {
     pub fn from_json(json: &Json) -> Result<Self, String> {
         match json {
             Json::Object(members) => {
-                let wanted: TypeName =
-                    members.get("type").ok_or("a typed value needs \"type\"").and_then(|name| {
-                        TypeName::deserialize(name).map_err(|_| "\"type\" is not the name of a built-in type")
-                    })?;
+                let wanted: TypeName = members.get("type").ok_or("a typed value needs \"type\"").and_then(|name| {
+                    TypeName::deserialize(name).map_err(|_| "\"type\" is not the name of a built-in type")
+                })?;
                 if members.keys().any(|key| key != "type" && key != "value") {
                     return Err("a typed value has \"type\" and \"value\" only".into());
                 }
