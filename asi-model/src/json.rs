@@ -7,4 +7,15 @@
 mod tape;
 pub mod write;
 
+pub(crate) use tape::push_pointer;
 pub use tape::{Elements, JsonError, Kind, Limits, Members, Node, Tape};
+
+/// Appends a member as it came to the text of an object, with the comma it needs.
+pub(crate) fn push_separated(json: &mut String, name: Node<'_, '_>, value: Node<'_, '_>) {
+    if !json.ends_with('{') {
+        json.push(',');
+    }
+    json.push_str(name.raw());
+    json.push(':');
+    json.push_str(value.raw());
+}

@@ -7,6 +7,7 @@
 //! - [`network`]: operation networks, dynamic data requests and report formats.
 //! - [`messages`]: every message of the wire contract besides reports.
 //! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
+//! - [`opcua_json`]: the OPC UA JSON encoding of values (OPC 10000-6 §5.4).
 //! - [`units`]: UNECE units, their aliases and conversion.
 //! - [`asi_types`]: the OPC UA type model of the Activity Status Interface.
 //! - [`json`]: the bounded reader and the plain writer that the encodings share.
@@ -16,6 +17,7 @@ pub mod ids;
 pub mod json;
 pub mod messages;
 pub mod network;
+pub mod opcua_json;
 pub mod pubsub;
 pub mod units;
 pub mod values;

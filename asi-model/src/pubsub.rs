@@ -1,7 +1,8 @@
 //! OPC UA PubSub messages (OPC 10000-14): what they mean, apart from how they are encoded.
 //!
-//! JSON is one encoding; another (UADP) would stand beside it and share these types.
+//! [`json`] is one encoding; another (UADP) would stand beside it and share these types.
 
+pub mod json;
 mod message;
 mod meta_data;
 

@@ -7,6 +7,7 @@ mod date_time;
 mod node_id;
 mod scalar;
 mod status_code;
+mod structure_type;
 
 pub use date_time::{DateTime, InvalidDateTime};
 pub use node_id::{ExpandedNodeId, Identifier, InvalidNodeId, Namespace, NodeId, QualifiedName, Server};
@@ -14,6 +15,7 @@ pub use scalar::{
     Array, BuiltInType, DiagnosticInfo, ExtensionBody, ExtensionObject, LocalizedText, Scalar, StructureValue, Variant,
 };
 pub use status_code::StatusCode;
+pub use structure_type::{STRUCTURE, StructureField, StructureKind, StructureType};
 
 /// A value with its quality and times (OPC 10000-4 §7.11). The three never travel apart.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -10,7 +10,7 @@ use crate::{
     messages::DisclosureStatement,
     network::{ReportField, Semantic},
     units::{self, EngineeringUnit},
-    values::{BuiltInType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Variant},
+    values::{BuiltInType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, StructureType, Variant},
 };
 
 /// Property of a field: its unit as EUInformation (BrowseName of namespace 0).
@@ -29,6 +29,8 @@ pub struct DataSetMetaData {
     pub description: Option<LocalizedText>,
     /// The namespaces that indexes in this message and its data refer to; the first is index 1.
     pub namespaces: Vec<Arc<str>>,
+    /// Descriptions of the structures that fields contain, beside those of namespace 0.
+    pub structure_types: Vec<StructureType>,
     /// The fields, in payload order.
     pub fields: Vec<FieldMetaData>,
     /// The class of data sets this one belongs to.

@@ -133,26 +133,110 @@ impl fmt::Display for Identifier {
     }
 }
 
+/// Writes a URI that a `;` will end (OPC 10000-6 §5.1.12): `;` and `%` inside it are percent-encoded.
+fn write_uri(f: &mut fmt::Formatter<'_>, uri: &str) -> fmt::Result {
+    for part in uri.split_inclusive([';', '%']) {
+        let (text, special) = match part.as_bytes().last() {
+            Some(b';') => (&part[..part.len() - 1], "%3B"),
+            Some(b'%') => (&part[..part.len() - 1], "%25"),
+            _ => (part, ""),
+        };
+        write!(f, "{text}{special}")?;
+    }
+    f.write_str(";")
+}
+
 impl fmt::Display for NodeId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.namespace {
             Namespace::Ua => {}
             Namespace::Uri(uri) => {
-                write!(f, "nsu=")?;
-                // OPC 10000-6 §5.1.12: `;` and `%` inside the URI are percent-encoded.
-                for part in uri.split_inclusive([';', '%']) {
-                    let (text, special) = match part.as_bytes().last() {
-                        Some(b';') => (&part[..part.len() - 1], "%3B"),
-                        Some(b'%') => (&part[..part.len() - 1], "%25"),
-                        _ => (part, ""),
-                    };
-                    write!(f, "{text}{special}")?;
-                }
-                write!(f, ";")?;
+                f.write_str("nsu=")?;
+                write_uri(f, uri)?;
             }
             Namespace::Index(index) => write!(f, "ns={index};")?,
         }
         self.identifier.fmt(f)
+    }
+}
+
+impl fmt::Display for ExpandedNodeId {
+    /// The text form of 1.05: `svu=<uri>;` or `svr=<index>;` before the NodeId's.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.server {
+            Server::Local => {}
+            Server::Uri(uri) => {
+                f.write_str("svu=")?;
+                write_uri(f, uri)?;
+            }
+            Server::Index(index) => write!(f, "svr={index};")?,
+        }
+        self.node_id.fmt(f)
+    }
+}
+
+impl FromStr for ExpandedNodeId {
+    type Err = InvalidNodeId;
+    fn from_str(text: &str) -> Result<Self, InvalidNodeId> {
+        let invalid = || InvalidNodeId { found: text.chars().take(120).collect() };
+        let (server, rest) = if let Some(rest) = text.strip_prefix("svu=") {
+            let (uri, rest) = rest.split_once(';').ok_or_else(invalid)?;
+            (Server::Uri(decode_uri(uri).ok_or_else(invalid)?.into()), rest)
+        } else if let Some(rest) = text.strip_prefix("svr=") {
+            let (index, rest) = rest.split_once(';').ok_or_else(invalid)?;
+            let index = index.parse().map_err(|_| invalid())?;
+            (if index == 0 { Server::Local } else { Server::Index(index) }, rest)
+        } else {
+            (Server::Local, text)
+        };
+        Ok(Self { node_id: rest.parse()?, server })
+    }
+}
+
+impl From<NodeId> for ExpandedNodeId {
+    fn from(node_id: NodeId) -> Self {
+        Self { node_id, server: Server::Local }
+    }
+}
+
+impl fmt::Display for QualifiedName {
+    /// The text form of 1.05: `nsu=<uri>;name`, `1:name`, or the bare name in namespace 0 (with `0:` where the name
+    /// itself would be taken for one of the others). A null name is empty.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.name.as_deref().unwrap_or_default();
+        match &self.namespace {
+            Namespace::Ua => {
+                let is_ambiguous = name.starts_with("nsu=")
+                    || name.split_once(':').is_some_and(|(index, _)| index.parse::<u16>().is_ok());
+                if is_ambiguous {
+                    f.write_str("0:")?;
+                }
+            }
+            Namespace::Uri(uri) => {
+                f.write_str("nsu=")?;
+                write_uri(f, uri)?;
+            }
+            Namespace::Index(index) => write!(f, "{index}:")?,
+        }
+        f.write_str(name)
+    }
+}
+
+impl FromStr for QualifiedName {
+    type Err = InvalidNodeId;
+    fn from_str(text: &str) -> Result<Self, InvalidNodeId> {
+        let invalid = || InvalidNodeId { found: text.chars().take(120).collect() };
+        let (namespace, name) = if let Some(rest) = text.strip_prefix("nsu=") {
+            let (uri, name) = rest.split_once(';').ok_or_else(invalid)?;
+            (Namespace::uri(&decode_uri(uri).ok_or_else(invalid)?), name)
+        } else {
+            match text.split_once(':').and_then(|(index, name)| Some((index.parse().ok()?, name))) {
+                Some((0, name)) => (Namespace::Ua, name),
+                Some((index, name)) => (Namespace::Index(index), name),
+                None => (Namespace::Ua, text),
+            }
+        };
+        Ok(Self { namespace, name: Some(Arc::from(name)) })
     }
 }
 

@@ -1,0 +1,91 @@
+//! Telling the forms of a value apart by the members of its object.
+
+use crate::json::{Kind, Node};
+
+/// The members of an object that may be a variant or a data value.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shape<'t, 'a> {
+    pub(super) ua_type: Option<Node<'t, 'a>>,
+    pub(super) value: Option<Node<'t, 'a>>,
+    pub(super) type_id: Option<Node<'t, 'a>>,
+    pub(super) body: Option<Node<'t, 'a>>,
+    pub(super) dimensions: Option<Node<'t, 'a>>,
+    pub(super) status: Option<Node<'t, 'a>>,
+    pub(super) source_timestamp: Option<Node<'t, 'a>>,
+    pub(super) source_picoseconds: Option<Node<'t, 'a>>,
+    pub(super) server_timestamp: Option<Node<'t, 'a>>,
+    pub(super) server_picoseconds: Option<Node<'t, 'a>>,
+    has_others: bool,
+    is_empty: bool,
+}
+
+impl<'t, 'a> Shape<'t, 'a> {
+    /// The shape of an object.
+    pub(super) fn of(object: Node<'t, 'a>) -> Self {
+        let mut shape = Self { is_empty: true, ..Self::default() };
+        for (name, node) in object.members() {
+            shape.is_empty = false;
+            let Some(name) = name.text() else { continue };
+            let slot = match &*name {
+                "Type" => &mut shape.type_id,
+                "Body" => &mut shape.body,
+                "UaType" => &mut shape.ua_type,
+                "Value" => &mut shape.value,
+                "Dimensions" => &mut shape.dimensions,
+                "Status" => &mut shape.status,
+                "SourceTimestamp" => &mut shape.source_timestamp,
+                // 1.04 spelled it with a capital S.
+                "SourcePicoseconds" | "SourcePicoSeconds" => &mut shape.source_picoseconds,
+                "ServerTimestamp" => &mut shape.server_timestamp,
+                "ServerPicoseconds" | "ServerPicoSeconds" => &mut shape.server_picoseconds,
+                _ => {
+                    shape.has_others = true;
+                    continue;
+                }
+            };
+            *slot = Some(node);
+        }
+        shape
+    }
+
+    const fn has_quality(&self) -> bool {
+        self.status.is_some()
+            || self.source_timestamp.is_some()
+            || self.server_timestamp.is_some()
+            || self.source_picoseconds.is_some()
+            || self.server_picoseconds.is_some()
+    }
+
+    /// `{"UaType":…}` without quality.
+    pub(super) const fn is_variant_105(&self) -> bool {
+        self.ua_type.is_some() && !self.has_quality()
+    }
+
+    /// `{"UaType":…}` with status or times.
+    pub(super) const fn is_data_value_105(&self) -> bool {
+        self.ua_type.is_some() && self.has_quality()
+    }
+
+    /// `{"Type":…,"Body":…}`.
+    pub(super) fn is_variant_104(&self) -> bool {
+        self.type_id.is_some_and(|node| node.kind() == Kind::Number)
+            && !self.has_others
+            && !self.has_quality()
+            && self.value.is_none()
+            && self.ua_type.is_none()
+    }
+
+    /// `{"Value":…}` or at least status or a time, and nothing foreign.
+    pub(super) const fn is_data_value(&self) -> bool {
+        !self.has_others
+            && self.type_id.is_none()
+            && self.body.is_none()
+            && self.ua_type.is_none()
+            && (self.value.is_some() || self.has_quality())
+    }
+
+    /// `{}`.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.is_empty
+    }
+}

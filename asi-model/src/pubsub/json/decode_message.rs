@@ -1,0 +1,195 @@
+//! Reading NetworkMessages and DataSetMessages.
+
+use std::sync::Arc;
+
+use super::decode::{message_id, optional_text, publisher_id};
+use crate::{
+    json::{Kind, Node},
+    opcua_json::{
+        Decoder, Mismatch,
+        decode::DecodedValue,
+        decode_scalar::{guid, integer, text},
+    },
+    pubsub::{
+        DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldRepresentation, MetaDataLookup, MetaDataVersion,
+        NetworkMessage, PayloadField,
+    },
+    values::{BuiltInType, DataValue},
+};
+
+pub(super) fn network_message<'t, 'a, 'd>(
+    root: Node<'t, 'a>,
+    decoder: &mut Decoder<'d>,
+    lookup: &'d dyn MetaDataLookup,
+) -> Result<NetworkMessage, Mismatch<'t, 'a>> {
+    let mut message = NetworkMessage {
+        message_id: message_id(root, decoder)?,
+        publisher_id: publisher_id(root)?,
+        writer_group_name: optional_text(root, "WriterGroupName")?,
+        data_set_class_id: root.get("DataSetClassId").map(guid).transpose()?,
+        messages: Vec::new(),
+    };
+    if let Some(messages) = root.get("Messages") {
+        message.messages = data_set_messages(messages, decoder, lookup, message.publisher_id.as_deref())?;
+    }
+    Ok(message)
+}
+
+/// One DataSetMessage or an array of them.
+pub(super) fn data_set_messages<'t, 'a, 'd>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'d>,
+    lookup: &'d dyn MetaDataLookup,
+    publisher_id: Option<&str>,
+) -> Result<Vec<DataSetMessage>, Mismatch<'t, 'a>> {
+    match node.kind() {
+        Kind::Array => {
+            node.elements().map(|element| data_set_message(element, decoder, lookup, publisher_id)).collect()
+        }
+        _ => Ok(vec![data_set_message(node, decoder, lookup, publisher_id)?]),
+    }
+}
+
+/// True for an object with a DataSetMessage header; without one, the object itself is the payload.
+pub(super) fn is_data_set_message(node: Node<'_, '_>) -> bool {
+    let kind = node.get("MessageType").and_then(Node::text);
+    kind.is_some_and(|kind| DataSetMessageKind::from_name(&kind).is_some())
+        || node.get("Payload").is_some_and(|payload| {
+            matches!(payload.kind(), Kind::Object | Kind::Null) && payload.get("UaType").is_none()
+        })
+}
+
+pub(super) fn data_set_message<'t, 'a, 'd>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'d>,
+    lookup: &'d dyn MetaDataLookup,
+    publisher_id: Option<&str>,
+) -> Result<DataSetMessage, Mismatch<'t, 'a>> {
+    if node.kind() != Kind::Object {
+        return Err(Mismatch::new(node, "a DataSetMessage must be an object"));
+    }
+    let mut message = DataSetMessage::default();
+    let mut payload = Some(node);
+    if is_data_set_message(node) {
+        payload = header(node, decoder, &mut message)?;
+    }
+    let publisher_id = message.publisher_id.as_deref().or(publisher_id);
+    let meta_data = lookup.meta_data(publisher_id, message.data_set_writer_id);
+    match meta_data {
+        Some(known) => decoder.set_described(&known.structure_types, &known.namespaces),
+        None => decoder.set_described(&[], &[]),
+    }
+    if let Some(payload) = payload.filter(|_| message.kind != DataSetMessageKind::KeepAlive) {
+        fields(payload, decoder, meta_data, &mut message)?;
+    }
+    Ok(message)
+}
+
+/// Reads the header's members and finds the payload.
+fn header<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+    message: &mut DataSetMessage,
+) -> Result<Option<Node<'t, 'a>>, Mismatch<'t, 'a>> {
+    let mut payload = None;
+    for (key, value) in node.members() {
+        let Some(name) = key.text() else { continue };
+        match &*name {
+            _ if value.is_null() => {}
+            "DataSetWriterId" => message.data_set_writer_id = Some(writer_id(value)?),
+            "DataSetWriterName" => message.data_set_writer_name = Some(text(value)?.into()),
+            "PublisherId" => message.publisher_id = publisher_id(node)?,
+            "SequenceNumber" => {
+                message.sequence_number = Some(integer(value, "a number from 0 to 4294967295")?);
+            }
+            "MetaDataVersion" => message.meta_data_version = Some(meta_data_version(value)?),
+            "MinorVersion" => message.minor_version = Some(integer(value, "a number from 0 to 4294967295")?),
+            "Timestamp" => message.timestamp = Some(decoder.date_time(value)?),
+            "Status" => message.status = decoder.status_code(value)?,
+            "MessageType" => {
+                message.kind = DataSetMessageKind::from_name(&text(value)?)
+                    .ok_or_else(|| Mismatch::new(value, "the MessageType is none of a DataSetMessage"))?;
+            }
+            "Payload" => payload = Some(value),
+            _ => {}
+        }
+    }
+    if payload.is_none() && message.kind != DataSetMessageKind::KeepAlive {
+        return Err(Mismatch::new(node, "Payload is missing"));
+    }
+    Ok(payload)
+}
+
+/// A number; a numeric string as the first text of 1.04 had it.
+fn writer_id<'t, 'a>(node: Node<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
+    let from_text = node.text().and_then(|text| text.parse().ok());
+    from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
+}
+
+pub(super) fn meta_data_version<'t, 'a>(node: Node<'t, 'a>) -> Result<MetaDataVersion, Mismatch<'t, 'a>> {
+    let part = |name: &str| match node.get(name) {
+        Some(part) => integer(part, "a number from 0 to 4294967295"),
+        // Compact leaves out zeros.
+        None => Ok(0),
+    };
+    if node.kind() != Kind::Object {
+        return Err(Mismatch::new(node, "expected an object with MajorVersion and MinorVersion"));
+    }
+    Ok(MetaDataVersion { major: part("MajorVersion")?, minor: part("MinorVersion")? })
+}
+
+fn fields<'t, 'a>(
+    payload: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+    meta_data: Option<&DataSetMetaData>,
+    message: &mut DataSetMessage,
+) -> Result<(), Mismatch<'t, 'a>> {
+    if payload.kind() != Kind::Object {
+        return Err(Mismatch::new(payload, "Payload must be an object"));
+    }
+    let (mut has_variant, mut has_data_value, mut has_bare) = (false, false, false);
+    message.fields.reserve(payload.members().count());
+    for (index, (key, node)) in payload.members().enumerate() {
+        let name: Arc<str> = key.text().unwrap_or_default().into();
+        let described = meta_data.and_then(|known| described_field(known, index, &name));
+        // A described value of any type names its type; there is nothing to go by but its shape.
+        let hint = described.filter(|field| field.built_in_type != BuiltInType::Variant).map(Into::into);
+        let value = match decoder.value(node, hint) {
+            Ok(value) => {
+                match &value {
+                    DecodedValue::Variant(_) => has_variant = true,
+                    DecodedValue::DataValue(_) => has_data_value = true,
+                    DecodedValue::Bare(value) => has_bare |= !value.is_null(),
+                }
+                let is_status = described.is_some_and(|field| field.built_in_type == BuiltInType::StatusCode);
+                match value {
+                    DecodedValue::Variant(value) if is_status => DataValue { value, ..DataValue::default() },
+                    value => value.into_data_value(),
+                }
+            }
+            Err(mismatch) => {
+                decoder.note(mismatch.node, mismatch.message);
+                DataValue { status: mismatch.status, ..DataValue::default() }
+            }
+        };
+        message.fields.push(PayloadField { name, value });
+    }
+    message.representation = match (has_data_value, has_variant, has_bare) {
+        (true, _, _) => FieldRepresentation::DataValue,
+        (false, false, true) => FieldRepresentation::Raw,
+        _ => FieldRepresentation::Variant,
+    };
+    Ok(())
+}
+
+/// The metadata of a field: usually at the same place, else wherever its name is (among the first few hundred, so that
+/// a foreign order stays cheap).
+fn described_field<'m>(
+    meta_data: &'m DataSetMetaData,
+    index: usize,
+    name: &str,
+) -> Option<&'m crate::pubsub::FieldMetaData> {
+    const SEARCHED_MAX: usize = 512;
+    let at_place = meta_data.fields.get(index).filter(|field| &*field.name == name);
+    at_place.or_else(|| meta_data.fields.iter().take(SEARCHED_MAX).find(|field| &*field.name == name))
+}

@@ -1,0 +1,231 @@
+//! Reading `ua-metadata`, in 1.04 and 1.05 form.
+
+use std::sync::Arc;
+
+use uuid::Uuid;
+
+use super::{
+    decode::{message_id, optional_text, publisher_id},
+    decode_message::meta_data_version,
+};
+use crate::{
+    json::{Kind, Node},
+    opcua_json::{
+        Decoder, Mismatch,
+        decode_scalar::{guid, integer, localized_text, text},
+    },
+    pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, PubSubMessage},
+    values::{BuiltInType, LocalizedText, NodeId, QualifiedName, StructureField, StructureKind, StructureType},
+};
+
+/// Most structures described in one message.
+const STRUCTURES_MAX: usize = 256;
+/// Most fields of one structure.
+const STRUCTURE_FIELDS_MAX: usize = 512;
+/// Most fields of one data set, and properties of one field.
+const FIELDS_MAX: usize = 4096;
+
+pub(super) fn message<'t, 'a>(
+    root: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
+    let writer = root.get("DataSetWriterId").ok_or_else(|| Mismatch::new(root, "DataSetWriterId is missing"))?;
+    let from_text = writer.text().and_then(|text| text.parse().ok());
+    let meta_data = root.get("MetaData").ok_or_else(|| Mismatch::new(root, "MetaData is missing"))?;
+    Ok(PubSubMessage::MetaData(Box::new(MetaDataMessage {
+        message_id: message_id(root, decoder)?,
+        publisher_id: publisher_id(root)?,
+        data_set_writer_id: from_text.map_or_else(|| integer(writer, "a DataSetWriterId from 0 to 65535"), Ok)?,
+        writer_group_name: optional_text(root, "WriterGroupName")?,
+        data_set_writer_name: optional_text(root, "DataSetWriterName")?,
+        timestamp: root.get("Timestamp").map(|time| decoder.date_time(time)).transpose()?,
+        meta_data: data_set(meta_data, decoder)?,
+    })))
+}
+
+/// The elements of a list member, at most so many.
+fn list<'t, 'a>(
+    node: Node<'t, 'a>,
+    name: &str,
+    count_max: usize,
+) -> Result<impl Iterator<Item = Node<'t, 'a>> + use<'t, 'a>, Mismatch<'t, 'a>> {
+    let found = node.get(name).filter(|list| !list.is_null());
+    if let Some(list) = found {
+        if list.kind() != Kind::Array {
+            return Err(Mismatch::new(list, "expected an array"));
+        }
+        if list.elements().count() > count_max {
+            return Err(Mismatch::out_of_range(list, format!("at most {count_max} elements are accepted")));
+        }
+    }
+    Ok(found.into_iter().flat_map(Node::elements))
+}
+
+fn data_set<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<DataSetMetaData, Mismatch<'t, 'a>> {
+    if node.kind() != Kind::Object {
+        return Err(Mismatch::new(node, "MetaData must be an object"));
+    }
+    let namespaces: Vec<Arc<str>> =
+        list(node, "Namespaces", FIELDS_MAX)?.map(|uri| text(uri).map(Arc::from)).collect::<Result<_, _>>()?;
+    // Ids in the metadata use its own namespaces.
+    let mut known = DataSetMetaData {
+        name: optional_text(node, "Name")?.unwrap_or_default(),
+        description: description(node)?,
+        data_set_class_id: node.get("DataSetClassId").filter(|id| !id.is_null()).map(guid).transpose()?,
+        configuration_version: node.get("ConfigurationVersion").map(meta_data_version).transpose()?.unwrap_or_default(),
+        ..DataSetMetaData::default()
+    };
+    let mut local = Decoder::new(decoder.leniency(), &[], &namespaces);
+    let aliases = simple_types(node, &local)?;
+    for structure in list(node, "StructureDataTypes", STRUCTURES_MAX)? {
+        known.structure_types.push(structure_type(structure, &local, &aliases)?);
+    }
+    local = Decoder::new(decoder.leniency(), &known.structure_types, &namespaces);
+    for entry in list(node, "Fields", FIELDS_MAX)? {
+        let read = field(entry, &mut local)?;
+        known.fields.push(read);
+    }
+    for diagnostic in local.into_diagnostics() {
+        decoder.adopt(diagnostic);
+    }
+    known.namespaces = namespaces;
+    Ok(known)
+}
+
+fn description<'t, 'a>(node: Node<'t, 'a>) -> Result<Option<LocalizedText>, Mismatch<'t, 'a>> {
+    let text = node.get("Description").map(localized_text).transpose()?;
+    Ok(text.filter(|text| text.text.is_some() || text.locale.is_some()))
+}
+
+fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldMetaData, Mismatch<'t, 'a>> {
+    let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
+    let built_in = node.get("BuiltInType").ok_or_else(|| Mismatch::new(node, "BuiltInType is missing"))?;
+    let built_in_type = match integer::<u64>(built_in, "the id of a built-in type")? {
+        // 26 to 29 are the abstract Number, Integer, UInteger and Enumeration of other editions.
+        26..=28 => BuiltInType::Variant,
+        29 => BuiltInType::Int32,
+        id => BuiltInType::from_id(id)
+            .ok_or_else(|| Mismatch::out_of_range(built_in, "expected the id of a built-in type, 1 to 25"))?,
+    };
+    let field_id = match node.get("DataSetFieldId") {
+        Some(id) if !id.is_null() => guid(id)?,
+        _ => Uuid::nil(),
+    };
+    let mut field = FieldMetaData::new(text(name)?, built_in_type, field_id);
+    field.description = description(node)?;
+    if let Some(flags) = node.get("FieldFlags") {
+        field.is_promoted = integer::<u32>(flags, "field flags as a number")? & 1 == 1;
+    }
+    if let Some(data_type) = node.get("DataType").filter(|id| !id.is_null()) {
+        field.data_type = decoder.node_id(data_type)?;
+    }
+    if let Some(rank) = node.get("ValueRank") {
+        field.value_rank = integer(rank, "a ValueRank")?;
+    }
+    field.array_dimensions = list(node, "ArrayDimensions", FIELDS_MAX)?
+        .map(|length| integer(length, "a length"))
+        .collect::<Result<_, _>>()?;
+    if let Some(length) = node.get("MaxStringLength") {
+        field.max_string_length = integer(length, "a length")?;
+    }
+    for property in list(node, "Properties", FIELDS_MAX)? {
+        let key = property.get("Key").ok_or_else(|| Mismatch::new(property, "Key is missing"))?;
+        let value = property.get("Value").map(|value| decoder.variant(value)).transpose()?;
+        field.properties.push((decoder.qualified_name(key)?, value.unwrap_or_default()));
+    }
+    Ok(field)
+}
+
+/// The data types that are other names for built-in ones, and enumerations, with the built-in type behind each.
+fn simple_types<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &Decoder<'_>,
+) -> Result<Vec<(NodeId, BuiltInType)>, Mismatch<'t, 'a>> {
+    let mut aliases = Vec::new();
+    for (name, fallback) in [("SimpleDataTypes", BuiltInType::Variant), ("EnumDataTypes", BuiltInType::Int32)] {
+        for entry in list(node, name, STRUCTURES_MAX)? {
+            let Some(id) = entry.get("DataTypeId") else { continue };
+            let built_in = entry.get("BuiltInType").and_then(Node::integer).and_then(BuiltInType::from_id);
+            aliases.push((decoder.node_id(id)?, built_in.unwrap_or(fallback)));
+        }
+    }
+    Ok(aliases)
+}
+
+fn structure_type<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &Decoder<'_>,
+    aliases: &[(NodeId, BuiltInType)],
+) -> Result<StructureType, Mismatch<'t, 'a>> {
+    let missing = |name: &str| Mismatch::new(node, format!("{name} is missing"));
+    let id = node.get("DataTypeId").ok_or_else(|| missing("DataTypeId"))?;
+    let definition = node.get("StructureDefinition").ok_or_else(|| missing("StructureDefinition"))?;
+    let name = match node.get("Name") {
+        Some(name) => decoder.qualified_name(name)?,
+        None => QualifiedName::default(),
+    };
+    let kind = match definition.get("StructureType").map(|kind| integer::<u8>(kind, "0 to 4")).transpose()? {
+        None | Some(0 | 3) => StructureKind::Plain,
+        Some(1) => StructureKind::WithOptionalFields,
+        Some(2 | 4) => StructureKind::Union,
+        Some(_) => return Err(Mismatch::new(definition, "StructureType must be 0 to 4")),
+    };
+    let encoding_ids = match definition.get("DefaultEncodingId").filter(|id| !id.is_null()) {
+        Some(id) => Some(decoder.node_id(id)?).filter(|id| *id != NodeId::null()),
+        None => None,
+    };
+    let mut fields = Vec::new();
+    for field in list(definition, "Fields", STRUCTURE_FIELDS_MAX)? {
+        fields.push(structure_field(field, decoder, aliases)?);
+    }
+    Ok(StructureType {
+        type_id: decoder.node_id(id)?,
+        encoding_ids: encoding_ids.into_iter().collect(),
+        name: name.name.unwrap_or_default(),
+        kind,
+        fields,
+    })
+}
+
+fn structure_field<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &Decoder<'_>,
+    aliases: &[(NodeId, BuiltInType)],
+) -> Result<StructureField, Mismatch<'t, 'a>> {
+    let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
+    let data_type = match node.get("DataType").filter(|id| !id.is_null()) {
+        Some(id) => decoder.node_id(id)?,
+        None => NodeId::ua(24),
+    };
+    let aliased = aliases.iter().find(|(id, _)| *id == data_type).map(|(_, built_in_type)| *built_in_type);
+    let built_in_type = aliased.unwrap_or_else(|| built_in_type_of(&data_type));
+    let is_structure = built_in_type == BuiltInType::ExtensionObject;
+    Ok(StructureField {
+        name: text(name)?.into(),
+        built_in_type,
+        // What is no structure is described by its built-in type from here on.
+        data_type: if is_structure { data_type } else { NodeId::ua(u32::from(built_in_type.id())) },
+        value_rank: node.get("ValueRank").map_or(Ok(-1), |rank| integer(rank, "a ValueRank"))?,
+        is_optional: node.get("IsOptional").and_then(Node::boolean).unwrap_or(false),
+    })
+}
+
+/// The built-in type behind a data type of namespace 0; a type of another namespace that is not listed as alias or
+/// enumeration is a structure.
+fn built_in_type_of(data_type: &NodeId) -> BuiltInType {
+    use crate::values::{Identifier, Namespace};
+    let (Namespace::Ua, Identifier::Numeric(id)) = (&data_type.namespace, &data_type.identifier) else {
+        return BuiltInType::ExtensionObject;
+    };
+    match id {
+        1..=25 => BuiltInType::from_id(u64::from(*id)).unwrap_or(BuiltInType::Variant),
+        26..=28 => BuiltInType::Variant,
+        29 => BuiltInType::Int32,
+        290 => BuiltInType::Double,                                               // Duration
+        294 | 293 => BuiltInType::DateTime,                                       // UtcTime, Date
+        295 | 291 | 12877 | 12878 | 12879 | 12880 | 12881 => BuiltInType::String, // LocaleId, NumericRange, texts
+        288 | 289 | 20998 => BuiltInType::UInt32,                                 // IntegerId, Counter, VersionTime
+        30 => BuiltInType::ByteString,                                            // Image
+        _ => BuiltInType::ExtensionObject,
+    }
+}
