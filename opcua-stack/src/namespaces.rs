@@ -98,6 +98,12 @@ impl NamespaceTable {
         self.inner.types.as_ref()
     }
 
+    /// The same as the stack's own map, for its encoding contexts.
+    #[must_use]
+    pub fn to_namespace_map(&self) -> NamespaceMap {
+        self.inner.context.namespaces().clone()
+    }
+
     /// The stack's encoding context under these namespaces and types.
     pub(crate) fn context(&self) -> &ContextOwned {
         &self.inner.context

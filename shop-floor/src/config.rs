@@ -1,0 +1,316 @@
+//! What is configured: the client itself and its sources.
+
+use std::{fmt, path::PathBuf, str::FromStr, sync::Arc, time::Duration};
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use utoipa::ToSchema;
+use zeroize::Zeroizing;
+
+/// The client itself.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// Where own certificate, trusted and rejected server certificates lie. Created on first use.
+    pub pki_directory: PathBuf,
+    /// The application's name as servers see it.
+    pub application_name: String,
+    /// The application's URI, also in its certificate. Globally unique.
+    pub application_uri: String,
+    /// How many batches of changes may wait for the consumer before they are coalesced.
+    pub waiting_batches_max: usize,
+    /// How many sources are accepted.
+    pub sources_max: usize,
+    /// How many inputs may be monitored, over all sources.
+    pub inputs_max: usize,
+}
+
+impl Config {
+    /// Usual limits.
+    #[must_use]
+    pub fn new(pki_directory: impl Into<PathBuf>, application_name: &str, application_uri: &str) -> Self {
+        Self {
+            pki_directory: pki_directory.into(),
+            application_name: application_name.to_owned(),
+            application_uri: application_uri.to_owned(),
+            waiting_batches_max: 256,
+            sources_max: 1000,
+            inputs_max: 1_000_000,
+        }
+    }
+}
+
+/// The name of a source: `[A-Za-z0-9_-]{1,64}`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, ToSchema)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+pub struct SourceId(Arc<str>);
+
+/// A text is not a source id.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a source id must match ^[A-Za-z0-9_-]{{1,64}}$, but is {found:?}")]
+pub struct InvalidSourceId {
+    /// What was found, cut after 80 characters.
+    pub found: String,
+}
+
+impl SourceId {
+    /// Checks and takes a text.
+    ///
+    /// # Errors
+    /// [`InvalidSourceId`] when the text does not match.
+    pub fn new(text: impl AsRef<str>) -> Result<Self, InvalidSourceId> {
+        let text = text.as_ref();
+        let is_name = (1..=64).contains(&text.len())
+            && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+        if is_name {
+            Ok(Self(Arc::from(text)))
+        } else {
+            Err(InvalidSourceId { found: text.chars().take(80).collect() })
+        }
+    }
+
+    /// The id as text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for SourceId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl FromStr for SourceId {
+    type Err = InvalidSourceId;
+    fn from_str(text: &str) -> Result<Self, InvalidSourceId> {
+        Self::new(text)
+    }
+}
+
+impl Serialize for SourceId {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for SourceId {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
+        Self::new(&text).map_err(serde::de::Error::custom)
+    }
+}
+
+/// One OPC UA server to read from. The password is accepted but never serialised; who persists a source stores
+/// [`Password::expose`] apart.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SourceConfig {
+    /// The source's name, unique in a connector.
+    pub source_id: SourceId,
+    /// What people call it.
+    #[serde(default)]
+    pub name: String,
+    /// The server's address, `opc.tcp://host:port/path`.
+    pub endpoint_url: String,
+    /// Which of the server's endpoints to use.
+    #[serde(default)]
+    pub security: SecurityChoice,
+    /// Who we are to the server.
+    #[serde(default)]
+    pub identity: Identity,
+    /// How often the server may send changes, in milliseconds (1 to 60 000).
+    #[serde(default = "default_publishing_interval_ms")]
+    pub publishing_interval_ms: u32,
+    /// After how many milliseconds without any sign of life a connection is given up (500 to 600 000).
+    #[serde(default = "default_silence_ms_max")]
+    pub silence_ms_max: u32,
+}
+
+const fn default_publishing_interval_ms() -> u32 {
+    20
+}
+
+const fn default_silence_ms_max() -> u32 {
+    5000
+}
+
+impl SourceConfig {
+    /// A source with the usual settings: the strongest security that the server offers, anonymous.
+    #[must_use]
+    pub fn new(source_id: SourceId, endpoint_url: &str) -> Self {
+        Self {
+            name: source_id.to_string(),
+            source_id,
+            endpoint_url: endpoint_url.to_owned(),
+            security: SecurityChoice::default(),
+            identity: Identity::default(),
+            publishing_interval_ms: default_publishing_interval_ms(),
+            silence_ms_max: default_silence_ms_max(),
+        }
+    }
+
+    pub(crate) fn publishing_interval(&self) -> Duration {
+        Duration::from_millis(u64::from(self.publishing_interval_ms.clamp(1, 60_000)))
+    }
+
+    pub(crate) fn silence_max(&self) -> Duration {
+        Duration::from_millis(u64::from(self.silence_ms_max.clamp(500, 600_000)))
+    }
+}
+
+/// Which of a server's endpoints to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "choice", deny_unknown_fields)]
+pub enum SecurityChoice {
+    /// The strongest that the server offers; never an unprotected one, so that nobody can talk us down.
+    #[default]
+    Strongest,
+    /// No protection. For servers that offer nothing else, on a network that is trusted.
+    None,
+    /// Exactly this policy and mode.
+    Exactly {
+        /// The algorithms.
+        policy: SecurityPolicy,
+        /// Signed only, or encrypted too.
+        mode: MessageSecurity,
+    },
+}
+
+/// Security policies (OPC 10000-7) that are not deprecated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+pub enum SecurityPolicy {
+    /// No protection.
+    None,
+    /// RSA 2048 to 4096, AES-128.
+    Aes128Sha256RsaOaep,
+    /// RSA 2048 to 4096, AES-256, the most widespread.
+    Basic256Sha256,
+    /// RSA 2048 to 4096 with PSS, AES-256.
+    Aes256Sha256RsaPss,
+}
+
+/// How messages are protected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum MessageSecurity {
+    /// Not at all.
+    None,
+    /// Signed.
+    Sign,
+    /// Signed and encrypted.
+    SignAndEncrypt,
+}
+
+/// Who we are to a server.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "kind", deny_unknown_fields)]
+pub enum Identity {
+    /// Nobody in particular.
+    #[default]
+    Anonymous,
+    /// A user with a password.
+    UserName {
+        /// The user's name.
+        user_name: String,
+        /// The user's password.
+        #[serde(skip_serializing, default)]
+        password: Password,
+    },
+    /// A user with a certificate and its private key, as files.
+    Certificate {
+        /// The certificate, DER or PEM.
+        #[schema(value_type = String)]
+        certificate_path: PathBuf,
+        /// Its private key, PEM.
+        #[schema(value_type = String)]
+        private_key_path: PathBuf,
+    },
+}
+
+/// A password: not printed, not serialised, wiped from memory.
+#[derive(Clone, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(from = "String")]
+#[schema(value_type = String, format = Password)]
+pub struct Password(Zeroizing<String>);
+
+impl Password {
+    /// The password itself, to sign in or to store it.
+    #[must_use]
+    pub fn expose(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<String> for Password {
+    fn from(text: String) -> Self {
+        Self(Zeroizing::new(text))
+    }
+}
+
+impl From<&str> for Password {
+    fn from(text: &str) -> Self {
+        text.to_owned().into()
+    }
+}
+
+impl fmt::Debug for Password {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Password(redacted)")
+    }
+}
+
+/// An endpoint that a server offers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct EndpointOffer {
+    /// The server's address as it says it.
+    pub endpoint_url: String,
+    /// The policy's name; also such as we do not use.
+    pub security_policy: String,
+    /// How messages are protected.
+    pub message_security: MessageSecurity,
+    /// True where we can and would use it.
+    pub is_supported: bool,
+    /// Accepts anonymous users.
+    pub allows_anonymous: bool,
+    /// Accepts user name and password.
+    pub allows_user_name: bool,
+    /// Accepts user certificates.
+    pub allows_certificate: bool,
+    /// The server's name.
+    pub server_name: String,
+    /// The server's application URI.
+    pub application_uri: String,
+    /// SHA-1 thumbprint of the server's certificate, hex; to be compared with the certificate's own at the machine.
+    pub certificate_thumbprint: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_reads_from_little_and_never_shows_its_password() {
+        let source: SourceConfig = serde_json::from_str(
+            r#"{"sourceId":"press-1","endpointUrl":"opc.tcp://press:4840",
+                "identity":{"kind":"userName","userName":"eng","password":"s3cret"}}"#,
+        )
+        .expect("valid");
+        assert_eq!(source.security, SecurityChoice::Strongest);
+        assert_eq!(source.publishing_interval(), Duration::from_millis(20));
+        let Identity::UserName { password, .. } = &source.identity else { panic!("a user") };
+        assert_eq!(password.expose(), "s3cret");
+        assert!(!serde_json::to_string(&source).expect("serialises").contains("s3cret"));
+        assert!(!format!("{source:?}").contains("s3cret"));
+    }
+
+    #[test]
+    fn source_ids_are_names() {
+        for text in ["press-1", "A_b"] {
+            assert!(SourceId::new(text).is_ok(), "{text}");
+        }
+        for text in ["", "a b", "ä", &"x".repeat(65)] {
+            assert!(SourceId::new(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! What may go wrong with a request to the shop floor.
+
+use asi_model::values::StatusCode;
+
+use crate::SourceId;
+
+/// A request could not be fulfilled.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShopFloorError {
+    /// There is no such source.
+    #[error("there is no source {0}")]
+    UnknownSource(SourceId),
+    /// The source is not connected.
+    #[error("the source {0} is not connected")]
+    NotConnected(SourceId),
+    /// More sources or inputs than allowed.
+    #[error("the limit of {limit} {what} is reached")]
+    LimitReached {
+        /// Of what.
+        what: &'static str,
+        /// The limit.
+        limit: usize,
+    },
+    /// A part of the request does not fit.
+    #[error("{0}")]
+    Invalid(String),
+    /// The server did not answer in time.
+    #[error("the source {0} did not answer in time")]
+    Timeout(SourceId),
+    /// The server refused.
+    #[error("the server refused: {status}")]
+    Refused {
+        /// Its status.
+        status: StatusCode,
+    },
+    /// No server answers at the address, or it makes no sense.
+    #[error("the server could not be asked: {0}")]
+    Unreachable(String),
+    /// Certificates or keys could not be read or written.
+    #[error("certificates could not be read or written: {0}")]
+    Certificates(String),
+    /// The shop floor has stopped.
+    #[error("the shop floor has stopped")]
+    Stopped,
+}

@@ -1,0 +1,102 @@
+//! What browsing shows of a node.
+
+use asi_model::values::{BuiltInType, NodeId, StatusCode, Variant};
+use serde::{Serialize, Serializer};
+use utoipa::ToSchema;
+
+use crate::BrowsePath;
+
+/// A node as a person picks it in a tree.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct BrowsedNode {
+    /// Its identity.
+    #[schema(value_type = String)]
+    pub node_id: NodeId,
+    /// Its browse name, as an element of a browse path.
+    pub browse_name: String,
+    /// Its name for people.
+    pub display_name: String,
+    /// What it is, where the server says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Which kind of node it is.
+    pub node_class: NodeClass,
+    /// Its type: of an object or variable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub type_definition: Option<TypeName>,
+    /// The type of a variable's value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub data_type: Option<TypeName>,
+    /// The built-in type that carries the value: itself, or the base of an enumeration or structure.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
+    #[schema(value_type = Option<String>)]
+    pub built_in_type: Option<BuiltInType>,
+    /// Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value_rank: Option<i32>,
+    /// The unit of an analog variable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<UnitName>,
+    /// The usual range of an analog variable, low and high.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<(f64, f64)>,
+    /// True where this user may write the value.
+    pub is_writable: bool,
+    /// True where there is something below it.
+    pub has_children: bool,
+    /// Where it was found, from the Objects folder; only in answers to a search.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub browse_path: Option<BrowsePath>,
+}
+
+/// A type's identity and name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct TypeName {
+    /// Its identity.
+    #[schema(value_type = String)]
+    pub node_id: NodeId,
+    /// Its browse name without the namespace; empty where the server does not know the type.
+    pub name: String,
+}
+
+/// A unit as the server gives it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct UnitName {
+    /// What people see: `mm/s`.
+    pub display_name: String,
+    /// The UNECE code behind it (`C16`), where the unit is one of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub code: Option<String>,
+}
+
+/// Node classes (OPC 10000-3 §5.2.3).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+#[allow(missing_docs)]
+pub enum NodeClass {
+    Object,
+    Variable,
+    Method,
+    ObjectType,
+    VariableType,
+    ReferenceType,
+    DataType,
+    View,
+}
+
+/// What a method call gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CallOutcome {
+    /// Whether it worked.
+    pub status: StatusCode,
+    /// What it returned.
+    pub outputs: Vec<Variant>,
+}
+
+#[allow(clippy::ref_option)] // The signature that serde asks for.
+fn built_in_name<S: Serializer>(built_in: &Option<BuiltInType>, serializer: S) -> Result<S::Ok, S::Error> {
+    built_in.map(BuiltInType::name).serialize(serializer)
+}

@@ -1,0 +1,89 @@
+//! What a fresh session asks first: the server's namespaces, limits and clock.
+
+use asi_model::values::{DateTime, Variant};
+use opcua_stack::{
+    NamespaceTable,
+    opcua::{
+        client::Session,
+        types::{NodeId, ReadValueId, TimestampsToReturn, VariableId},
+    },
+    values::from_stack,
+};
+
+use super::{connection::ANSWER_TIMEOUT, now, problem};
+use crate::{ServerLimits, SourceProblem, SourceProblemKind};
+
+/// What a server says about itself.
+pub(super) struct Facts {
+    pub(super) namespaces: NamespaceTable,
+    pub(super) limits: ServerLimits,
+    pub(super) clock_ahead_ms: Option<i64>,
+    /// When the server was started; another one means that anything may have changed.
+    pub(super) started_at: Option<DateTime>,
+}
+
+const ASKED: [VariableId; 11] = [
+    VariableId::Server_NamespaceArray,
+    VariableId::Server_ServerStatus_StartTime,
+    VariableId::Server_ServerStatus_CurrentTime,
+    VariableId::Server_ServerCapabilities_OperationLimits_MaxNodesPerRead,
+    VariableId::Server_ServerCapabilities_OperationLimits_MaxNodesPerWrite,
+    VariableId::Server_ServerCapabilities_OperationLimits_MaxNodesPerBrowse,
+    VariableId::Server_ServerCapabilities_OperationLimits_MaxNodesPerTranslateBrowsePathsToNodeIds,
+    VariableId::Server_ServerCapabilities_OperationLimits_MaxMonitoredItemsPerCall,
+    VariableId::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription,
+    VariableId::Server_ServerCapabilities_MaxSubscriptionsPerSession,
+    VariableId::Server_ServerCapabilities_MaxBrowseContinuationPoints,
+];
+
+pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
+    let refused = |reason: String| {
+        problem(SourceProblemKind::Refused, format!("The server does not tell its namespaces: {reason}."))
+    };
+    let ids: Vec<_> = ASKED.iter().map(|id| ReadValueId::from(NodeId::from(*id))).collect();
+    let asked_at = now();
+    let answers = tokio::time::timeout(ANSWER_TIMEOUT, session.read(&ids, TimestampsToReturn::Both, 0.0))
+        .await
+        .map_err(|_| refused("no answer in time".into()))?
+        .map_err(|error| refused(error.to_string()))?;
+    let answered_at = now();
+    let namespaces = answers.first().and_then(|value| value.value.as_ref());
+    let namespaces = namespaces.and_then(NamespaceTable::from_namespace_array);
+    let namespaces = namespaces.ok_or_else(|| refused("the answer is no list of texts".into()))?;
+    session.set_namespaces(namespaces.to_namespace_map());
+
+    let values: Vec<_> = answers.into_iter().map(|value| from_stack(value, &namespaces).value).collect();
+    let time = |index: usize| match values.get(index).and_then(Variant::as_scalar) {
+        Some(asi_model::Scalar::DateTime(time)) if *time != DateTime::MIN => Some(*time),
+        _ => None,
+    };
+    // Zero means: no limit.
+    let limit = |index: usize| {
+        let number = values.get(index).and_then(Variant::as_scalar).and_then(asi_model::Scalar::as_i128)?;
+        u32::try_from(number).ok().filter(|limit| *limit > 0)
+    };
+    let limits = ServerLimits {
+        nodes_per_read_max: limit(3),
+        nodes_per_write_max: limit(4),
+        nodes_per_browse_max: limit(5),
+        paths_per_translate_max: limit(6),
+        items_per_call_max: limit(7),
+        items_per_subscription_max: limit(8),
+        subscriptions_per_session_max: limit(9),
+        browse_continuation_points_max: limit(10),
+    };
+    let middle = asked_at.ticks() + (answered_at.ticks() - asked_at.ticks()) / 2;
+    let clock_ahead_ms = time(2).map(|server| (server.ticks() - middle) / 10_000);
+    Ok(Facts { started_at: time(1), namespaces, limits, clock_ahead_ms })
+}
+
+/// Asks whether the server runs; the time says nothing, the answer everything.
+pub(super) async fn is_running(session: &Session) -> bool {
+    let id = ReadValueId::from(NodeId::from(VariableId::Server_ServerStatus_State));
+    let answer = tokio::time::timeout(ANSWER_TIMEOUT, session.read(&[id], TimestampsToReturn::Server, 0.0)).await;
+    let Ok(Ok(values)) = answer else { return false };
+    let state =
+        values.into_iter().next().and_then(|value| value.value).and_then(|value| value.try_cast_to::<i32>().ok());
+    // Running 0, or a state in which it still delivers: Test 6 and CommunicationFault 5.
+    matches!(state, None | Some(0 | 5 | 6))
+}

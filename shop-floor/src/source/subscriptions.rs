@@ -1,0 +1,504 @@
+//! The monitored items of one session: wanted against actual, within the server's limits.
+
+use std::{
+    collections::{HashMap, VecDeque},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use asi_model::values::DataValue;
+use opcua_stack::{
+    limits,
+    opcua::types::{
+        AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId,
+        NumericRange, QualifiedName, ReadValueId, StatusCode, TimestampsToReturn,
+    },
+    values::{node_id_to_stack, status_from_stack},
+};
+use parking_lot::Mutex;
+
+use super::{
+    Connection,
+    connection::per_request,
+    entry::Entry,
+    feed::{Feed, Listener},
+    life::Memory,
+    now, paths,
+    services::{is_gone, parse_range},
+};
+use crate::{InputChange, InputKey, MonitorRequest, ShopFloorError, SourceConfig, outbox::Outbox};
+
+/// First and longest pause before an input that the server refused is tried again.
+const RETRY_MIN: Duration = Duration::from_secs(2);
+const RETRY_MAX: Duration = Duration::from_secs(60);
+/// Longest queue we ask a server for on our own.
+const QUEUE_MAX: u32 = 100;
+/// The queue of an item that is sampled on every change.
+const QUEUE_ON_CHANGE: u32 = 10;
+/// After how many publishing intervals without requests a server deletes a subscription, at least this long.
+const SUBSCRIPTION_LIFE: Duration = Duration::from_secs(30);
+
+/// All subscriptions of a session; the only owner of them.
+pub(super) struct Subscriptions {
+    entry: Arc<Entry>,
+    connection: Connection,
+    feed: Arc<Feed>,
+    outbox: Outbox,
+    config: SourceConfig,
+    subscriptions: Vec<Subscription>,
+    items: HashMap<InputKey, Item>,
+    /// Items per request; halved when the server chokes.
+    chunk: usize,
+    /// Set when the server has no room for any more items.
+    is_server_full: bool,
+}
+
+struct Subscription {
+    id: u32,
+    items: usize,
+    capacity: usize,
+    heard: Arc<Mutex<Instant>>,
+}
+
+enum Item {
+    Monitored { request: Arc<MonitorRequest>, subscription: usize, item_id: u32, handle: u32 },
+    Refused { request: Arc<MonitorRequest>, retry_at: Instant, attempts: u32 },
+}
+
+/// An item that is to be created.
+struct Candidate {
+    request: Arc<MonitorRequest>,
+    node_id: NodeId,
+    /// The node id was found by the browse path, there is nothing more to try.
+    is_found_by_path: bool,
+    attempts: u32,
+}
+
+/// A request whose node the server does not know.
+struct Lost {
+    request: Arc<MonitorRequest>,
+    attempts: u32,
+    status: StatusCode,
+    reason: String,
+}
+
+/// What became of an item of a request.
+enum Outcome {
+    Created { item_id: u32, handle: u32 },
+    Refused(StatusCode),
+}
+
+impl Subscriptions {
+    pub(super) fn new(
+        entry: Arc<Entry>,
+        connection: Connection,
+        feed: Arc<Feed>,
+        outbox: Outbox,
+        config: SourceConfig,
+    ) -> Self {
+        let chunk = per_request(connection.limits().items_per_call_max);
+        Self {
+            entry,
+            connection,
+            feed,
+            outbox,
+            config,
+            subscriptions: Vec::new(),
+            items: HashMap::new(),
+            chunk,
+            is_server_full: false,
+        }
+    }
+
+    /// The longest time that any subscription has been silent.
+    pub(super) fn silence(&self) -> Option<Duration> {
+        self.subscriptions.iter().map(|subscription| subscription.heard.lock().elapsed()).max()
+    }
+
+    /// The requests that are live and might need their browse path learned.
+    pub(super) fn monitored(&self) -> impl Iterator<Item = &Arc<MonitorRequest>> {
+        self.items.values().filter_map(|item| match item {
+            Item::Monitored { request, .. } => Some(request),
+            Item::Refused { .. } => None,
+        })
+    }
+
+    /// The node that an input asks for, while it is monitored.
+    pub(super) fn node_of(&self, input: InputKey) -> Option<asi_model::NodeId> {
+        match self.items.get(&input) {
+            Some(Item::Monitored { request, .. }) if request.options.index_range.is_none() => {
+                Some(request.node_id.clone())
+            }
+            _ => None,
+        }
+    }
+
+    /// How fast an input is sampled at most; older values than this may be looked at by the audit.
+    pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
+        match self.items.get(&input) {
+            Some(Item::Monitored { request, .. }) => {
+                Duration::from_secs_f64(self.sampling_interval_ms(request) / 1000.0)
+            }
+            _ => Duration::ZERO,
+        }
+    }
+
+    /// Brings the items to what is wanted: `changed` inputs with their requests, `None` where not wanted any more.
+    pub(super) async fn apply(
+        &mut self,
+        changed: Vec<(InputKey, Option<Arc<MonitorRequest>>)>,
+        memory: &mut Memory,
+    ) -> Result<(), ShopFloorError> {
+        let mut to_delete = Vec::new();
+        let mut to_create = Vec::new();
+        for (input, wanted) in changed {
+            if let (Some(Item::Monitored { request, .. }), Some(wanted)) = (self.items.get(&input), &wanted) {
+                if request == wanted {
+                    continue;
+                }
+            }
+            to_delete.extend(self.items.remove(&input));
+            if wanted.is_none() {
+                self.entry.note([(input, None)]);
+            }
+            to_create.extend(wanted.map(|request| (request, 0)));
+        }
+        self.delete(to_delete).await?;
+        self.create(to_create, memory).await
+    }
+
+    /// Tries again what the server refused, where it is time.
+    pub(super) async fn retry(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
+        let now = Instant::now();
+        let due: Vec<_> = self
+            .items
+            .values()
+            .filter_map(|item| match item {
+                Item::Refused { request, retry_at, attempts } if *retry_at <= now => {
+                    Some((Arc::clone(request), *attempts))
+                }
+                _ => None,
+            })
+            .collect();
+        if due.is_empty() {
+            return Ok(());
+        }
+        self.is_server_full = false;
+        self.create(due, memory).await
+    }
+
+    /// Deletes all items before the session is closed: servers exist that leak what is deleted with its subscription.
+    pub(super) async fn delete_all(&mut self) -> Result<(), ShopFloorError> {
+        let items = self.items.drain().map(|(_, item)| item).collect();
+        self.delete(items).await
+    }
+
+    async fn delete(&mut self, items: Vec<Item>) -> Result<(), ShopFloorError> {
+        let mut by_subscription: HashMap<usize, Vec<(u32, u32)>> = HashMap::new();
+        for item in items {
+            if let Item::Monitored { subscription, item_id, handle, .. } = item {
+                by_subscription.entry(subscription).or_default().push((item_id, handle));
+            }
+        }
+        for (index, items) in by_subscription {
+            let subscription = &mut self.subscriptions[index];
+            subscription.items -= items.len();
+            let id = subscription.id;
+            for chunk in items.chunks(self.chunk) {
+                let ids: Vec<_> = chunk.iter().map(|(item_id, _)| *item_id).collect();
+                let deleted = self.connection.ask(self.connection.session().delete_monitored_items(id, &ids)).await;
+                for (_, handle) in chunk {
+                    self.feed.release(*handle);
+                }
+                // Single refusals mean that the item was gone already.
+                deleted?;
+            }
+        }
+        Ok(())
+    }
+
+    async fn create(
+        &mut self,
+        requests: Vec<(Arc<MonitorRequest>, u32)>,
+        memory: &mut Memory,
+    ) -> Result<(), ShopFloorError> {
+        let mut queue = VecDeque::new();
+        let mut lost = Vec::new();
+        let namespaces = self.connection.namespaces();
+        for (request, attempts) in requests {
+            let found = memory.moved.get(&request.node_id).cloned();
+            let is_found_by_path = found.is_some();
+            match found.map_or_else(|| node_id_to_stack(&request.node_id, &namespaces), Ok) {
+                Ok(node_id) => queue.push_back(Candidate { request, node_id, is_found_by_path, attempts }),
+                Err(error) => {
+                    let status = StatusCode::BadNodeIdUnknown;
+                    lost.push(Lost { request, attempts, status, reason: error.to_string() });
+                }
+            }
+        }
+        self.create_queued(&mut queue, &mut lost).await?;
+        let mut found = self.find_by_path(lost, memory).await?;
+        let mut still_lost = Vec::new();
+        self.create_queued(&mut found, &mut still_lost).await?;
+        for Lost { request, attempts, status, reason } in still_lost {
+            self.refuse(request, attempts, status, reason);
+        }
+        Ok(())
+    }
+
+    /// Creates what is queued. What the server does not know (any more) and was not found by its path ends in `lost`.
+    async fn create_queued(
+        &mut self,
+        queue: &mut VecDeque<Candidate>,
+        lost: &mut Vec<Lost>,
+    ) -> Result<(), ShopFloorError> {
+        while !queue.is_empty() {
+            if self.is_server_full {
+                let reason = "the server's limit of monitored items is reached; raise it there or monitor less";
+                for candidate in queue.drain(..) {
+                    let status = StatusCode::BadTooManyMonitoredItems;
+                    self.refuse(candidate.request, candidate.attempts, status, reason.into());
+                }
+                return Ok(());
+            }
+            let Some(index) = self.subscription_with_room().await? else { continue };
+            let subscription = &self.subscriptions[index];
+            let count = self.chunk.min(queue.len()).min(subscription.capacity - subscription.items);
+            let chunk: Vec<_> = queue.drain(..count).collect();
+            let outcomes = match self.request_items(index, &chunk).await {
+                Ok(outcomes) => outcomes,
+                Err(error) if is_choking(&error) && self.chunk > 1 => {
+                    self.chunk = (count / 2).max(1);
+                    tracing::info!(source.id = %self.entry.id, chunk = self.chunk, %error,
+                        "A server cannot take so many items at once; fewer are sent.");
+                    for candidate in chunk.into_iter().rev() {
+                        queue.push_front(candidate);
+                    }
+                    continue;
+                }
+                Err(ShopFloorError::Refused { status }) => {
+                    let status = StatusCode::from(status.0);
+                    chunk.iter().map(|_| Outcome::Refused(status)).collect()
+                }
+                Err(error) => return Err(error),
+            };
+            self.settle(index, chunk, outcomes, queue, lost);
+        }
+        Ok(())
+    }
+
+    /// Sends one request for items. Handles are released again for those that were not created.
+    async fn request_items(&self, index: usize, chunk: &[Candidate]) -> Result<Vec<Outcome>, ShopFloorError> {
+        let handles: Vec<_> = chunk.iter().map(|candidate| self.feed.reserve(candidate.request.input)).collect();
+        let requests =
+            chunk.iter().zip(&handles).map(|(candidate, handle)| self.item_request(candidate, *handle)).collect();
+        let session = self.connection.session();
+        let id = self.subscriptions[index].id;
+        let answer = self.connection.ask(session.create_monitored_items(id, TimestampsToReturn::Both, requests)).await;
+        let created = match answer {
+            Ok(created) => created,
+            Err(error) => {
+                handles.into_iter().for_each(|handle| self.feed.release(handle));
+                return Err(error);
+            }
+        };
+        let outcome = |(result, handle): (StatusCode, u32), item_id| {
+            if result.is_good() {
+                Outcome::Created { item_id, handle }
+            } else {
+                self.feed.release(handle);
+                Outcome::Refused(result)
+            }
+        };
+        Ok(created
+            .into_iter()
+            .zip(handles)
+            .map(|(item, handle)| outcome((item.result.status_code, handle), item.result.monitored_item_id))
+            .collect())
+    }
+
+    /// Notes what became of each item of a request.
+    fn settle(
+        &mut self,
+        index: usize,
+        chunk: Vec<Candidate>,
+        outcomes: Vec<Outcome>,
+        queue: &mut VecDeque<Candidate>,
+        lost: &mut Vec<Lost>,
+    ) {
+        let mut is_full = false;
+        for (candidate, outcome) in chunk.into_iter().zip(outcomes) {
+            match outcome {
+                Outcome::Created { item_id, handle } => {
+                    self.subscriptions[index].items += 1;
+                    let request = candidate.request;
+                    self.entry.note([(request.input, None)]);
+                    let item = Item::Monitored { request: Arc::clone(&request), subscription: index, item_id, handle };
+                    self.items.insert(request.input, item);
+                }
+                Outcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
+                    is_full = true;
+                    queue.push_back(candidate);
+                }
+                Outcome::Refused(status) if is_gone(status) && !candidate.is_found_by_path => {
+                    let reason = format!("the server does not know this node: {status}");
+                    lost.push(Lost { request: candidate.request, attempts: candidate.attempts, status, reason });
+                }
+                Outcome::Refused(status) => {
+                    let reason = format!("the server refuses to monitor this node: {status}");
+                    self.refuse(candidate.request, candidate.attempts, status, reason);
+                }
+            }
+        }
+        if is_full {
+            let subscription = &mut self.subscriptions[index];
+            // An empty subscription that takes nothing: the limit is the session's or the server's.
+            self.is_server_full = subscription.items == 0;
+            subscription.capacity = subscription.items;
+        }
+    }
+
+    /// A subscription that takes another item; made where there is none. `None` after it was found that there is no
+    /// room at all.
+    async fn subscription_with_room(&mut self) -> Result<Option<usize>, ShopFloorError> {
+        if let Some(index) = self.subscriptions.iter().position(|known| known.items < known.capacity) {
+            return Ok(Some(index));
+        }
+        let interval = self.config.publishing_interval();
+        let keep_alive = self.config.silence_max() / 3;
+        let count = |duration: Duration| (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32;
+        let keep_alive_count = count(keep_alive);
+        let life_count = count(SUBSCRIPTION_LIFE).max(keep_alive_count.saturating_mul(3));
+        let heard = Arc::new(Mutex::new(Instant::now()));
+        let listener = Listener::new(Arc::clone(&self.feed), Arc::clone(&heard));
+        let session = self.connection.session();
+        let created = session.create_subscription(interval, life_count, keep_alive_count, 0, 0, true, listener);
+        match self.connection.ask(created).await {
+            Ok(id) => {
+                let limit = self.connection.limits().items_per_subscription_max;
+                let limit = limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
+                let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
+                self.subscriptions.push(Subscription { id, items: 0, capacity, heard });
+                Ok(Some(self.subscriptions.len() - 1))
+            }
+            Err(ShopFloorError::Refused { status }) => {
+                tracing::warn!(source.id = %self.entry.id, %status, "A server refuses another subscription.");
+                self.is_server_full = true;
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn item_request(&self, candidate: &Candidate, handle: u32) -> MonitoredItemCreateRequest {
+        let options = &candidate.request.options;
+        let sampling_interval = self.sampling_interval_ms(&candidate.request);
+        let publishing_ms = self.config.publishing_interval().as_secs_f64() * 1000.0;
+        MonitoredItemCreateRequest {
+            item_to_monitor: ReadValueId {
+                node_id: candidate.node_id.clone(),
+                attribute_id: AttributeId::Value as u32,
+                index_range: options.index_range.as_deref().and_then(parse_range).unwrap_or(NumericRange::None),
+                data_encoding: QualifiedName::null(),
+            },
+            monitoring_mode: MonitoringMode::Reporting,
+            requested_parameters: MonitoringParameters {
+                client_handle: handle,
+                sampling_interval,
+                filter: ExtensionObject::null(),
+                queue_size: options.queue_size.unwrap_or_else(|| queue_size(sampling_interval, publishing_ms)),
+                discard_oldest: true,
+            },
+        }
+    }
+
+    fn sampling_interval_ms(&self, request: &MonitorRequest) -> f64 {
+        let publishing = self.config.publishing_interval().as_secs_f64() * 1000.0;
+        request.options.sampling_interval_ms.unwrap_or(publishing)
+    }
+
+    /// Looks for lost nodes at their browse paths.
+    async fn find_by_path(
+        &mut self,
+        lost: Vec<Lost>,
+        memory: &mut Memory,
+    ) -> Result<VecDeque<Candidate>, ShopFloorError> {
+        let mut with_path = Vec::new();
+        for lost in lost {
+            match memory.path_of(&lost.request) {
+                Some(path) => with_path.push((lost, path)),
+                None => self.refuse(lost.request, lost.attempts, lost.status, lost.reason),
+            }
+        }
+        let paths: Vec<_> = with_path.iter().map(|(_, path)| path.clone()).collect();
+        let found = paths::translate(&self.connection, &paths).await?;
+        let mut queue = VecDeque::new();
+        for ((lost, path), targets) in with_path.into_iter().zip(found) {
+            if let Some(node_id) = targets.into_iter().next() {
+                tracing::info!(source.id = %self.entry.id, node.id = %lost.request.node_id, path = %path,
+                    "A node was found again at its browse path under another id.");
+                memory.moved.insert(lost.request.node_id.clone(), node_id.clone());
+                let Lost { request, attempts, .. } = lost;
+                queue.push_back(Candidate { request, node_id, is_found_by_path: true, attempts });
+            } else {
+                let reason = format!("{}; nothing is at its browse path {path} either", lost.reason);
+                self.refuse(lost.request, lost.attempts, lost.status, reason);
+            }
+        }
+        Ok(queue)
+    }
+
+    /// The input stays without value; its status says why, and it is tried again later.
+    fn refuse(&mut self, request: Arc<MonitorRequest>, attempts: u32, status: StatusCode, reason: String) {
+        let status = status_from_stack(status);
+        let input = request.input;
+        self.entry.note([(input, Some((status, reason)))]);
+        if attempts == 0 {
+            self.outbox.push(vec![InputChange { input, value: DataValue::status_only(status, Some(now())) }]);
+        }
+        let pause = RETRY_MIN.saturating_mul(1 << attempts.min(10)).min(RETRY_MAX);
+        let item = Item::Refused { request, retry_at: Instant::now() + pause, attempts: attempts.saturating_add(1) };
+        self.items.insert(input, item);
+    }
+}
+
+/// How many changes may come together between two publishings.
+fn queue_size(sampling_ms: f64, publishing_ms: f64) -> u32 {
+    if sampling_ms <= 0.0 {
+        return QUEUE_ON_CHANGE;
+    }
+    let changes = (publishing_ms / sampling_ms).ceil().clamp(1.0, f64::from(QUEUE_MAX) - 1.0);
+    changes as u32 + 1
+}
+
+/// True where a smaller request may succeed.
+fn is_choking(error: &ShopFloorError) -> bool {
+    match error {
+        ShopFloorError::Refused { status } => matches!(
+            StatusCode::from(status.0),
+            StatusCode::BadTooManyOperations
+                | StatusCode::BadRequestTooLarge
+                | StatusCode::BadResponseTooLarge
+                | StatusCode::BadEncodingLimitsExceeded
+                | StatusCode::BadTcpMessageTooLarge
+                | StatusCode::BadOutOfMemory
+                | StatusCode::BadResourceUnavailable
+        ),
+        ShopFloorError::Timeout(_) => true,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn queues_hold_what_may_come_between_two_publishings() {
+        for (sampling, publishing, expected) in
+            [(100.0, 100.0, 2), (10.0, 100.0, 11), (0.0, 20.0, 10), (1.0, 60_000.0, 100), (1000.0, 20.0, 2)]
+        {
+            assert_eq!(queue_size(sampling, publishing), expected, "{sampling} ms in {publishing} ms");
+        }
+    }
+}
