@@ -8,6 +8,8 @@
 //! - [`messages`]: every message of the wire contract besides reports.
 //! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
 //! - [`opcua_json`]: the OPC UA JSON encoding of values (OPC 10000-6 §5.4).
+//! - [`validation`]: what is wrong with a foreign message, all faults at once.
+//! - [`schedule`]: earliest and latest times, slack and the critical path of a network.
 //! - [`units`]: UNECE units, their aliases and conversion.
 //! - [`asi_types`]: the OPC UA type model of the Activity Status Interface.
 //! - [`json`]: the bounded reader and the plain writer that the encodings share.
@@ -19,7 +21,9 @@ pub mod messages;
 pub mod network;
 pub mod opcua_json;
 pub mod pubsub;
+pub mod schedule;
 pub mod units;
+pub mod validation;
 pub mod values;
 
 pub use ids::*;
