@@ -1,0 +1,189 @@
+//! What the host says.
+
+use std::sync::Arc;
+
+use super::{Limits, ScriptId, Spoken};
+use crate::codec::{DecodeError, Decoder, Encoder};
+
+/// What the host says.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HostMessage {
+    /// The first message: the protocol's version and what scripts may use. Answered by `Welcome`.
+    Hello {
+        /// [`crate::PROTOCOL_VERSION`].
+        version: u16,
+        /// What scripts may use.
+        limits: Limits,
+    },
+    /// Loads a script, in place of the one with the same id. Answered by `Loaded`.
+    Load(Load),
+    /// Forgets a script. Not answered.
+    Unload(ScriptId),
+    /// Calls, in this order. Answered by `Results` or `Overrun`.
+    Batch(Vec<Call>),
+}
+
+/// A script.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Its id.
+    pub script: ScriptId,
+    /// What errors call it, as `frame-4711.js`.
+    pub name: Arc<str>,
+    /// Its source text.
+    pub source: Arc<str>,
+    /// The names under `ctx.inputs`.
+    pub inputs: Vec<Arc<str>>,
+    /// `ctx.state` as JSON, from a former run.
+    pub state: Option<Arc<str>>,
+    /// The values of inputs that are known already.
+    pub values: Vec<InputValue>,
+}
+
+/// A value under `ctx.inputs`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputValue {
+    /// Position among the script's inputs.
+    pub input: u16,
+    /// The value.
+    pub spoken: Spoken,
+}
+
+/// One call of a script.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Call {
+    /// Which script.
+    pub script: ScriptId,
+    /// What it is called with.
+    pub value: CallValue,
+    /// Inputs that changed since its last call.
+    pub inputs: Vec<InputValue>,
+}
+
+/// What a script is called with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CallValue {
+    /// The value of the input at this position, as it is after the call's changes.
+    Input(u16),
+    /// A value of its own.
+    Own(Spoken),
+}
+
+impl HostMessage {
+    /// The body of a frame.
+    #[must_use]
+    pub fn encode(&self) -> Vec<u8> {
+        let mut to = Encoder::new();
+        match self {
+            Self::Hello { version, limits } => {
+                to.u8(0);
+                to.u16(*version);
+                limits.encode(&mut to);
+            }
+            Self::Load(load) => {
+                to.u8(1);
+                load.encode(&mut to);
+            }
+            Self::Unload(script) => {
+                to.u8(2);
+                to.u32(script.0);
+            }
+            Self::Batch(calls) => {
+                to.u8(3);
+                to.count(calls.len());
+                calls.iter().for_each(|call| call.encode(&mut to));
+            }
+        }
+        to.into_bytes()
+    }
+
+    /// Reads the body of a frame.
+    ///
+    /// # Errors
+    /// [`DecodeError`] for bytes that are no message.
+    pub fn decode(body: &[u8]) -> Result<Self, DecodeError> {
+        let mut from = Decoder::new(body);
+        let message = match from.u8()? {
+            0 => Self::Hello { version: from.u16()?, limits: Limits::decode(&mut from)? },
+            1 => Self::Load(Load::decode(&mut from)?),
+            2 => Self::Unload(ScriptId(from.u32()?)),
+            3 => Self::Batch(from.sequence(Call::decode)?),
+            tag => return Err(DecodeError::UnknownTag { what: "a host's message", tag }),
+        };
+        from.finish()?;
+        Ok(message)
+    }
+}
+
+impl Load {
+    fn encode(&self, to: &mut Encoder) {
+        to.u32(self.script.0);
+        to.text(&self.name);
+        to.text(&self.source);
+        to.count(self.inputs.len());
+        self.inputs.iter().for_each(|name| to.text(name));
+        to.option(self.state.as_deref(), Encoder::text);
+        to.count(self.values.len());
+        self.values.iter().for_each(|value| value.encode(to));
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+        Ok(Self {
+            script: ScriptId(from.u32()?),
+            name: from.text()?,
+            source: from.text()?,
+            inputs: from.sequence(Decoder::text)?,
+            state: from.option(Decoder::text)?,
+            values: from.sequence(InputValue::decode)?,
+        })
+    }
+}
+
+impl InputValue {
+    fn encode(&self, to: &mut Encoder) {
+        to.u16(self.input);
+        self.spoken.encode(to);
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+        Ok(Self { input: from.u16()?, spoken: Spoken::decode(from)? })
+    }
+}
+
+impl Call {
+    /// About how many bytes the call takes in a frame.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        let mut to = Encoder::new();
+        self.encode(&mut to);
+        to.len()
+    }
+
+    fn encode(&self, to: &mut Encoder) {
+        to.u32(self.script.0);
+        match &self.value {
+            CallValue::Input(index) => {
+                to.u8(0);
+                to.u16(*index);
+            }
+            CallValue::Own(spoken) => {
+                to.u8(1);
+                spoken.encode(to);
+            }
+        }
+        to.count(self.inputs.len());
+        self.inputs.iter().for_each(|input| input.encode(to));
+    }
+
+    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+        Ok(Self {
+            script: ScriptId(from.u32()?),
+            value: match from.u8()? {
+                0 => CallValue::Input(from.u16()?),
+                1 => CallValue::Own(Spoken::decode(from)?),
+                tag => return Err(DecodeError::UnknownTag { what: "a call's value", tag }),
+            },
+            inputs: from.sequence(InputValue::decode)?,
+        })
+    }
+}
