@@ -11,6 +11,5 @@ pub use message::{
     PayloadField, PubSubMessage, PubSubState, StatusMessage,
 };
 pub use meta_data::{
-    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS,
-    PROPERTY_SEMANTIC,
+    DataSetMetaData, FieldMetaData, MetaDataLookup, PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
 };

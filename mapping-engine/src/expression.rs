@@ -248,7 +248,9 @@ mod tests {
 
     #[test]
     fn wrong_values_are_faults() {
-        for text in ["1 / 0", "1 % 0", "b + 1 > 2", "b * 2", "!1", "1 && true", "number(b)", "a * a * a * a", "sqrt(0-1)"] {
+        for text in
+            ["1 / 0", "1 % 0", "b + 1 > 2", "b * 2", "!1", "1 && true", "number(b)", "a * a * a * a", "sqrt(0-1)"]
+        {
             let inputs = [Variant::from(u64::MAX), Variant::from("pcs")];
             assert!(run(text, &1_i32.into(), &inputs).is_err(), "{text}");
         }

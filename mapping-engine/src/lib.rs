@@ -6,13 +6,31 @@
 
 mod convert;
 mod diagnostic;
+mod dry_run;
+mod engine;
+mod expression;
 mod fault;
 mod inputs;
 pub mod mapping;
 mod number;
+mod path;
+mod quality;
+mod script;
+mod script_source;
+mod state;
+mod stored;
+mod text;
+mod transform;
 
 pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
+pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
+pub use engine::{
+    Candidate, CircuitState, EngineError, InputStatus, MappingEngine, MappingEngineConfig, MappingEngineHandle,
+    MappingStatus, Published,
+};
 pub use fault::{Fault, FaultKind, FaultRecord};
-pub use inputs::{InputChange, InputKey, Inputs, SourceId};
+pub use inputs::Inputs;
 pub use mapping::{Literal, Mapping, MappingId, MappingInput, Step, TypeName};
 pub use number::Number;
+pub use script::config::{ScriptConfig, ScriptEngine};
+pub use state::TransformState;

@@ -24,8 +24,8 @@ pub use step::{
     Window,
 };
 
-use crate::inputs::SourceId;
-use schema::FieldKeySchema;
+pub(crate) use schema::FieldKeySchema;
+use shop_floor::{MonitorOptions, SourceId};
 
 /// Most inputs of a mapping.
 pub const INPUTS_MAX: usize = 32;
@@ -128,14 +128,14 @@ pub struct Mapping {
 }
 
 /// A variable of a local server, under the name that expressions and scripts use.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct MappingInput {
     /// `[A-Za-z_][A-Za-z0-9_]*`, unique within the mapping, not `value`.
     #[schema(pattern = "^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
     pub name: String,
     /// The local server.
-    #[schema(value_type = String)]
+    #[schemars(with = "String")]
     pub source_id: SourceId,
     /// The variable, with its namespace's URI.
     #[schema(value_type = String, example = "nsu=urn:press;s=Cell.Counter")]
@@ -149,9 +149,10 @@ pub struct MappingInput {
     /// Whether a change of this variable makes the mapping run; `false`: it is only read when another one changes.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub triggers: bool,
-    /// How often the variable shall be sampled, in milliseconds; the source's default where absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sampling_interval_ms: Option<u32>,
+    /// How the variable is monitored: sampling, queue, browse path to find it again, part of an array.
+    #[serde(default, skip_serializing_if = "is_default_monitoring")]
+    #[schemars(with = "serde_json::Value")]
+    pub monitor: MonitorOptions,
 }
 
 /// What happens to a value whose source time lies before that of the newest value of the same variable.
@@ -195,6 +196,10 @@ const fn yes() -> bool {
 #[allow(clippy::trivially_copy_pass_by_ref)]
 const fn is_yes(value: &bool) -> bool {
     *value
+}
+
+fn is_default_monitoring(options: &MonitorOptions) -> bool {
+    *options == MonitorOptions::default()
 }
 
 const fn scalar_rank() -> i32 {

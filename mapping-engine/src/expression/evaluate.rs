@@ -25,7 +25,11 @@ impl Expr {
             Self::And(a, b) => Ok(Value::Boolean(boolean(a, lookup, "&&")? && boolean(b, lookup, "&&")?)),
             Self::Or(a, b) => Ok(Value::Boolean(boolean(a, lookup, "||")? || boolean(b, lookup, "||")?)),
             Self::Choice(condition, yes, no) => {
-                if boolean(condition, lookup, "?")? { yes.evaluate(lookup) } else { no.evaluate(lookup) }
+                if boolean(condition, lookup, "?")? {
+                    yes.evaluate(lookup)
+                } else {
+                    no.evaluate(lookup)
+                }
             }
             Self::Binary(operator, ..) if operator.is_chained() => self.chained(lookup),
             Self::Binary(operator, a, b) => binary(*operator, a.evaluate(lookup)?, b.evaluate(lookup)?),

@@ -57,9 +57,7 @@ impl Builtin {
     pub(super) fn call(self, arguments: &[Value]) -> Result<Value, Fault> {
         let number = |index: usize| match arguments.get(index) {
             Some(Value::Number(number)) => Ok(*number),
-            Some(other) => {
-                Err(Fault::type_mismatch(format!("{} takes a number, not {}", self.name(), other.kind())))
-            }
+            Some(other) => Err(Fault::type_mismatch(format!("{} takes a number, not {}", self.name(), other.kind()))),
             None => Err(Fault::type_mismatch(format!("{} lacks an argument", self.name()))),
         };
         let text = |index: usize| match arguments.get(index) {
@@ -96,7 +94,13 @@ impl Builtin {
             Self::Pow => power(number(0)?, number(1)?).map_or_else(|| real(f64::NAN), |n| Ok(Value::Number(n)))?,
             Self::Clamp => {
                 let (value, low, high) = (number(0)?, number(1)?, number(2)?);
-                Value::Number(if value < low { low } else if value > high { high } else { value })
+                Value::Number(if value < low {
+                    low
+                } else if value > high {
+                    high
+                } else {
+                    value
+                })
             }
             Self::Mod => Value::Number(modulo(number(0)?, number(1)?)?),
             Self::Bit => match (number(0)?, number(1)?) {
@@ -117,9 +121,9 @@ impl Builtin {
                 },
             },
             Self::ToNumber => match arguments.first() {
-                Some(Value::Text(text)) => Value::Number(
-                    text.trim().parse().map_err(|_| Fault::decoding("number: the text is not a number"))?,
-                ),
+                Some(Value::Text(text)) => {
+                    Value::Number(text.trim().parse().map_err(|_| Fault::decoding("number: the text is not a number"))?)
+                }
                 Some(Value::Boolean(v)) => Value::Number(Number::Integer((*v).into())),
                 _ => Value::Number(number(0)?),
             },

@@ -52,8 +52,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, u32)>, SyntaxError> {
             '0'..='9' | '.' => number(rest).ok_or_else(|| error("this is not a number".to_owned()))?,
             '\'' | '"' => quoted(rest, first).ok_or_else(|| error("this text has no closing quote".to_owned()))?,
             c if c.is_ascii_alphabetic() || c == '_' => {
-                let length =
-                    rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
+                let length = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
                 (Token::Name(rest[..length].to_owned()), length)
             }
             other => SYMBOLS

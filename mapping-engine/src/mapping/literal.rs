@@ -74,6 +74,7 @@ fn plain(scalar: &Scalar) -> Json {
         Scalar::Boolean(v) => Json::Bool(*v),
         Scalar::Int64(v) => Json::String(v.to_string()),
         Scalar::UInt64(v) => Json::String(v.to_string()),
+        Scalar::StatusCode(v) => Json::from(v.0),
         Scalar::Float(v) if v.is_finite() => Json::from(*v),
         Scalar::Double(v) if v.is_finite() => Json::from(*v),
         other => match other.as_i128().and_then(|v| i64::try_from(v).ok()) {
@@ -85,7 +86,21 @@ fn plain(scalar: &Scalar) -> Json {
 
 fn typed(json: &Json, wanted: BuiltInType) -> Result<Scalar, String> {
     let scalar = match json {
-        Json::Null if wanted == BuiltInType::String => return Ok(Scalar::String(None)),
+        Json::Null => {
+            return match wanted {
+                BuiltInType::String => Ok(Scalar::String(None)),
+                BuiltInType::ByteString => Ok(Scalar::ByteString(None)),
+                BuiltInType::XmlElement => Ok(Scalar::XmlElement(None)),
+                BuiltInType::LocalizedText => Ok(Scalar::LocalizedText(Box::default())),
+                _ => Err(format!("a {wanted} cannot be null")),
+            };
+        }
+        Json::String(text) if matches!(wanted, BuiltInType::Float | BuiltInType::Double) => {
+            let real = text.parse::<f64>().map_err(|_| format!("\"value\" is not a {wanted}"))?;
+            // Reads NaN and the infinities too.
+            #[allow(clippy::cast_possible_truncation)]
+            return Ok(if wanted == BuiltInType::Float { Scalar::Float(real as f32) } else { Scalar::Double(real) });
+        }
         Json::Bool(v) => Scalar::Boolean(*v),
         Json::String(text) => Scalar::String(Some(Arc::from(text.as_str()))),
         Json::Number(_) => Number::deserialize(json).map_err(|_| "not a number".to_owned())?.to_scalar(),

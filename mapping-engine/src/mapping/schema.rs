@@ -71,7 +71,7 @@ fn names() -> Vec<&'static str> {
 #[derive(ToSchema)]
 #[schema(as = FieldKey, rename_all = "camelCase")]
 #[allow(dead_code)]
-pub(super) struct FieldKeySchema {
+pub(crate) struct FieldKeySchema {
     operation_network_id: String,
     operation_id: String,
     dynamic_data_request_id: String,

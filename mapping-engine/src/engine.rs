@@ -1,0 +1,272 @@
+//! The engine: inputs in, candidates out.
+//!
+//! One task routes changes to the mappings that use them and runs the chains up to a script or their end; script calls
+//! go to worker processes through [`crate::script::lane`]. It never waits for a consumer while it holds work: what was
+//! made waits in a bounded list, and while that is full no changes are taken, which the shop floor notices and
+//! coalesces.
+
+mod core;
+mod inventory;
+mod routes;
+mod service;
+mod status;
+mod timers;
+mod trial;
+
+use std::sync::Arc;
+
+use asi_model::{DataValue, FieldKey};
+use serde::{Deserialize, Serialize};
+use shop_floor::{InputChange, ShopFloorError};
+use tokio::sync::{mpsc, oneshot};
+
+use crate::{
+    diagnostic::MappingDiagnostic,
+    dry_run::{DryRunSample, SAMPLES_MAX, Trace},
+    inputs::Inputs,
+    mapping::{Mapping, MappingId},
+    script::config::ScriptConfig,
+    state::TransformState,
+    transform::{Plan, compile},
+};
+pub use service::MappingEngine;
+pub use status::{CircuitState, InputStatus, MappingStatus};
+use trial::Trial;
+
+/// What the engine may use.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct MappingEngineConfig {
+    /// Most mappings.
+    pub mappings_max: usize,
+    /// Most candidates that wait for the consumer before no more changes are taken.
+    pub waiting_candidates_max: usize,
+    /// Most batches of candidates in the channel to the consumer.
+    pub waiting_batches_max: usize,
+    /// Scripts.
+    pub script: ScriptConfig,
+}
+
+impl Default for MappingEngineConfig {
+    fn default() -> Self {
+        Self {
+            mappings_max: 200_000,
+            waiting_candidates_max: 65_536,
+            waiting_batches_max: 64,
+            script: ScriptConfig::default(),
+        }
+    }
+}
+
+/// What a field may get: a value for the disclosure gate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Whose value it is.
+    pub mapping_id: MappingId,
+    /// The field.
+    pub target: FieldKey,
+    /// Value, status and times. Of the field's type, or without value and Bad.
+    pub value: DataValue,
+    /// What the functions remember once this value is out; to be committed with it. `None` where nothing is
+    /// remembered, or a later candidate of the same batch carries it.
+    pub state: Option<TransformState>,
+}
+
+/// A mapping with what a former run left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Published {
+    /// The mapping.
+    pub mapping: Mapping,
+    /// What its functions remembered.
+    pub state: Option<TransformState>,
+    /// Its last candidate; shown as last usable value until the source gives one.
+    pub last: Option<DataValue>,
+}
+
+impl From<Mapping> for Published {
+    fn from(mapping: Mapping) -> Self {
+        Self { mapping, state: None, last: None }
+    }
+}
+
+/// Why the engine did not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The mapping has errors; all that is to be said about it.
+    #[error("the mapping has errors")]
+    Rejected(Vec<MappingDiagnostic>),
+    /// There are as many mappings as allowed.
+    #[error("there are {0} mappings already, which is the limit")]
+    TooManyMappings(usize),
+    /// There are as many scripts as the workers may hold.
+    #[error("there are {0} scripts already, which is the limit: raise script.workers")]
+    TooManyScripts(usize),
+    /// More samples than a dry run takes.
+    #[error("a dry run takes at most {SAMPLES_MAX} samples")]
+    TooManySamples,
+    /// The inputs cannot be monitored.
+    #[error("the inputs cannot be monitored")]
+    Inputs(#[source] ShopFloorError),
+    /// The engine has ended.
+    #[error("the mapping engine has ended")]
+    Stopped,
+}
+
+/// A cloneable handle to the [`MappingEngine`].
+#[derive(Debug, Clone)]
+pub struct MappingEngineHandle {
+    commands: mpsc::Sender<Command>,
+    trials: mpsc::Sender<Trial>,
+}
+
+/// What handles ask of the service.
+#[derive(Debug)]
+enum Command {
+    Put(Vec<Compiled>, oneshot::Sender<Vec<Result<(), EngineError>>>),
+    Remove(MappingId, oneshot::Sender<bool>),
+    Status(Option<MappingId>, oneshot::Sender<Vec<MappingStatus>>),
+    Reset(MappingId, oneshot::Sender<bool>),
+}
+
+#[derive(Debug)]
+struct Compiled {
+    plan: Arc<Plan>,
+    state: Option<TransformState>,
+    last: Option<DataValue>,
+}
+
+impl MappingEngineHandle {
+    /// Publishes a mapping, in place of the one with the same id. Returns what is doubtful about it.
+    ///
+    /// A script is checked by loading it in the background; a fault there shows in the status and as a candidate. Use
+    /// [`Self::check`] to see it before.
+    ///
+    /// # Errors
+    /// [`EngineError::Rejected`] with everything that is wrong; limits; [`EngineError::Stopped`].
+    pub async fn put(
+        &self,
+        mapping: Mapping,
+        state: Option<TransformState>,
+    ) -> Result<Vec<MappingDiagnostic>, EngineError> {
+        let published = Published { mapping, state, last: None };
+        self.put_many(vec![published]).await?.pop().ok_or(EngineError::Stopped)?
+    }
+
+    /// Publishes many mappings, each with what a former run left. One result for each.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn put_many(
+        &self,
+        published: Vec<Published>,
+    ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
+        let mut results = Vec::with_capacity(published.len());
+        let mut compiled = Vec::with_capacity(published.len());
+        for Published { mapping, state, last } in published {
+            let (plan, diagnostics) = compile(&Arc::new(mapping));
+            results.push(match plan {
+                Some(plan) => {
+                    compiled.push(Compiled { plan: Arc::new(plan), state, last });
+                    Ok(diagnostics)
+                }
+                None => Err(EngineError::Rejected(diagnostics)),
+            });
+        }
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Put(compiled, reply)).await?;
+        let mut put = answer.await.map_err(|_| EngineError::Stopped)?.into_iter();
+        for result in results.iter_mut().filter(|result| result.is_ok()) {
+            if let Some(Err(error)) = put.next() {
+                *result = Err(error);
+            }
+        }
+        Ok(results)
+    }
+
+    /// Withdraws a mapping. False if there is none with this id.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn remove(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Remove(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// How all mappings are doing.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn statuses(&self) -> Result<Vec<MappingStatus>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Status(None, reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// How one mapping is doing.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn status(&self, mapping_id: &MappingId) -> Result<Option<MappingStatus>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Status(Some(mapping_id.clone()), reply)).await?;
+        Ok(answer.await.map_err(|_| EngineError::Stopped)?.pop())
+    }
+
+    /// Ends the rest of a mapping's scripts, by hand. False if there is no such mapping.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn reset(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Reset(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Everything that is wrong or doubtful about a mapping, its scripts loaded in a worker for trials.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn check(&self, mapping: Mapping) -> Result<Vec<MappingDiagnostic>, EngineError> {
+        self.dry_run(mapping, Vec::new()).await.map(|trace| trace.diagnostics)
+    }
+
+    /// Runs a mapping on samples, in a worker for trials, and shows every intermediate value. Nothing is published.
+    ///
+    /// # Errors
+    /// [`EngineError::TooManySamples`], [`EngineError::Stopped`].
+    pub async fn dry_run(&self, mapping: Mapping, samples: Vec<DryRunSample>) -> Result<Trace, EngineError> {
+        if samples.len() > SAMPLES_MAX {
+            return Err(EngineError::TooManySamples);
+        }
+        let (plan, diagnostics) = compile(&Arc::new(mapping));
+        let Some(plan) = plan else { return Ok(Trace { diagnostics, runs: Vec::new() }) };
+        let (reply, answer) = oneshot::channel();
+        let trial = Trial { plan: Arc::new(plan), diagnostics, samples, reply };
+        self.trials.send(trial).await.map_err(|_| EngineError::Stopped)?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    async fn send(&self, command: Command) -> Result<(), EngineError> {
+        self.commands.send(command).await.map_err(|_| EngineError::Stopped)
+    }
+}
+
+impl MappingEngine {
+    /// An engine, its handle, and the candidates it will yield.
+    ///
+    /// `inputs` is told which variables to monitor; their changes come through `changes`.
+    #[must_use]
+    pub fn new(
+        config: MappingEngineConfig,
+        inputs: impl Inputs,
+        changes: mpsc::Receiver<Vec<InputChange>>,
+    ) -> (Self, MappingEngineHandle, mpsc::Receiver<Vec<Candidate>>) {
+        let (commands, for_commands) = mpsc::channel(64);
+        let (trials, for_trials) = mpsc::channel(16);
+        let (candidates, consumer) = mpsc::channel(config.waiting_batches_max.max(1));
+        let handle = MappingEngineHandle { commands, trials };
+        let engine = Self::assemble(config, Box::new(inputs), changes, for_commands, for_trials, candidates);
+        (engine, handle, consumer)
+    }
+}

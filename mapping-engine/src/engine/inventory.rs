@@ -1,0 +1,115 @@
+//! The mappings at work, each at a place of its own.
+
+use std::{collections::HashMap, time::Duration};
+
+use asi_model::{DataValue, DateTime};
+use script_protocol::ScriptId;
+use shop_floor::InputKey;
+
+use crate::{fault::FaultRecord, mapping::MappingId, script::breaker::Breaker, transform::Transform};
+
+/// A mapping at work.
+#[derive(Debug)]
+pub(super) struct Entry {
+    pub transform: Transform,
+    pub inputs: Box<[InputKey]>,
+    pub scripts: Box<[Script]>,
+    /// When it is woken next.
+    pub scheduled: Option<DateTime>,
+    pub received: u64,
+    pub yielded: u64,
+    pub superseded: u64,
+    pub faults: u64,
+    pub last_fault: Option<Box<FaultRecord>>,
+    pub spent: Duration,
+    pub last_yielded_at: Option<DateTime>,
+    pub last_candidate: Option<Box<DataValue>>,
+    /// The number of the batch of candidates that carried its state.
+    pub state_carried_in: u64,
+}
+
+/// A script of a mapping.
+#[derive(Debug)]
+pub(super) struct Script {
+    pub id: ScriptId,
+    pub step: usize,
+    pub lane: usize,
+    pub breaker: Breaker,
+}
+
+impl Entry {
+    pub fn new(transform: Transform, inputs: Box<[InputKey]>, scripts: Box<[Script]>) -> Self {
+        Self {
+            transform,
+            inputs,
+            scripts,
+            scheduled: None,
+            received: 0,
+            yielded: 0,
+            superseded: 0,
+            faults: 0,
+            last_fault: None,
+            spent: Duration::ZERO,
+            last_yielded_at: None,
+            last_candidate: None,
+            state_carried_in: 0,
+        }
+    }
+}
+
+/// All mappings. Places are used again.
+#[derive(Debug, Default)]
+pub(super) struct Inventory {
+    entries: Vec<Option<Entry>>,
+    free: Vec<usize>,
+    places: HashMap<MappingId, usize>,
+}
+
+impl Inventory {
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    pub fn place_of(&self, id: &MappingId) -> Option<usize> {
+        self.places.get(id).copied()
+    }
+
+    pub fn get(&self, place: usize) -> Option<&Entry> {
+        self.entries.get(place)?.as_ref()
+    }
+
+    pub fn get_mut(&mut self, place: usize) -> Option<&mut Entry> {
+        self.entries.get_mut(place)?.as_mut()
+    }
+
+    /// The place that the next entry gets.
+    pub fn next_place(&self) -> usize {
+        self.free.last().copied().unwrap_or(self.entries.len())
+    }
+
+    /// Puts an entry at [`Self::next_place`].
+    pub fn insert(&mut self, id: MappingId, entry: Entry) {
+        let place = match self.free.pop() {
+            Some(place) => {
+                self.entries[place] = Some(entry);
+                place
+            }
+            None => {
+                self.entries.push(Some(entry));
+                self.entries.len() - 1
+            }
+        };
+        self.places.insert(id, place);
+    }
+
+    pub fn remove(&mut self, id: &MappingId) -> Option<(usize, Entry)> {
+        let place = self.places.remove(id)?;
+        let entry = self.entries.get_mut(place)?.take()?;
+        self.free.push(place);
+        Some((place, entry))
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter().flatten()
+    }
+}

@@ -1,0 +1,80 @@
+//! Which mappings a change concerns.
+//!
+//! A variable that several mappings use in the same way is monitored once.
+
+use std::collections::HashMap;
+
+use asi_model::{DataValue, NodeId};
+use shop_floor::{InputKey, MonitorOptions, MonitorRequest, SourceId};
+
+use crate::mapping::MappingInput;
+
+/// A mapping's input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Subscriber {
+    /// The mapping's place.
+    pub place: usize,
+    /// Position among its inputs.
+    pub input: usize,
+}
+
+/// A monitored variable.
+#[derive(Debug)]
+pub(super) struct Route {
+    pub subscribers: Vec<Subscriber>,
+    /// Given to mappings that come later.
+    pub last: Option<DataValue>,
+    variable: (SourceId, NodeId),
+}
+
+/// All monitored variables.
+#[derive(Debug, Default)]
+pub(super) struct Routes {
+    routes: HashMap<InputKey, Route>,
+    keys: HashMap<(SourceId, NodeId), Vec<(MonitorOptions, InputKey)>>,
+    last_key: u64,
+}
+
+impl Routes {
+    pub fn get_mut(&mut self, key: InputKey) -> Option<&mut Route> {
+        self.routes.get_mut(&key)
+    }
+
+    /// Lets a mapping's input follow a variable. The request to monitor it, if nobody has so far.
+    pub fn subscribe(&mut self, input: &MappingInput, subscriber: Subscriber) -> (InputKey, Option<MonitorRequest>) {
+        let variable = (input.source_id.clone(), input.node_id.clone());
+        let keys = self.keys.entry(variable.clone()).or_default();
+        if let Some((_, key)) = keys.iter().find(|(options, _)| *options == input.monitor) {
+            let key = *key;
+            if let Some(route) = self.routes.get_mut(&key) {
+                route.subscribers.push(subscriber);
+            }
+            return (key, None);
+        }
+        // Keys are never used again: a late change of a former variable finds nobody.
+        self.last_key += 1;
+        let key = InputKey(self.last_key);
+        keys.push((input.monitor.clone(), key));
+        let (source, node_id) = variable.clone();
+        self.routes.insert(key, Route { subscribers: vec![subscriber], last: None, variable });
+        (key, Some(MonitorRequest { input: key, source, node_id, options: input.monitor.clone() }))
+    }
+
+    /// Ends what [`Self::subscribe`] began. True if nobody follows the variable any more.
+    pub fn unsubscribe(&mut self, key: InputKey, subscriber: Subscriber) -> bool {
+        let Some(route) = self.routes.get_mut(&key) else { return false };
+        route.subscribers.retain(|other| *other != subscriber);
+        if !route.subscribers.is_empty() {
+            return false;
+        }
+        if let Some(route) = self.routes.remove(&key)
+            && let Some(keys) = self.keys.get_mut(&route.variable)
+        {
+            keys.retain(|(_, other)| *other != key);
+            if keys.is_empty() {
+                self.keys.remove(&route.variable);
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,197 @@
+//! Checks and dry runs, in a worker of their own: a script that is only tried cannot disturb one that is published.
+
+use std::{sync::Arc, time::Duration};
+
+use asi_model::DateTime;
+use script_protocol::{Call, CallValue, InputValue, Load, ScriptId};
+use tokio::{
+    sync::{mpsc, oneshot},
+    time::timeout,
+};
+use tokio_util::sync::CancellationToken;
+
+use super::core::yielded_of;
+use crate::{
+    diagnostic::{DiagnosticCode, MappingDiagnostic},
+    dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue},
+    fault::FaultKind,
+    mapping::Step,
+    script::{config::ScriptConfig, values, worker::ScriptWorker},
+    transform::{Plan, Reaction, ScriptCall, ScriptYield, Transform},
+};
+
+/// A worker for trials ends after so much time without any.
+const IDLE_MAX: Duration = Duration::from_secs(60);
+/// Most runs of one trial that timers cause.
+const TIMER_RUNS_MAX: usize = 10_000;
+
+/// A mapping to try.
+#[derive(Debug)]
+pub(super) struct Trial {
+    pub plan: Arc<Plan>,
+    pub diagnostics: Vec<MappingDiagnostic>,
+    pub samples: Vec<DryRunSample>,
+    pub reply: oneshot::Sender<Trace>,
+}
+
+/// Serves trials, one after the other.
+pub(super) async fn serve(config: Arc<ScriptConfig>, mut trials: mpsc::Receiver<Trial>, shutdown: CancellationToken) {
+    let mut worker = ScriptWorker::new(config);
+    loop {
+        let next = tokio::select! {
+            () = shutdown.cancelled() => break,
+            next = timeout(IDLE_MAX, trials.recv()) => next,
+        };
+        let Trial { plan, diagnostics, samples, mut reply } = match next {
+            Err(_) => {
+                worker.take_down().await;
+                continue;
+            }
+            Ok(None) => break,
+            Ok(Some(trial)) => trial,
+        };
+        let mut running = Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
+        tokio::select! {
+            () = shutdown.cancelled() => break,
+            () = reply.closed() => {}
+            () = running.run(&samples) => {
+                let trace = running.trace;
+                // Nobody waits any more: nothing is lost.
+                drop(reply.send(trace));
+            }
+        }
+    }
+    worker.take_down().await;
+}
+
+struct Running<'a> {
+    plan: Arc<Plan>,
+    worker: &'a mut ScriptWorker,
+    trace: Trace,
+}
+
+impl Running<'_> {
+    async fn run(&mut self, samples: &[DryRunSample]) {
+        let scripts: Vec<usize> = self.plan.script_steps().collect();
+        self.load(&scripts).await;
+        if !self.trace.diagnostics.iter().any(MappingDiagnostic::is_error) {
+            self.feed(samples).await;
+        }
+        for step in scripts {
+            self.worker.unload(id_of(step)).await;
+        }
+    }
+
+    async fn load(&mut self, steps: &[usize]) {
+        let mapping = Arc::clone(&self.plan.mapping);
+        for step in steps {
+            let Some(Step::Script(script)) = mapping.steps.get(*step) else { continue };
+            let load = Load {
+                script: id_of(*step),
+                name: mapping.mapping_id.as_str().into(),
+                source: script.source.as_str().into(),
+                inputs: mapping.inputs.iter().map(|input| input.name.as_str().into()).collect(),
+                state: None,
+                values: Vec::new(),
+            };
+            if let Err(fault) = self.worker.load(load).await {
+                let code = match fault.kind {
+                    FaultKind::ScriptSyntax => DiagnosticCode::Syntax,
+                    FaultKind::WorkerUnavailable => DiagnosticCode::WorkerUnavailable,
+                    _ => DiagnosticCode::ScriptFault,
+                };
+                let pointer = format!("/steps/{step}/source");
+                let diagnostic = MappingDiagnostic::error(pointer, code, &*fault.message);
+                self.trace.diagnostics.push(diagnostic.at(fault.line, fault.column));
+            }
+        }
+    }
+
+    async fn feed(&mut self, samples: &[DryRunSample]) {
+        let mut transform = Transform::new(Arc::clone(&self.plan), None, None);
+        let mut steps = Vec::new();
+        if let Some(at) = samples.first().map(|sample| sample.at) {
+            let reaction = transform.start(at, Some(&mut steps));
+            if reaction != Reaction::Quiet {
+                self.follow(&mut transform, reaction, at, None, steps).await;
+            }
+        }
+        let mut timer_runs = 0;
+        for (index, sample) in samples.iter().enumerate() {
+            let Some(input) = self.plan.mapping.input_index(&sample.input) else {
+                let message = format!("there is no input \"{}\"", sample.input);
+                let pointer = format!("/samples/{index}/input");
+                self.trace.diagnostics.push(MappingDiagnostic::error(pointer, DiagnosticCode::UnknownName, message));
+                continue;
+            };
+            self.pass_time(&mut transform, Some(sample.at), &mut timer_runs).await;
+            let mut steps = Vec::new();
+            let reaction = transform.on(sample.at, input, sample.value.clone(), Some(&mut steps));
+            self.follow(&mut transform, reaction, sample.at, Some(sample), steps).await;
+        }
+        self.pass_time(&mut transform, None, &mut timer_runs).await;
+    }
+
+    /// Runs the timers that are due until a time; all there are where there is none.
+    async fn pass_time(&mut self, transform: &mut Transform, until: Option<DateTime>, runs: &mut usize) {
+        while let Some(due) = transform.due().filter(|due| until.is_none_or(|until| *due <= until)) {
+            *runs += 1;
+            if *runs > TIMER_RUNS_MAX {
+                return;
+            }
+            let reaction = transform.on_timer(due);
+            self.follow(transform, reaction, due, None, Vec::new()).await;
+        }
+    }
+
+    /// Follows a run through its scripts to its end.
+    async fn follow(
+        &mut self,
+        transform: &mut Transform,
+        mut reaction: Reaction,
+        at: DateTime,
+        sample: Option<&DryRunSample>,
+        mut steps: Vec<TraceStep>,
+    ) {
+        while let Reaction::Call(call) = reaction {
+            let called = call_of(&call);
+            let outcome = self.worker.run(vec![called]).await.pop();
+            let result = match outcome {
+                Some(outcome) => {
+                    outcome.result.and_then(yielded_of).map(|value| ScriptYield { value, state: outcome.state })
+                }
+                None => return,
+            };
+            reaction = transform.resume(at, call, result, Some(&mut steps));
+        }
+        let (candidate, fault) = match &reaction {
+            Reaction::Candidate(value) => (Some(TracedValue::of(value)), None),
+            Reaction::Failed(value, failed) => (Some(TracedValue::of(value)), Some(TracedFault::from(&failed.fault))),
+            _ => (None, None),
+        };
+        self.trace.runs.push(TraceRun {
+            at,
+            input: sample.map(|sample| sample.input.clone()),
+            value: sample.map(|sample| TracedValue::of(&sample.value)),
+            steps,
+            candidate,
+            fault,
+        });
+    }
+}
+
+/// Trials are one at a time, so the step is id enough.
+fn id_of(step: usize) -> ScriptId {
+    ScriptId(u32::try_from(step).unwrap_or(u32::MAX))
+}
+
+fn call_of(call: &ScriptCall) -> Call {
+    let inputs = call.inputs.iter().filter_map(|(index, value)| {
+        Some(InputValue { input: u16::try_from(*index).ok()?, spoken: values::spoken(value) })
+    });
+    Call {
+        script: id_of(call.step),
+        value: CallValue::Own(values::spoken(&call.flow.clone().into_value())),
+        inputs: inputs.collect(),
+    }
+}

@@ -1,0 +1,56 @@
+//! Scripts, which run in worker processes.
+//!
+//! A worker is started when the first script needs it, is told what it may use, and is taken down and started anew
+//! when it does not keep to that. [`worker::ScriptWorker`] hides this: callers get a result for every call, and the
+//! fault of a call that took the worker down is that call's fault only.
+
+pub(crate) mod breaker;
+pub(crate) mod config;
+pub(crate) mod lane;
+mod process;
+pub(crate) mod values;
+pub(crate) mod worker;
+
+use std::{sync::Arc, time::Duration};
+
+use asi_model::StatusCode;
+use script_protocol::{FaultKind as Kind, ScriptFault};
+
+use crate::fault::{Fault, FaultKind};
+
+/// What a call came to.
+#[derive(Debug, Clone)]
+pub(crate) struct CallOutcome {
+    pub result: Result<script_protocol::Yielded, Fault>,
+    /// `ctx.state` where it changed.
+    pub state: Option<Arc<str>>,
+    pub spent: Duration,
+    /// The call took the worker down.
+    pub is_fatal: bool,
+}
+
+impl CallOutcome {
+    fn failed(fault: Fault, is_fatal: bool) -> Self {
+        Self { result: Err(fault), state: None, spent: Duration::ZERO, is_fatal }
+    }
+}
+
+/// A script's fault in the engine's words.
+pub(crate) fn fault_of(fault: ScriptFault) -> Fault {
+    let (kind, status) = match fault.kind {
+        Kind::Syntax => (FaultKind::ScriptSyntax, StatusCode::BAD_CONFIGURATION_ERROR),
+        Kind::Error => (FaultKind::ScriptError, StatusCode::BAD_UNEXPECTED_ERROR),
+        Kind::Timeout => (FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT),
+        Kind::OutOfMemory => (FaultKind::ScriptOutOfMemory, StatusCode::BAD_RESOURCE_UNAVAILABLE),
+        Kind::Result => (FaultKind::ScriptResult, StatusCode::BAD_TYPE_MISMATCH),
+        Kind::NotLoaded => (FaultKind::WorkerUnavailable, StatusCode::BAD_OUT_OF_SERVICE),
+    };
+    let message =
+        if fault.name.is_empty() { fault.message } else { format!("{}: {}", fault.name, fault.message).into() };
+    Fault { status, kind, message, line: fault.line, column: fault.column }
+}
+
+/// The fault of everything that a worker which does not start cannot do.
+pub(crate) fn unavailable(message: impl Into<Arc<str>>) -> Fault {
+    Fault::new(FaultKind::WorkerUnavailable, StatusCode::BAD_OUT_OF_SERVICE, message)
+}

@@ -1,0 +1,123 @@
+//! What scripts may use, and where their workers are.
+
+use std::{path::PathBuf, time::Duration};
+
+use script_protocol::Limits;
+use serde::{Deserialize, Serialize};
+
+/// Which engine runs the scripts. Each is a worker binary of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ScriptEngine {
+    /// `script-quickjs`: small, starts in milliseconds.
+    #[default]
+    QuickJs,
+    /// `script-deno`: `deno_core`, with genuine V8 where it was built with it.
+    Deno,
+}
+
+impl ScriptEngine {
+    /// The file name of the worker.
+    #[must_use]
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            Self::QuickJs => "script-quickjs",
+            Self::Deno => "script-deno",
+        }
+    }
+
+    /// Address space that the engine reserves per script without using it.
+    const fn reserved_bytes(self) -> u64 {
+        match self {
+            Self::QuickJs => 0,
+            Self::Deno => 64 << 20,
+        }
+    }
+}
+
+/// What scripts may use.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct ScriptConfig {
+    /// Which engine.
+    pub engine: ScriptEngine,
+    /// The worker's binary; beside the running program where absent.
+    pub worker_path: Option<PathBuf>,
+    /// How many worker processes share the scripts.
+    pub workers: usize,
+    /// Most scripts per worker.
+    pub scripts_per_worker_max: usize,
+    /// Computing time of one call, in milliseconds. What cannot be stopped is taken down at one and a half times that.
+    pub call_budget_ms: u64,
+    /// Memory of one script, in bytes.
+    pub script_memory_bytes: u64,
+    /// Address space of a worker, in bytes.
+    pub address_space_bytes: u64,
+    /// After so many calls in a row that used up time or memory a script rests. One that took its worker down rests at
+    /// once.
+    pub exhausted_in_a_row_max: u32,
+    /// How long a script rests at first, in seconds; each further rest is twice as long, up to an hour.
+    pub rest_s: u64,
+}
+
+impl Default for ScriptConfig {
+    fn default() -> Self {
+        Self {
+            engine: ScriptEngine::default(),
+            worker_path: None,
+            workers: 1,
+            scripts_per_worker_max: 2000,
+            call_budget_ms: 100,
+            script_memory_bytes: 8 << 20,
+            address_space_bytes: 2 << 30,
+            exhausted_in_a_row_max: 5,
+            rest_s: 30,
+        }
+    }
+}
+
+impl ScriptConfig {
+    /// Stack of one script.
+    const STACK_BYTES: u64 = 256 << 10;
+
+    pub(crate) fn limits(&self) -> Limits {
+        let call_budget = Duration::from_millis(self.call_budget_ms.max(1));
+        Limits {
+            script_memory_bytes: self.script_memory_bytes,
+            script_stack_bytes: Self::STACK_BYTES,
+            call_budget,
+            overrun_budget: call_budget + call_budget / 2,
+            batch_budget: call_budget,
+            address_space_bytes: self.address_space_bytes.saturating_add(self.engine.reserved_bytes()),
+        }
+    }
+
+    /// After so much time by the wall clock a worker that has not answered a batch is taken down.
+    pub(crate) fn answer_budget(&self) -> Duration {
+        Duration::from_millis(self.call_budget_ms.max(1)) * 32 + Duration::from_secs(1)
+    }
+
+    pub(crate) fn rest(&self) -> Duration {
+        Duration::from_secs(self.rest_s.max(1))
+    }
+
+    /// Where the worker's binary is.
+    ///
+    /// # Errors
+    /// A sentence naming the places where it is not.
+    pub(crate) fn find_worker(&self) -> Result<PathBuf, String> {
+        let name = self.engine.file_name();
+        if let Some(path) = &self.worker_path {
+            let found = path.is_file().then(|| path.clone());
+            return found.ok_or_else(|| format!("there is no script worker at {}", path.display()));
+        }
+        let program = std::env::current_exe().map_err(|error| format!("this program's place is unknown: {error}"))?;
+        let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+        // Beside the program; one level up for programs that cargo builds into a folder of their own (tests, examples).
+        let places = program.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
+        places
+            .into_iter()
+            .find(|path| path.is_file())
+            .ok_or_else(|| format!("there is no {name} beside {}: set script.workerPath", program.display()))
+    }
+}

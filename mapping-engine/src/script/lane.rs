@@ -1,0 +1,216 @@
+//! The way from the engine to one worker: a fair, bounded queue, and one batch at a time.
+//!
+//! The worker asks for the next job when it is done with the last, so neither side ever waits for the other while the
+//! other waits for it. While a batch is under way calls gather; so batches grow with the load and an idle worker
+//! answers at once.
+
+use std::{
+    collections::{HashMap, VecDeque},
+    sync::Arc,
+};
+
+use script_protocol::{Call, Load, ScriptId};
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+
+use super::{CallOutcome, config::ScriptConfig, worker::ScriptWorker};
+use crate::{fault::Fault, transform::ScriptCall};
+
+/// Most calls of a batch.
+const BATCH_CALLS_MAX: usize = 256;
+/// About how long a batch may get, in bytes. A single call may exceed it.
+const BATCH_BYTES_MAX: usize = 1 << 20;
+/// Most calls of one script that wait; further ones supersede the newest.
+const WAITING_PER_SCRIPT_MAX: usize = 64;
+
+/// What a worker is to do.
+#[derive(Debug)]
+pub(crate) enum Job {
+    Load(Load),
+    Unload(ScriptId),
+    Batch(Vec<Call>),
+}
+
+/// What became of it.
+#[derive(Debug)]
+pub(crate) struct Report {
+    pub lane: usize,
+    pub done: Done,
+}
+
+#[derive(Debug)]
+pub(crate) enum Done {
+    Loaded(ScriptId, Result<(), Fault>),
+    Unloaded,
+    Called(Vec<CallOutcome>),
+}
+
+/// A call that waits, with what the transform needs to go on.
+#[derive(Debug)]
+pub(crate) struct Waiting {
+    pub call: Call,
+    pub resume: ScriptCall,
+}
+
+/// The engine's side of a worker.
+#[derive(Debug)]
+pub(crate) struct Lane {
+    jobs: mpsc::Sender<Job>,
+    is_busy: bool,
+    /// Loads and unloads, before any call.
+    urgent: VecDeque<Job>,
+    waiting: HashMap<ScriptId, VecDeque<Waiting>>,
+    /// Scripts with waiting calls, in turn.
+    turn: VecDeque<ScriptId>,
+    under_way: Vec<(ScriptId, ScriptCall)>,
+    pub scripts: usize,
+}
+
+impl Lane {
+    /// A lane and the future that serves it.
+    pub fn new(
+        lane: usize,
+        config: Arc<ScriptConfig>,
+        reports: mpsc::Sender<Report>,
+        shutdown: CancellationToken,
+    ) -> (Self, impl Future<Output = ()> + Send) {
+        let (jobs, receiver) = mpsc::channel(1);
+        let serving = serve(lane, ScriptWorker::new(config), receiver, reports, shutdown);
+        let lane = Self {
+            jobs,
+            is_busy: false,
+            urgent: VecDeque::new(),
+            waiting: HashMap::new(),
+            turn: VecDeque::new(),
+            under_way: Vec::new(),
+            scripts: 0,
+        };
+        (lane, serving)
+    }
+
+    pub fn load(&mut self, load: Load) {
+        self.scripts += 1;
+        self.urgent.push_back(Job::Load(load));
+        self.feed();
+    }
+
+    pub fn unload(&mut self, script: ScriptId) {
+        self.scripts = self.scripts.saturating_sub(1);
+        self.forget(script);
+        self.urgent.push_back(Job::Unload(script));
+        self.feed();
+    }
+
+    /// Drops the waiting calls of a script; how many there were.
+    pub fn forget(&mut self, script: ScriptId) -> usize {
+        self.turn.retain(|other| *other != script);
+        self.waiting.remove(&script).map_or(0, |calls| calls.len())
+    }
+
+    /// Queues a call. True if it superseded one that waited.
+    pub fn call(&mut self, mut waiting: Waiting) -> bool {
+        let script = waiting.call.script;
+        let queue = self.waiting.entry(script).or_default();
+        if queue.is_empty() {
+            self.turn.push_back(script);
+        }
+        let superseded = if queue.len() >= WAITING_PER_SCRIPT_MAX { queue.pop_back() } else { None };
+        if let Some(Waiting { call, .. }) = &superseded {
+            // What the superseded call would have told of other inputs is told by this one.
+            for input in &call.inputs {
+                if !waiting.call.inputs.iter().any(|newer| newer.input == input.input) {
+                    waiting.call.inputs.push(input.clone());
+                }
+            }
+        }
+        queue.push_back(waiting);
+        superseded.is_some()
+    }
+
+    /// Gives the worker its next job if it is idle.
+    pub fn feed(&mut self) {
+        if self.is_busy {
+            return;
+        }
+        let job = match self.urgent.pop_front() {
+            Some(job) => job,
+            None if self.turn.is_empty() => return,
+            None => self.batch(),
+        };
+        // An idle worker has taken everything, so there is room; a closed channel means the engine is shutting down.
+        self.is_busy = self.jobs.try_send(job).is_ok();
+    }
+
+    /// The worker is idle again. The calls that were under way, in the order of the outcomes.
+    pub fn done(&mut self) -> Vec<(ScriptId, ScriptCall)> {
+        self.is_busy = false;
+        std::mem::take(&mut self.under_way)
+    }
+
+    /// One call of each script in turn, until the batch is full. A script's calls keep their order.
+    fn batch(&mut self) -> Job {
+        let mut calls = Vec::new();
+        let mut bytes = 0;
+        while calls.len() < BATCH_CALLS_MAX && bytes < BATCH_BYTES_MAX {
+            let Some(script) = self.turn.pop_front() else { break };
+            let Some(queue) = self.waiting.get_mut(&script) else { continue };
+            let Some(Waiting { call, resume }) = queue.pop_front() else { continue };
+            if queue.is_empty() {
+                self.waiting.remove(&script);
+            } else {
+                self.turn.push_back(script);
+            }
+            bytes += size(&call);
+            calls.push(call);
+            self.under_way.push((script, resume));
+        }
+        Job::Batch(calls)
+    }
+}
+
+/// Scalars are small; only what can be long is measured.
+fn size(call: &Call) -> usize {
+    use script_protocol::{CallValue, ScriptValue};
+    let is_long = |value: &ScriptValue| {
+        matches!(value, ScriptValue::Text(_) | ScriptValue::Bytes(_) | ScriptValue::List(_) | ScriptValue::Record(_))
+    };
+    let own = matches!(&call.value, CallValue::Own(spoken) if is_long(&spoken.value));
+    if own || call.inputs.iter().any(|input| is_long(&input.spoken.value)) { call.size() } else { 64 }
+}
+
+async fn serve(
+    lane: usize,
+    mut worker: ScriptWorker,
+    mut jobs: mpsc::Receiver<Job>,
+    reports: mpsc::Sender<Report>,
+    shutdown: CancellationToken,
+) {
+    loop {
+        let job = tokio::select! {
+            () = shutdown.cancelled() => break,
+            job = jobs.recv() => job,
+        };
+        let Some(job) = job else { break };
+        let working = async {
+            match job {
+                Job::Load(load) => {
+                    let script = load.script;
+                    Done::Loaded(script, worker.load(load).await)
+                }
+                Job::Unload(script) => {
+                    worker.unload(script).await;
+                    Done::Unloaded
+                }
+                Job::Batch(calls) => Done::Called(worker.run(calls).await),
+            }
+        };
+        let done = tokio::select! {
+            () = shutdown.cancelled() => break,
+            done = working => done,
+        };
+        if reports.send(Report { lane, done }).await.is_err() {
+            break;
+        }
+    }
+    worker.take_down().await;
+}

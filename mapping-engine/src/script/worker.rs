@@ -1,0 +1,211 @@
+//! A worker that is always there: started when needed, started anew when lost, loaded with its scripts again.
+
+use std::{
+    collections::{HashMap, VecDeque},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use script_protocol::{Call, CallResult, HostMessage, InputValue, Load, ScriptId, WorkerMessage};
+
+use super::{
+    CallOutcome,
+    config::ScriptConfig,
+    fault_of,
+    process::{Process, ProcessError},
+    unavailable,
+};
+use crate::fault::{Fault, FaultKind};
+use asi_model::StatusCode;
+
+/// After a start that failed, the next is tried no sooner.
+const RESTART_PAUSE: Duration = Duration::from_secs(1);
+
+/// A worker and what it is to hold.
+#[derive(Debug)]
+pub(crate) struct ScriptWorker {
+    config: Arc<ScriptConfig>,
+    process: Option<Process>,
+    /// What the worker is loaded with again after a restart: state and inputs are kept up to date.
+    scripts: HashMap<ScriptId, Load>,
+    /// Why the worker does not start, and since when.
+    broken: Option<(Instant, Arc<str>)>,
+}
+
+impl ScriptWorker {
+    pub fn new(config: Arc<ScriptConfig>) -> Self {
+        Self { config, process: None, scripts: HashMap::new(), broken: None }
+    }
+
+    /// Loads a script. On a fault it is not there afterwards.
+    pub async fn load(&mut self, load: Load) -> Result<(), Fault> {
+        let script = load.script;
+        self.scripts.remove(&script);
+        self.ready().await?;
+        let result = self.load_now(&load).await;
+        if result.is_ok() {
+            self.scripts.insert(script, load);
+        }
+        result
+    }
+
+    /// Forgets a script.
+    pub async fn unload(&mut self, script: ScriptId) {
+        if self.scripts.remove(&script).is_some()
+            && let Some(process) = &mut self.process
+            && process.tell(&HostMessage::Unload(script)).await.is_err()
+        {
+            self.take_down().await;
+        }
+    }
+
+    /// Makes calls, in order. There is one outcome for each.
+    pub async fn run(&mut self, calls: Vec<Call>) -> Vec<CallOutcome> {
+        let mut outcomes = Vec::with_capacity(calls.len());
+        let mut rest = VecDeque::from(calls);
+        // After an end without a word the culprit is found by making the calls one by one.
+        let mut singly = false;
+        while !rest.is_empty() {
+            if let Err(fault) = self.ready().await {
+                outcomes.extend(rest.drain(..).map(|_| CallOutcome::failed(fault.clone(), false)));
+                break;
+            }
+            let count = if singly { 1 } else { rest.len() };
+            let batch: Vec<Call> = rest.iter().take(count).cloned().collect();
+            match self.ask(&HostMessage::Batch(batch), self.config.answer_budget()).await {
+                Ok(WorkerMessage::Results(results)) if !results.is_empty() && results.len() <= count => {
+                    self.finish(&mut rest, &mut outcomes, results);
+                }
+                Ok(WorkerMessage::Overrun(results)) if results.len() < count => {
+                    self.take_down().await;
+                    self.finish(&mut rest, &mut outcomes, results);
+                    if let Some(culprit) = rest.pop_front() {
+                        self.note(&culprit, None);
+                        let message = "the script computed longer than it may and could not be stopped";
+                        outcomes.push(fatal(FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT, message));
+                    }
+                }
+                other => {
+                    let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
+                    tracing::warn!(error = &error as &dyn std::error::Error, "A script worker was lost.");
+                    self.take_down().await;
+                    if count == 1 {
+                        rest.pop_front();
+                        let (kind, status) = (FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR);
+                        outcomes.push(fatal(kind, status, "the script took its worker process down"));
+                    } else {
+                        singly = true;
+                    }
+                }
+            }
+        }
+        outcomes
+    }
+
+    /// Ends the process; the scripts stay known.
+    pub async fn take_down(&mut self) {
+        if let Some(process) = self.process.take() {
+            process.kill().await;
+        }
+    }
+
+    fn finish(&mut self, rest: &mut VecDeque<Call>, outcomes: &mut Vec<CallOutcome>, results: Vec<CallResult>) {
+        for CallResult { outcome, state, spent } in results {
+            let Some(call) = rest.pop_front() else { return };
+            self.note(&call, state.clone());
+            outcomes.push(CallOutcome { result: outcome.map_err(fault_of), state, spent, is_fatal: false });
+        }
+    }
+
+    /// Remembers what a script would need after a restart.
+    fn note(&mut self, call: &Call, state: Option<Arc<str>>) {
+        let Some(load) = self.scripts.get_mut(&call.script) else { return };
+        if state.is_some() {
+            load.state = state;
+        }
+        for InputValue { input, spoken } in &call.inputs {
+            match load.values.iter_mut().find(|known| known.input == *input) {
+                Some(known) => known.spoken.clone_from(spoken),
+                None => load.values.push(InputValue { input: *input, spoken: spoken.clone() }),
+            }
+        }
+    }
+
+    /// Sees to it that there is a process with all scripts.
+    async fn ready(&mut self) -> Result<(), Fault> {
+        while self.process.is_none() {
+            if let Some((since, message)) = &self.broken
+                && since.elapsed() < RESTART_PAUSE
+            {
+                return Err(unavailable(Arc::clone(message)));
+            }
+            match Process::start(&self.config).await {
+                Ok(process) => {
+                    self.process = Some(process);
+                    self.broken = None;
+                }
+                Err(error) => {
+                    tracing::error!(error = &error as &dyn std::error::Error, "A script worker does not start.");
+                    let message = Arc::<str>::from(chain(&error));
+                    self.broken = Some((Instant::now(), Arc::clone(&message)));
+                    return Err(unavailable(message));
+                }
+            }
+            let scripts: Vec<ScriptId> = self.scripts.keys().copied().collect();
+            for script in scripts {
+                let Some(load) = self.scripts.get(&script).cloned() else { continue };
+                if let Err(fault) = self.load_now(&load).await {
+                    // It loaded before, but does not from its present state: calls say that it is not there.
+                    tracing::warn!(script.name = &*load.name, fault = &*fault.message, "A script does not load again.");
+                    self.scripts.remove(&script);
+                }
+                if self.process.is_none() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn load_now(&mut self, load: &Load) -> Result<(), Fault> {
+        match self.ask(&HostMessage::Load(load.clone()), self.config.answer_budget()).await {
+            Ok(WorkerMessage::Loaded { script, fault }) if script == load.script => {
+                fault.map_or(Ok(()), |f| Err(fault_of(f)))
+            }
+            Ok(WorkerMessage::LoadOverrun(script)) if script == load.script => {
+                self.take_down().await;
+                let message = "loading the script took longer than it may and could not be stopped";
+                Err(Fault::new(FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT, message))
+            }
+            other => {
+                let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
+                tracing::warn!(error = &error as &dyn std::error::Error, "A script worker was lost while loading.");
+                self.take_down().await;
+                let status = StatusCode::BAD_UNEXPECTED_ERROR;
+                Err(Fault::new(FaultKind::ScriptCrash, status, "loading the script took its worker process down"))
+            }
+        }
+    }
+
+    async fn ask(&mut self, message: &HostMessage, budget: Duration) -> Result<WorkerMessage, ProcessError> {
+        match &mut self.process {
+            Some(process) => process.ask(message, budget).await,
+            None => Err(ProcessError::Silent),
+        }
+    }
+}
+
+fn fatal(kind: FaultKind, status: StatusCode, message: &str) -> CallOutcome {
+    CallOutcome::failed(Fault::new(kind, status, message), true)
+}
+
+fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        text.push_str(": ");
+        text.push_str(&cause.to_string());
+        source = cause.source();
+    }
+    text
+}

@@ -1,0 +1,110 @@
+//! What functions remember between values, in a form that can be stored and restored.
+
+use std::{collections::VecDeque, sync::Arc};
+
+use asi_model::{DateTime, StatusCode, Variant};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::{number::Number, quality::Meta, stored};
+
+/// What the functions of a mapping remember: returned with each candidate that it belongs to, so that both can be
+/// committed together, and given back when the mapping is put again. Copies are cheap; serialise it when it is stored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(transparent)]
+#[schemars(with = "Vec<serde_json::Value>")]
+#[schema(value_type = Vec<Object>)]
+pub struct TransformState(pub(crate) Arc<Vec<StepState>>);
+
+impl TransformState {
+    pub(crate) fn new(steps: Vec<StepState>) -> Self {
+        Self(Arc::new(steps))
+    }
+}
+
+/// What one function remembers.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(tag = "function", rename_all = "camelCase", rename_all_fields = "camelCase")]
+pub(crate) enum StepState {
+    /// The function remembers nothing.
+    #[default]
+    None,
+    Increment {
+        last: Option<Number>,
+    },
+    Counter {
+        total: Number,
+        last: Option<Number>,
+        level: Option<bool>,
+    },
+    Edge {
+        level: Option<bool>,
+    },
+    Threshold {
+        above: bool,
+    },
+    Debounce {
+        shown: Option<Box<Kept>>,
+        pending: Option<Box<Pending>>,
+    },
+    Deadband {
+        passed: Option<Box<Kept>>,
+    },
+    Rate {
+        last: Option<RatePoint>,
+    },
+    Window(WindowState),
+    Script {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        state: Option<Arc<str>>,
+    },
+}
+
+impl StepState {
+    /// Whether this can be the state of a function whose fresh state is `fresh`.
+    pub fn is_like(&self, fresh: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(fresh)
+    }
+}
+
+/// A value that is remembered with its status and times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Kept {
+    #[serde(with = "stored::variant")]
+    pub value: Variant,
+    #[serde(with = "stored::meta", flatten)]
+    pub meta: Meta,
+}
+
+/// A value that waits for being stable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Pending {
+    pub kept: Kept,
+    /// When it passes, by the local clock.
+    pub due: DateTime,
+}
+
+/// The last value of a rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RatePoint {
+    pub value: Number,
+    pub at: DateTime,
+}
+
+/// The values in a window, oldest first.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct WindowState {
+    pub samples: VecDeque<Sample>,
+    /// When the newest came, by the local clock; relates the source's clock to ours.
+    pub received_at: DateTime,
+}
+
+/// A value in a window.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sample {
+    pub at: DateTime,
+    pub value: Number,
+    pub status: StatusCode,
+}
