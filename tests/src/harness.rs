@@ -3,9 +3,11 @@
 mod api;
 mod daemon;
 mod ports;
+mod steps;
 mod wait;
 
 pub use api::{Api, ApiError};
 pub use daemon::{Daemon, DaemonCommand, binary};
 pub use ports::free_ports;
+pub use steps::{Steps, say};
 pub use wait::{Deadline, eventually};
