@@ -1,0 +1,195 @@
+//! Two factories and a cloud: every program that takes part in the frame order, in one folder, on ports of its own.
+
+mod files;
+mod places;
+
+use std::{path::Path, time::Duration};
+
+use anyhow::Context as _;
+
+pub use places::{FactoryPlaces, Places};
+
+use crate::{
+    harness::{Api, Daemon, DaemonCommand, binary, eventually},
+    scenario::frame_order::{HAMBURG, MUNICH},
+};
+
+/// Who may sign in at the platform.
+pub const ADMIN: &str = "admin";
+/// Who may sign in at a connector and its twin.
+pub const ENGINEER: &str = "engineer";
+/// The password of both in the demo; real installations make up their own at the first start.
+pub const PASSWORD: &str = "frame-order-4711";
+/// A broker user with the platform's rights, for tools that look at messages.
+pub const OBSERVER: &str = "observer";
+/// Its password.
+pub const OBSERVER_PASSWORD: &str = "observer-3f9a1c77d2e84b60";
+
+/// One factory: its machines and its connector.
+#[derive(Debug)]
+pub struct Factory {
+    /// Its id.
+    pub id: &'static str,
+    /// The machines.
+    pub simulator: Daemon,
+    /// The connector, once it is enrolled and started.
+    pub connector: Option<Daemon>,
+}
+
+/// Everything that runs.
+#[derive(Debug)]
+pub struct World {
+    /// Where everything is and listens.
+    pub places: Places,
+    /// The cloud.
+    pub platform: Daemon,
+    /// Munich and Hamburg.
+    pub factories: [Factory; 2],
+}
+
+fn daemon(name: &str, program: &str, arguments: &[&str], folder: &Path) -> anyhow::Result<Daemon> {
+    Daemon::start(DaemonCommand {
+        name: name.to_owned(),
+        program: binary(program)?,
+        arguments: arguments.iter().map(|&a| a.to_owned()).collect(),
+        environment: Vec::new(),
+        log: folder.join(format!("{name}.log")),
+    })
+}
+
+impl World {
+    /// Writes the configuration where there is none, and starts the cloud and the machines.
+    ///
+    /// # Errors
+    /// When a file cannot be written or a program was not built or does not start.
+    pub fn start(places: Places) -> anyhow::Result<Self> {
+        files::write_all(&places)?;
+        let folder = places.folder.clone();
+        let config = |name: &str| folder.join(name).display().to_string();
+        let platform = daemon("platform", "platform", &["serve", "--config", &config("platform.toml")], &folder)?;
+        let start_factory = |id: &'static str| -> anyhow::Result<Factory> {
+            let simulator =
+                daemon(&format!("machines-{id}"), "simulator", &["--config", &config(&format!("machines-{id}.toml"))], &folder)?;
+            Ok(Factory { id, simulator, connector: None })
+        };
+        Ok(Self { platform, factories: [start_factory(MUNICH)?, start_factory(HAMBURG)?], places })
+    }
+
+    /// The platform's API, signed in as administrator, once it answers.
+    ///
+    /// # Errors
+    /// When it does not become ready.
+    pub async fn platform_api(&mut self) -> anyhow::Result<Api> {
+        let mut api = Api::new(format!("http://127.0.0.1:{}", self.places.platform_web))?;
+        ready(&api, &mut self.platform).await?;
+        api.sign_in(ADMIN, PASSWORD).await?;
+        Ok(api)
+    }
+
+    /// Enrols a factory's connector with a token, unless it is enrolled already, and starts it.
+    ///
+    /// # Errors
+    /// When the platform refuses the token or the connector does not start.
+    pub async fn start_connector(&mut self, factory_id: &str, token: Option<&str>) -> anyhow::Result<()> {
+        let folder = self.places.folder.clone();
+        let config = folder.join(format!("connector-{factory_id}.toml")).display().to_string();
+        let name = format!("connector-{factory_id}");
+        if let Some(token) = token {
+            let mut enrol = daemon(
+                &format!("enrol-{factory_id}"),
+                "factory-connector",
+                &[
+                    "enrol",
+                    token,
+                    "--platform",
+                    &format!("http://127.0.0.1:{}", self.places.platform_web),
+                    "--config",
+                    &config,
+                ],
+                &folder,
+            )?;
+            let status = eventually("enrolling", Duration::from_secs(20), || {
+                let ended = enrol.ended();
+                async move { ended.map_err(|e| e.to_string())?.ok_or_else(|| "still running".to_owned()) }
+            })
+            .await?;
+            anyhow::ensure!(status.success(), "enrolling {factory_id} failed:\n{}", enrol.log_tail(20));
+        }
+        let connector = daemon(&name, "factory-connector", &["run", "--config", &config], &folder)?;
+        self.factory(factory_id)?.connector = Some(connector);
+        Ok(())
+    }
+
+    /// A factory connector's API, signed in as engineer, once it answers.
+    ///
+    /// # Errors
+    /// When it does not become ready.
+    pub async fn connector_api(&mut self, factory_id: &str) -> anyhow::Result<Api> {
+        let port = self.places.factory(factory_id)?.connector_web;
+        let mut api = Api::new(format!("http://127.0.0.1:{port}"))?;
+        let connector = self.factory(factory_id)?.connector.as_mut().context("the connector is not started")?;
+        ready(&api, connector).await?;
+        api.sign_in(ENGINEER, PASSWORD).await?;
+        Ok(api)
+    }
+
+    /// The simulator's control interface of a factory (it needs no sign-in).
+    ///
+    /// # Errors
+    /// When the factory is not part of this world.
+    pub fn machines_api(&self, factory_id: &str) -> anyhow::Result<Api> {
+        Api::new(format!("http://127.0.0.1:{}", self.places.factory(factory_id)?.machines_control))
+    }
+
+    /// One of the two factories.
+    ///
+    /// # Errors
+    /// When there is no such factory.
+    pub fn factory(&mut self, factory_id: &str) -> anyhow::Result<&mut Factory> {
+        self.factories
+            .iter_mut()
+            .find(|factory| factory.id == factory_id)
+            .with_context(|| format!("there is no factory {factory_id}"))
+    }
+
+    /// Every running program, the connectors first: the order in which to stop them.
+    pub fn daemons(&mut self) -> impl Iterator<Item = &mut Daemon> {
+        let (mut connectors, mut machines) = (Vec::new(), Vec::new());
+        for factory in &mut self.factories {
+            connectors.extend(factory.connector.as_mut());
+            machines.push(&mut factory.simulator);
+        }
+        connectors.into_iter().chain(machines).chain(std::iter::once(&mut self.platform))
+    }
+
+    /// Stops everything in good order.
+    ///
+    /// # Errors
+    /// When a program had to be killed; the others are stopped all the same.
+    pub fn stop(&mut self) -> anyhow::Result<()> {
+        let mut failed = Vec::new();
+        for daemon in self.daemons() {
+            if let Err(error) = daemon.stop(Duration::from_secs(15)) {
+                failed.push(error.to_string());
+            }
+        }
+        anyhow::ensure!(failed.is_empty(), "{}", failed.join("; "));
+        Ok(())
+    }
+}
+
+/// Waits until a daemon says that it is ready; if it ends instead, the end of its log is the error.
+async fn ready(api: &Api, daemon: &mut Daemon) -> anyhow::Result<()> {
+    let name = daemon.name().to_owned();
+    let outcome = eventually(&format!("{name} is ready"), Duration::from_secs(60), || {
+        let ended = daemon.ended();
+        async move {
+            if let Ok(Some(status)) = ended {
+                return Ok(Err(status));
+            }
+            api.get::<serde_json::Value>("/readyz").await.map(|_| Ok(())).map_err(|e| format!("{e:#}"))
+        }
+    })
+    .await?;
+    outcome.map_err(|status| anyhow::anyhow!("{name} ended with {status}:\n{}", daemon.log_tail(20)))
+}

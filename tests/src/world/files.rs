@@ -1,0 +1,81 @@
+//! The configuration files of a world: written once, then the user's to change.
+
+use std::path::Path;
+
+use anyhow::Context as _;
+
+use super::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD, Places};
+use crate::scenario::frame_order::{BUYER, HAMBURG, MUNICH};
+
+/// Writes what is not there yet.
+pub(super) fn write_all(places: &Places) -> anyhow::Result<()> {
+    write_once(&places.folder.join("platform.toml"), &platform(places))?;
+    for factory_id in [MUNICH, HAMBURG] {
+        write_once(&places.folder.join(format!("connector-{factory_id}.toml")), &connector(places, factory_id)?)?;
+        write_once(&places.folder.join(format!("machines-{factory_id}.toml")), &machines(places, factory_id)?)?;
+    }
+    Ok(())
+}
+
+fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
+    if file.exists() {
+        return Ok(());
+    }
+    std::fs::write(file, text).with_context(|| format!("writing {}", file.display()))
+}
+
+fn platform(places: &Places) -> String {
+    let Places { platform_web, broker_tls, broker_plain, folder, .. } = places;
+    format!(
+        r#"data_directory = "{folder}/platform"
+
+[web]
+listen = "127.0.0.1:{platform_web}"
+
+[broker]
+listen = "127.0.0.1:{broker_tls}"
+plain_listen = "127.0.0.1:{broker_plain}"
+
+[[broker.users]]
+user_name = "{OBSERVER}"
+password = "{OBSERVER_PASSWORD}"
+consume = ["dead-letters", "tool.*.reports"]
+produce = ["factory.*.requests", "tool.*.requests"]
+
+[admin]
+user_name = "{ADMIN}"
+password = "{PASSWORD}"
+organisation_id = "{BUYER}"
+
+[receipts]
+interval_ms = 1000
+"#,
+        folder = folder.display()
+    )
+}
+
+fn connector(places: &Places, factory_id: &str) -> anyhow::Result<String> {
+    let factory = places.factory(factory_id)?;
+    Ok(format!(
+        r#"data_directory = "{folder}/connector-{factory_id}"
+
+[web]
+listen = "127.0.0.1:{web}"
+
+[twin]
+listen = "127.0.0.1:{twin}"
+
+[admin]
+user_name = "{ENGINEER}"
+password = "{PASSWORD}"
+"#,
+        folder = places.folder.display(),
+        web = factory.connector_web,
+        twin = factory.twin,
+    ))
+}
+
+fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
+    let factory = places.factory(factory_id)?;
+    Ok(format!("control = \"127.0.0.1:{}\"\n", factory.machines_control))
+}
