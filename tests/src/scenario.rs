@@ -2,3 +2,4 @@
 //! how it goes. The demo plays it, the tests check it, the benchmarks load it.
 
 pub mod frame_order;
+pub mod story;

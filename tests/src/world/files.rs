@@ -77,5 +77,28 @@ password = "{PASSWORD}"
 
 fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
     let factory = places.factory(factory_id)?;
-    Ok(format!("control = \"127.0.0.1:{}\"\n", factory.machines_control))
+    let [first, second, third] = factory.machines;
+    let (seed, machines) = if factory_id == MUNICH {
+        let machines = [
+            format!("name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\ncycle_seconds = 5.0"),
+            format!("name = \"Conveyor1\"\nkind = \"conveyor\"\nport = {second}\ncycle_seconds = 7.0"),
+            format!("name = \"Robot1\"\nkind = \"robot\"\nport = {third}\nasset_id = \"GRU_Robot_eDO_1\""),
+        ];
+        (4711, machines)
+    } else {
+        let machines = [
+            format!("name = \"Press1\"\nkind = \"press\"\nport = {first}\ncycle_seconds = 9.0"),
+            format!("name = \"Conveyor2\"\nkind = \"conveyor\"\nport = {second}"),
+            format!("name = \"Robot2\"\nkind = \"robot\"\nport = {third}\nasset_id = \"HAM_Robot_1\""),
+        ];
+        (4712, machines)
+    };
+    let epoch = time::OffsetDateTime::now_utc().replace_nanosecond(0)?.format(&time::format_description::well_known::Rfc3339)?;
+    Ok(format!(
+        "seed = {seed}\nepoch = \"{epoch}\"\nhost = \"127.0.0.1\"\ncontrol = \"127.0.0.1:{control}\"\n\
+         pki_directory = \"{folder}/machines-{factory_id}\"\nupdate_interval_ms = 20\n\n[[machines]]\n{machines}\n",
+        control = factory.machines_control,
+        folder = places.folder.display(),
+        machines = machines.join("\n\n[[machines]]\n"),
+    ))
 }

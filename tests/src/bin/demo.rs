@@ -1,0 +1,45 @@
+//! `demo run`: two factories and a cloud until Ctrl-C. `demo check`: the same, headless, each step checked from outside.
+
+use std::{path::PathBuf, process::ExitCode};
+
+use clap::{Parser, Subcommand};
+use verbund_tests::{demo, harness::say};
+
+#[derive(Parser)]
+#[command(about = "Two factories and a cloud on this machine.")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Plays the frame order until Ctrl-C; a second start goes on where the first stopped.
+    Run {
+        /// Where configuration, data and logs live.
+        #[arg(long, default_value = "demo-data")]
+        folder: PathBuf,
+    },
+    /// Plays it headless in a folder of its own and checks each step as a client from outside would.
+    Check {
+        /// Keeps the folder for a look at logs and data.
+        #[arg(long)]
+        keep: bool,
+    },
+}
+
+#[tokio::main]
+async fn main() -> ExitCode {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    let outcome = match Arguments::parse().command {
+        Command::Run { folder } => demo::run(folder).await,
+        Command::Check { keep } => demo::check(keep).await,
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("\n{error:#}"));
+            ExitCode::FAILURE
+        }
+    }
+}

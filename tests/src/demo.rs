@@ -1,0 +1,71 @@
+//! The demo: the frame order, played for a person or checked without one.
+
+mod check;
+mod run;
+
+pub use check::check;
+pub use run::run;
+
+use crate::{
+    harness::{Api, Steps},
+    scenario::{
+        frame_order::{HAMBURG, MUNICH},
+        story,
+    },
+    world::World,
+};
+
+/// The three APIs of a running story.
+pub struct Cast {
+    /// The platform's, as administrator.
+    pub platform: Api,
+    /// Munich's connector's, as engineer.
+    pub munich: Api,
+    /// Hamburg's connector's, as engineer.
+    pub hamburg: Api,
+}
+
+/// Plays the story up to the point where values flow; each step is left alone where an earlier start took it.
+///
+/// # Errors
+/// The first step that fails.
+pub async fn play(world: &mut World, steps: &mut Steps) -> anyhow::Result<Cast> {
+    let mut platform = None;
+    steps
+        .run("the platform is up, with its own broker", async {
+            platform = Some(world.platform_api().await?);
+            Ok(format!("AMQP 1.0 with TLS on port {}", world.places.broker_tls))
+        })
+        .await?;
+    let platform = platform.expect("the step above ended well");
+    steps.run("three organisations found a collaboration", story::found_collaboration(&platform)).await?;
+    let mut connectors = Vec::new();
+    for factory_id in [MUNICH, HAMBURG] {
+        steps
+            .run(&format!("{factory_id}: the connector joins"), async {
+                let how = story::join_factory(world, &platform, factory_id).await?;
+                let connector = world.connector_api(factory_id).await?;
+                story::link_is_up(&connector).await?;
+                connectors.push(connector);
+                Ok(how)
+            })
+            .await?;
+        let connector = &connectors[connectors.len() - 1];
+        steps
+            .run(
+                &format!("{factory_id}: the connector reads the machines over OPC UA"),
+                story::add_sources(world, connector, factory_id),
+            )
+            .await?;
+    }
+    steps.run("the buyer sends the operation network", story::send_network(&platform)).await?;
+    for (factory_id, connector) in [MUNICH, HAMBURG].into_iter().zip(&connectors) {
+        steps.run(&format!("{factory_id}: the engineer decides"), story::decide(connector, factory_id)).await?;
+    }
+    steps.run("values reach the buyer", story::values_flow(&platform)).await?;
+    let mut connectors = connectors.into_iter();
+    let (Some(munich), Some(hamburg)) = (connectors.next(), connectors.next()) else {
+        anyhow::bail!("both connectors were started above");
+    };
+    Ok(Cast { platform, munich, hamburg })
+}

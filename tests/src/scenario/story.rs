@@ -1,0 +1,341 @@
+//! The steps of the frame order, each of which may be taken again: what is there already is left as it is, so that the
+//! demo's second start goes on where the first stopped.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use reqwest::StatusCode;
+use serde_json::{Value, json};
+
+use super::frame_order::{BUYER, COLLABORATION, HAMBURG, INSPECTOR, MAKER, MUNICH, NETWORK, operation_network};
+use crate::{
+    harness::{Api, ApiError, eventually},
+    world::World,
+};
+
+/// How long any single step may take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// True for "that exists already".
+fn is_conflict(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<ApiError>().is_some_and(|error| error.status == StatusCode::CONFLICT)
+}
+
+async fn add(api: &Api, path: &str, body: Value) -> anyhow::Result<()> {
+    match api.post::<Value>(path, &body).await {
+        Err(error) if !is_conflict(&error) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Three organisations, two factories and the collaboration they signed.
+///
+/// # Errors
+/// When the platform refuses.
+pub async fn found_collaboration(platform: &Api) -> anyhow::Result<String> {
+    let organisations =
+        [(BUYER, "Acme Aero"), (MAKER, "Frames Munich GmbH"), (INSPECTOR, "Inspection Hamburg GmbH")];
+    for (id, name) in organisations {
+        add(platform, "/api/v1/organisations", json!({ "organisationId": id, "name": name })).await?;
+    }
+    for (id, owner, name) in [(MUNICH, MAKER, "Munich works"), (HAMBURG, INSPECTOR, "Hamburg works")] {
+        add(
+            platform,
+            "/api/v1/factories",
+            json!({ "factoryId": id, "organisationId": owner, "name": name }),
+        )
+        .await?;
+    }
+    add(
+        platform,
+        "/api/v1/collaborations",
+        json!({ "collaborationId": COLLABORATION, "name": "Frame order 4711",
+                "members": [BUYER, MAKER, INSPECTOR], "factories": [MUNICH, HAMBURG] }),
+    )
+    .await?;
+    Ok(format!("{} organisations, 2 factories", organisations.len()))
+}
+
+/// Enrols a factory's connector with a single-use token, unless an earlier start did, and starts it.
+///
+/// # Errors
+/// When token or connector fail.
+pub async fn join_factory(world: &mut World, platform: &Api, factory_id: &str) -> anyhow::Result<String> {
+    let enrolled = world.places.folder.join(format!("enrolled-{factory_id}"));
+    let is_enrolled = enrolled.exists();
+    let token = if is_enrolled {
+        None
+    } else {
+        let token: Value =
+            platform.post(&format!("/api/v1/factories/{factory_id}/enrolment-tokens"), &json!({})).await?;
+        Some(token["token"].as_str().context("the platform gave no token")?.to_owned())
+    };
+    world.start_connector(factory_id, token.as_deref()).await?;
+    std::fs::write(enrolled, "")?;
+    Ok(if is_enrolled { "enrolled before".into() } else { "enrolled with a single-use token".into() })
+}
+
+/// Waits until a connector says that its link is up.
+///
+/// # Errors
+/// When it does not come up.
+pub async fn link_is_up(connector: &Api) -> anyhow::Result<String> {
+    eventually("the link is up", PATIENCE, || async {
+        let status: Value = connector.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
+        match status["link"]["state"].as_str() {
+            Some(state) if state.eq_ignore_ascii_case("up") => Ok(String::new()),
+            _ => Err(status["link"].to_string()),
+        }
+    })
+    .await
+}
+
+/// The local servers of a factory, by name and kind.
+#[must_use]
+pub fn machines(factory_id: &str) -> [&'static str; 3] {
+    if factory_id == MUNICH { ["MillingCell1", "Conveyor1", "Robot1"] } else { ["Press1", "Conveyor2", "Robot2"] }
+}
+
+/// The node of a machine's variable, by its key.
+#[must_use]
+pub fn node(machine: &str, key: &str) -> String {
+    format!("nsu=urn:verbund:simulator:{machine};s={machine}.{key}")
+}
+
+/// Connects a factory's connector to its machines and waits until it reads from them.
+///
+/// # Errors
+/// When a source is refused or stays away.
+pub async fn add_sources(world: &World, connector: &Api, factory_id: &str) -> anyhow::Result<String> {
+    let ports = world.places.factory(factory_id)?.machines;
+    for (machine, port) in machines(factory_id).into_iter().zip(ports) {
+        let source = json!({ "sourceId": machine, "name": machine, "endpointUrl": format!("opc.tcp://127.0.0.1:{port}"),
+                             "security": { "choice": "none" } });
+        add(connector, "/api/v1/sources", source).await?;
+    }
+    eventually("all sources are connected", PATIENCE, || async {
+        let status: Value = connector.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
+        let sources = status["sources"].as_array().cloned().unwrap_or_default();
+        let is_live = |source: &Value| {
+            source["state"].as_str().is_some_and(|state| ["connected", "live", "up"].contains(&state.to_lowercase().as_str()))
+        };
+        if sources.len() >= 3 && sources.iter().all(is_live) {
+            Ok(format!("{} machines", sources.len()))
+        } else {
+            Err(status["sources"].to_string())
+        }
+    })
+    .await
+}
+
+/// Sends the network and waits until both factories have accepted their part.
+///
+/// # Errors
+/// When the platform or a factory refuses it.
+pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
+    let path = format!("/api/v1/operation-networks/{NETWORK}");
+    if platform.get::<Value>(&path).await.is_err() {
+        let network = operation_network(time::OffsetDateTime::now_utc());
+        let body = json!({ "collaborationId": COLLABORATION, "operationNetwork": network });
+        platform.put::<Value>(&path, &body).await?;
+    }
+    eventually("both factories accept their part", PATIENCE, || async {
+        let view: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
+        let parts = view["parts"].as_array().cloned().unwrap_or_default();
+        let is_answered = |part: &Value| ["ACCEPTED", "UNCHANGED"].contains(&part["state"].as_str().unwrap_or_default());
+        if parts.len() == 2 && parts.iter().all(is_answered) {
+            Ok(format!("revision {}", view["revision"]))
+        } else {
+            Err(view["parts"].to_string())
+        }
+    })
+    .await
+}
+
+/// A decision of the story.
+#[derive(Debug, Clone)]
+pub struct StoryDecision {
+    /// The factory whose engineer decides.
+    pub factory_id: &'static str,
+    /// The operation.
+    pub operation: &'static str,
+    /// The request.
+    pub request: &'static str,
+    /// The field.
+    pub field: &'static str,
+    /// What is decided.
+    pub decision: Value,
+}
+
+fn mapped(machine: &str, key: &str, value_type: &str, unit: Option<&str>, steps: Value, disclosure: Value) -> Value {
+    let mut input = json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
+    if let Some(unit) = unit {
+        input["unit"] = json!(unit);
+    }
+    json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": { "inputs": [input], "steps": steps },
+            "disclosure": disclosure })
+}
+
+/// What the two engineers decide: a built-in function, a unit conversion, a script, a field left to OPC UA clients, one
+/// for the operator, and one refused.
+#[must_use]
+pub fn decisions() -> Vec<StoryDecision> {
+    let state_script = "const STATES = ['AllowedToStart', 'Running', 'Interrupted', 'Interrupted'];\n\
+                        (value, ctx) => STATES[Number(value)] ?? 'NotAllowedToStart'";
+    let decide = |factory_id, operation, request, field, decision| StoryDecision {
+        factory_id,
+        operation,
+        request,
+        field,
+        decision,
+    };
+    vec![
+        decide(
+            MUNICH,
+            "MakeFrame1",
+            "ReqResponse1",
+            "progressStatus",
+            mapped("MillingCell1", "Production.PartCounter", "UInt32", None, json!([{ "function": "counter" }, { "function": "convert", "to": "UInt64" }]), json!({})),
+        ),
+        decide(
+            MUNICH,
+            "MakeFrame1",
+            "ReqResponse1",
+            "operationState",
+            mapped("MillingCell1", "Status.MachineState", "Int32", None, json!([{ "function": "script", "source": state_script }]), json!({})),
+        ),
+        decide(
+            MUNICH,
+            "MakeFrame1",
+            "ReqResponse1",
+            "spindlePower",
+            mapped(
+                "MillingCell1",
+                "Spindle.Power",
+                "Double",
+                Some("WTT"),
+                json!([{ "function": "unitConversion", "from": "WTT", "to": "KWT" }]),
+                json!({ "roundingStep": 0.5, "minimumIntervalMs": 1000 }),
+            ),
+        ),
+        decide(
+            MUNICH,
+            "MakeFrame1",
+            "ReqResponse1",
+            "note",
+            json!({ "mappingState": "MAPPED", "valueSource": "EXTERNAL", "disclosure": {} }),
+        ),
+        decide(
+            MUNICH,
+            "MakeFrame1",
+            "ReqResponse1",
+            "machineProgram",
+            json!({ "mappingState": "REFUSED", "reason": "The program is our trade secret." }),
+        ),
+        decide(
+            MUNICH,
+            "ShipFrame1",
+            "ReqTransport1",
+            "loadedFrames",
+            json!({ "mappingState": "MAPPED", "valueSource": "MANUAL", "disclosure": {} }),
+        ),
+        decide(
+            HAMBURG,
+            "InspectFrame1",
+            "ReqInspection1",
+            "goodFrames",
+            mapped("Press1", "Production.GoodCounter", "UInt32", None, json!([{ "function": "convert", "to": "UInt64" }]), json!({})),
+        ),
+        decide(
+            HAMBURG,
+            "InspectFrame1",
+            "ReqInspection1",
+            "scrapFrames",
+            mapped("Press1", "Production.ScrapCounter", "UInt32", None, json!([{ "function": "convert", "to": "UInt64" }]), json!({})),
+        ),
+        decide(
+            HAMBURG,
+            "InspectFrame1",
+            "ReqInspection1",
+            "stationTemperature",
+            mapped("Press1", "Ram.DieTemperature", "Float", Some("CEL"), json!([{ "function": "convert", "to": "Double" }]), json!({ "roundingStep": 1.0 })),
+        ),
+    ]
+}
+
+/// The path of a field in a connector's API.
+#[must_use]
+pub fn field_path(operation: &str, request: &str, field: &str) -> String {
+    format!("/api/v1/fields/{NETWORK}/{operation}/{request}/{field}")
+}
+
+/// Takes the decisions of one factory's engineer through the API that the page uses; decided fields stay as they are.
+///
+/// # Errors
+/// When the connector refuses one.
+pub async fn decide(connector: &Api, factory_id: &str) -> anyhow::Result<String> {
+    let inbox: Value = connector.get(&format!("/api/v1/operation-networks/{NETWORK}")).await?;
+    let (mut mapped, mut refused) = (0, 0);
+    for story in decisions().into_iter().filter(|story| story.factory_id == factory_id) {
+        let path = field_path(story.operation, story.request, story.field);
+        let is_pending = field_state(&inbox, story.field).is_none_or(|state| state == "PENDING");
+        if is_pending {
+            connector
+                .put::<Value>(&format!("{path}/decision"), &story.decision)
+                .await
+                .with_context(|| format!("deciding {}", story.field))?;
+        }
+        if story.decision["mappingState"] == "REFUSED" { refused += 1 } else { mapped += 1 }
+    }
+    Ok(format!("{mapped} fields mapped, {refused} refused"))
+}
+
+/// The state of a field somewhere in a JSON document of the connector.
+fn field_state(document: &Value, name: &str) -> Option<String> {
+    match document {
+        Value::Array(items) => items.iter().find_map(|item| field_state(item, name)),
+        Value::Object(members) => {
+            let names_field = members.get("name").or_else(|| members.get("fieldName")).is_some_and(|n| n == name);
+            if names_field && let Some(state) = members.get("mappingState").and_then(Value::as_str) {
+                return Some(state.to_owned());
+            }
+            members.values().find_map(|member| field_state(member, name))
+        }
+        _ => None,
+    }
+}
+
+/// The platform's view of a field: mapping state, value, status and sequence.
+///
+/// # Errors
+/// When the platform does not answer or does not know the field.
+pub async fn platform_field(platform: &Api, field: &str) -> anyhow::Result<Value> {
+    let view: Value = platform.get(&format!("/api/v1/operation-networks/{NETWORK}")).await?;
+    let fields = view["fields"].as_array().cloned().unwrap_or_default();
+    fields
+        .into_iter()
+        .find(|f| f["key"]["fieldName"] == field || f["fieldName"] == field)
+        .with_context(|| format!("the platform knows no field {field}"))
+}
+
+/// Waits until the platform shows a value for every mapped field that a machine feeds.
+///
+/// # Errors
+/// When one stays away.
+pub async fn values_flow(platform: &Api) -> anyhow::Result<String> {
+    let fed: Vec<&str> = decisions()
+        .iter()
+        .filter(|story| story.decision["valueSource"] == "MAPPING")
+        .map(|story| story.field)
+        .collect();
+    eventually("every mapped field has a value on the platform", PATIENCE, || async {
+        for field in &fed {
+            let shown = platform_field(platform, field).await.map_err(|e| format!("{e:#}"))?;
+            if shown["value"].is_null() {
+                return Err(format!("{field}: {shown}"));
+            }
+        }
+        Ok(format!("{} fields", fed.len()))
+    })
+    .await
+}
