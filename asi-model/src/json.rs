@@ -7,7 +7,6 @@
 mod tape;
 pub mod write;
 
-pub(crate) use tape::push_pointer;
 pub use tape::{Elements, JsonError, Kind, Limits, Members, Node, Tape};
 
 /// Appends a member as it came to the text of an object, with the comma it needs.

@@ -8,18 +8,26 @@
 //! - [`messages`]: every message of the wire contract besides reports.
 //! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
 //! - [`opcua_json`]: the OPC UA JSON encoding of values (OPC 10000-6 §5.4).
+//! - [`validation`]: what is wrong with a foreign message, all faults at once.
+//! - [`difference`]: what a new revision changes, and what that does to mappings and consent.
+//! - [`split`]: the part of a network that concerns one factory.
+//! - [`schedule`]: earliest and latest times, slack and the critical path of a network.
 //! - [`units`]: UNECE units, their aliases and conversion.
 //! - [`asi_types`]: the OPC UA type model of the Activity Status Interface.
 //! - [`json`]: the bounded reader and the plain writer that the encodings share.
 
 pub mod asi_types;
+pub mod difference;
 pub mod ids;
 pub mod json;
 pub mod messages;
 pub mod network;
 pub mod opcua_json;
 pub mod pubsub;
+pub mod schedule;
+pub mod split;
 pub mod units;
+pub mod validation;
 pub mod values;
 
 pub use ids::*;

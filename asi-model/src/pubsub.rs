@@ -11,5 +11,6 @@ pub use message::{
     PayloadField, PubSubMessage, PubSubState, StatusMessage,
 };
 pub use meta_data::{
-    DataSetMetaData, FieldMetaData, MetaDataLookup, PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
+    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS,
+    PROPERTY_SEMANTIC,
 };

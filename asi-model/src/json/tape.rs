@@ -184,7 +184,7 @@ impl<'a> Tape<'a> {
 const POINTER_PART_MAX: usize = 128;
 
 /// Appends a member name to a JSON pointer, escaped as RFC 6901 says; overlong names are cut with `…`.
-pub(crate) fn push_pointer(pointer: &mut String, name: &str) {
+fn push_pointer(pointer: &mut String, name: &str) {
     pointer.push('/');
     for (count, c) in name.chars().enumerate() {
         if count == POINTER_PART_MAX {

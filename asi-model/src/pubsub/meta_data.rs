@@ -47,6 +47,32 @@ impl DataSetMetaData {
     }
 }
 
+/// How metadata differs from its predecessor (OPC 10000-14 §6.2.3.2.6).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MetaDataChange {
+    /// Not at all.
+    None,
+    /// Fields were appended.
+    Minor,
+    /// Fields were removed, inserted, moved or changed.
+    Major,
+}
+
+impl DataSetMetaData {
+    /// How this metadata must be versioned after `old`; names, descriptions and versions do not count.
+    #[must_use]
+    pub fn change_since(&self, old: &Self) -> MetaDataChange {
+        let is_kept = self.fields.len() >= old.fields.len()
+            && self.fields.iter().zip(&old.fields).all(|(new, old)| new.is_compatible(old))
+            && self.structure_types.starts_with(&old.structure_types);
+        match (is_kept, self.fields.len() > old.fields.len()) {
+            (false, _) => MetaDataChange::Major,
+            (true, true) => MetaDataChange::Minor,
+            (true, false) => MetaDataChange::None,
+        }
+    }
+}
+
 /// What one field is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMetaData {
@@ -111,6 +137,16 @@ impl FieldMetaData {
             meta.set_text_property(PROPERTY_DISCLOSURE, &disclosure.description);
         }
         meta
+    }
+
+    /// Alike for a subscriber that has the older metadata.
+    fn is_compatible(&self, old: &Self) -> bool {
+        self.name == old.name
+            && self.built_in_type == old.built_in_type
+            && self.data_type == old.data_type
+            && self.value_rank == old.value_rank
+            && self.data_set_field_id == old.data_set_field_id
+            && self.properties == old.properties
     }
 
     /// Says the field's unit.

@@ -29,6 +29,12 @@ impl Role {
         matches!(self, Self::Engineer)
     }
 
+    /// Whether the role may do what the other may.
+    #[must_use]
+    pub const fn includes(self, other: Self) -> bool {
+        self as u8 <= other as u8
+    }
+
     /// The role's name in lower case.
     #[must_use]
     pub const fn name(self) -> &'static str {

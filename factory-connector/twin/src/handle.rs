@@ -3,53 +3,60 @@
 use std::sync::Arc;
 
 use asi_model::{DataValue, FieldKey, OperationNetworkId};
-use parking_lot::Mutex;
 use tokio::sync::watch;
 
 use crate::{
+    asi::AsiProvider,
     document::{Applied, AsiDocument, FieldRecord},
     error::TwinError,
+    security::trust::TrustList,
 };
 
-/// A cloneable handle of the twin. All methods return at once; they may be called before the twin runs, so that a
-/// restart shows everything from the first connection on.
+/// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be called before the twin
+/// runs, so that a restart shows everything from the first connection on.
 #[derive(Clone)]
 pub struct TwinHandle {
-    documents: Arc<Mutex<std::collections::HashMap<OperationNetworkId, AsiDocument>>>,
+    interfaces: Arc<AsiProvider>,
+    trust_list: TrustList,
     endpoint: watch::Receiver<Option<Arc<str>>>,
 }
 
 impl TwinHandle {
-    pub(crate) fn new(endpoint: watch::Receiver<Option<Arc<str>>>) -> Self {
-        Self { documents: Arc::default(), endpoint }
+    pub(crate) fn new(
+        interfaces: Arc<AsiProvider>,
+        trust_list: TrustList,
+        endpoint: watch::Receiver<Option<Arc<str>>>,
+    ) -> Self {
+        Self { interfaces, trust_list, endpoint }
     }
 
     /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the nodes of the one that
     /// is there where they differ. Subscribers of other nodes notice nothing.
     pub fn apply(&self, document: AsiDocument) -> Applied {
-        let id = document.message.operation_network.operation_network_id.clone();
-        self.documents.lock().insert(id, document);
-        Applied::default()
+        self.interfaces.apply(document)
     }
 
     /// Takes an Activity Status Interface away. Monitored items on its nodes get BadNodeIdUnknown. False where there
     /// was none.
     pub fn remove(&self, operation_network_id: &OperationNetworkId) -> bool {
-        self.documents.lock().remove(operation_network_id).is_some()
+        self.interfaces.remove_interface(operation_network_id)
     }
 
     /// Shows newly disclosed values, after the commit, in the order given. Values of fields that do not exist or are
     /// not mapped are ignored. Returns how many were shown.
     pub fn publish_values(&self, values: Vec<(FieldKey, DataValue)>) -> usize {
-        values.len()
+        self.interfaces.publish_values(values)
     }
 
     /// Shows a decision, after the commit. False where the field does not exist.
     pub fn publish_decision(&self, field: &FieldKey, record: FieldRecord) -> bool {
-        let mut documents = self.documents.lock();
-        documents
-            .get_mut(&field.request.operation_network_id)
-            .is_some_and(|document| document.fields.insert(field.clone(), record).is_some())
+        self.interfaces.publish_decision(field, record)
+    }
+
+    /// The certificates of clients, for the engineer to approve or reject.
+    #[must_use]
+    pub fn trust_list(&self) -> &TrustList {
+        &self.trust_list
     }
 
     /// The endpoint URL, once the twin listens.

@@ -3,12 +3,22 @@
 //!
 //! The connector gives it documents ([`AsiDocument`]) and newly disclosed values; standard OPC UA clients of the plant
 //! browse, read, subscribe and - where the engineer decided so - write. *What the node shows is what the partner gets.*
+//!
+//! - [`host`]: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
+//! - [`asi`]: the provider of the interfaces, which computes nodes from compact records.
+//! - [`events`]: model changes and the audit trail.
+//! - [`security`]: own certificate, trust list, users and roles.
 
 mod access;
+mod asi;
 mod config;
 mod document;
 mod error;
+mod events;
 mod handle;
+mod host;
+mod provider;
+mod security;
 mod server;
 
 pub use access::{Authenticator, FieldDecision, FieldWriter, Role, TwinUser};
@@ -16,4 +26,5 @@ pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 pub use document::{Applied, AsiDocument, FieldRecord};
 pub use error::TwinError;
 pub use handle::TwinHandle;
+pub use security::trust::{CertificateState, ClientCertificate, TrustList};
 pub use server::Twin;

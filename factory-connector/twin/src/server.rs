@@ -1,48 +1,244 @@
 //! The twin as a component: built from its configuration, run until shutdown.
 
-use std::sync::Arc;
+use std::{
+    net::TcpListener,
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
 
-use asi_model::FactoryId;
+use asi_model::{DateTime, FactoryId};
+use opcua_stack::{
+    NamespaceTable, limits,
+    opcua::{
+        crypto::SecurityPolicy,
+        server::{
+            ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle,
+            node_manager::{DynNodeManager, NodeManagerBuilder, ServerContext, memory::CoreNodeManager},
+        },
+        types::{BuildInfo, DataValue, DateTime as StackTime, MessageSecurityMode, ServerState, VariableId},
+    },
+};
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     access::{Authenticator, FieldWriter},
+    asi::{AsiProvider, AsiSurroundings, TypeProvider, model},
     config::TwinConfig,
     error::TwinError,
+    events::EventReporter,
     handle::TwinHandle,
+    host::{HostManager, NodeHost},
+    security::{certificate, login::Login, trust::TrustList},
 };
+
+/// How long closing the connections may take.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The Collaborative Process Twin, ready to run.
 pub struct Twin {
-    config: TwinConfig,
+    server: Server,
+    handle: ServerHandle,
+    listener: TcpListener,
+    url: Arc<str>,
     endpoint: watch::Sender<Option<Arc<str>>>,
-    _ports: (FactoryId, Arc<dyn FieldWriter>, Arc<dyn Authenticator>),
 }
 
 impl Twin {
-    /// Prepares the twin of a factory: reads or makes its certificate and builds the server. Makes an RSA key at the
-    /// first start, which takes about a second.
+    /// Prepares the twin of a factory: reads or makes its certificate, takes its address and builds the server. Makes an
+    /// RSA key at the first start, which takes about a second. Clients are served once the twin runs.
     ///
     /// # Errors
-    /// [`TwinError`] when the certificate folder is not usable or the configuration contradicts itself.
+    /// [`TwinError`] when the address is taken, the certificate folder is not usable, or the configuration contradicts
+    /// itself.
     pub fn new(
         factory_id: FactoryId,
         config: TwinConfig,
         writer: Arc<dyn FieldWriter>,
         authenticator: Arc<dyn Authenticator>,
     ) -> Result<(Self, TwinHandle), TwinError> {
+        let application_uri = format!("urn:verbund:twin:{factory_id}");
+        certificate::ensure(&config, &application_uri, DateTime::from(std::time::SystemTime::now()))?;
+        let (listener, port) = listen(&config)?;
+        let host_name = certificate::host_names(&config).swap_remove(0);
+        let url: Arc<str> = format!("opc.tcp://{}:{port}/", bracketed(&host_name)).into();
+
+        let events = Arc::new(OnceLock::new());
+        let login = Login::new(authenticator, &config.security, Arc::clone(&events));
+        let host = Arc::new(OnceLock::new());
+        let builder = configure(&config, &factory_id, &application_uri)
+            .host(bracketed(&host_name))
+            .port(port)
+            .discovery_urls(vec![url.to_string()])
+            .with_authenticator(Arc::new(login))
+            .with_node_manager(HostBuilder(Arc::clone(&host)));
+        let (server, handle) = builder.build().map_err(|reason| TwinError::Configuration { reason })?;
+        let host = host.get().expect("building the server builds its node managers");
+
+        let reporter = Arc::new(EventReporter::new(Arc::clone(handle.subscriptions()), application_uri.clone()));
+        events.get_or_init(|| Arc::clone(&reporter));
+        let interfaces = Arc::new(interfaces(&factory_id, host, &handle, writer, reporter));
+        host.add_provider(Arc::clone(&interfaces) as _);
+        announce_auditing(&handle);
+        warn_of_development_settings(&config);
+
         let (endpoint, receiver) = watch::channel(None);
-        Ok((Self { config, endpoint, _ports: (factory_id, writer, authenticator) }, TwinHandle::new(receiver)))
+        let trust_list = TrustList::new(&config.pki_directory);
+        let twin_handle = TwinHandle::new(interfaces, trust_list, receiver);
+        Ok((Self { server, handle, listener, url, endpoint }, twin_handle))
     }
 
-    /// Listens and serves until `shutdown`; then tells clients and closes.
+    /// Serves until `shutdown`; then tells clients and closes.
     ///
     /// # Errors
-    /// [`TwinError`] when the address cannot be listened on or the server fails.
+    /// [`TwinError`] when the server fails.
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), TwinError> {
-        self.endpoint.send_replace(Some(format!("opc.tcp://{}", self.config.listen).into()));
-        shutdown.cancelled().await;
-        Ok(())
+        let Self { server, handle, listener, url, endpoint } = self;
+        let failed = |reason: String| TwinError::Server { reason };
+        let listener = tokio::net::TcpListener::from_std(listener).map_err(|error| failed(error.to_string()))?;
+        let serving = server.run_with(listener);
+        tokio::pin!(serving);
+        tracing::info!(endpoint.url = %url, "The twin listens.");
+        endpoint.send_replace(Some(url));
+        tokio::select! {
+            ended = &mut serving => return ended.map_err(failed),
+            () = shutdown.cancelled() => {}
+        }
+        handle.set_server_state(ServerState::Shutdown);
+        handle.cancel();
+        match tokio::time::timeout(DRAIN_TIMEOUT, serving).await {
+            Ok(ended) => ended.map_err(failed),
+            Err(_) => {
+                tracing::warn!("The twin closed without waiting longer for its clients.");
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Builds our node manager inside the server that is being built, and keeps its host for us.
+struct HostBuilder(Arc<OnceLock<Arc<NodeHost>>>);
+
+impl NodeManagerBuilder for HostBuilder {
+    fn build(self: Box<Self>, context: ServerContext) -> Arc<DynNodeManager> {
+        let host = self.0.get_or_init(|| Arc::new(NodeHost::new(&context)));
+        Arc::new(HostManager(Arc::clone(host)))
+    }
+}
+
+fn listen(config: &TwinConfig) -> Result<(TcpListener, u16), TwinError> {
+    let failed = |source| TwinError::Listen { address: config.listen, source };
+    let listener = TcpListener::bind(config.listen).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(failed)?;
+    let port = listener.local_addr().map_err(failed)?.port();
+    Ok((listener, port))
+}
+
+/// An IPv6 address as URLs write it.
+fn bracketed(host: &str) -> String {
+    if host.contains(':') && !host.starts_with('[') { format!("[{host}]") } else { host.to_owned() }
+}
+
+fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str) -> ServerBuilder {
+    let mut builder = limits::raise_server(ServerBuilder::new());
+    let bounds = builder.limits_mut();
+    bounds.max_sessions = config.limits.sessions_max;
+    bounds.subscriptions.max_monitored_items_per_sub = config.limits.monitored_items_per_subscription_max;
+    #[expect(clippy::cast_precision_loss, reason = "milliseconds fit a double")]
+    {
+        bounds.subscriptions.min_publishing_interval_ms = config.limits.publishing_interval_ms_min as f64;
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    builder = builder
+        .application_name(format!("Verbund Twin of {factory_id}"))
+        .application_uri(application_uri)
+        .product_uri("urn:verbund:twin")
+        .build_info(BuildInfo {
+            product_uri: "urn:verbund:twin".into(),
+            manufacturer_name: "Verbund".into(),
+            product_name: "Collaborative Process Twin".into(),
+            software_version: version.into(),
+            build_number: version.into(),
+            build_date: StackTime::null(),
+        })
+        .pki_dir(&config.pki_directory)
+        .certificate_path(certificate::CERTIFICATE_FILE)
+        .private_key_path(certificate::KEY_FILE)
+        .trust_client_certs(config.security.trust_unknown_certificates)
+        .check_cert_time(true)
+        .diagnostics_enabled(true)
+        .subscription_poll_interval_ms(config.limits.publishing_tick_ms.max(1));
+    for (policy, name) in [
+        (SecurityPolicy::Basic256Sha256, "basic256sha256"),
+        (SecurityPolicy::Aes128Sha256RsaOaep, "aes128sha256rsaoaep"),
+        (SecurityPolicy::Aes256Sha256RsaPss, "aes256sha256rsapss"),
+    ] {
+        for (mode, suffix) in
+            [(MessageSecurityMode::Sign, "sign"), (MessageSecurityMode::SignAndEncrypt, "sign_and_encrypt")]
+        {
+            builder = builder.add_endpoint(format!("{name}_{suffix}"), ServerEndpoint::new("/", policy, mode, &[]));
+        }
+    }
+    if config.security.allow_anonymous_unencrypted {
+        let anonymous = [ANONYMOUS_USER_TOKEN_ID.to_owned()];
+        builder = builder.add_endpoint("none", ServerEndpoint::new_none("/", &anonymous));
+    }
+    builder
+}
+
+fn interfaces(
+    factory_id: &FactoryId,
+    host: &NodeHost,
+    handle: &ServerHandle,
+    writer: Arc<dyn FieldWriter>,
+    events: Arc<EventReporter>,
+) -> AsiProvider {
+    let uri = model::instance_namespace_uri(factory_id);
+    let types = host.namespace_index(model::TYPE_NAMESPACE_URI);
+    let instances = host.namespace_index(&uri);
+    host.add_provider(Arc::new(TypeProvider::new(types)));
+    AsiProvider::new(AsiSurroundings {
+        types,
+        instances,
+        uri,
+        subscriptions: Arc::clone(handle.subscriptions()),
+        namespaces: namespace_table(handle),
+        writer,
+        events,
+    })
+}
+
+fn namespace_table(handle: &ServerHandle) -> NamespaceTable {
+    let tree = handle.type_tree().read();
+    let mut known: Vec<(u16, String)> =
+        tree.namespaces().known_namespaces().iter().map(|(uri, index)| (*index, uri.clone())).collect();
+    known.sort();
+    NamespaceTable::new(known.into_iter().map(|(_, uri)| uri))
+}
+
+/// Server.Auditing: clients may rely on audit events.
+fn announce_auditing(handle: &ServerHandle) {
+    let auditing = VariableId::Server_Auditing.into();
+    let is_set = handle
+        .node_managers()
+        .get_of_type::<CoreNodeManager>()
+        .is_some_and(|core| core.set_value(handle.subscriptions(), &auditing, None, DataValue::new_now(true)).is_ok());
+    if !is_set {
+        tracing::warn!("The server does not say that it raises audit events.");
+    }
+}
+
+fn warn_of_development_settings(config: &TwinConfig) {
+    if config.security.allow_anonymous_unencrypted {
+        tracing::warn!(
+            "DEVELOPMENT SETTING: everybody on the network may look at the twin, without encryption and without a \
+             user, because `allow_anonymous_unencrypted` is set. Remove it outside of development."
+        );
+    }
+    if config.security.trust_unknown_certificates {
+        tracing::warn!(
+            "DEVELOPMENT SETTING: the twin trusts every client certificate because `trust_unknown_certificates` is \
+             set. Remove it outside of development and approve certificates one by one."
+        );
     }
 }

@@ -1,0 +1,181 @@
+//! Checking what others send: structure first, then meaning, all faults at once.
+//!
+//! Every fault has a JSON pointer to what is wrong, a stable [`FaultCode`] and a sentence that a partner can act on.
+//! What is rejected changes nothing; the faults travel back in the acknowledgement.
+
+mod acyclic;
+mod conditions;
+mod faults;
+mod messages;
+mod network;
+mod operations;
+mod reader;
+mod report_format;
+
+pub use faults::{FAULTS_MAX, FaultCode};
+
+use crate::{
+    ids::{FactoryId, MessageId, OperationNetworkId},
+    json::{Limits, Tape},
+    messages::{
+        Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, MESSAGE_BYTES_MAX, PlatformMessage,
+        REQUEST_BYTES_MAX,
+    },
+    network::OperationNetwork,
+};
+use reader::Reader;
+
+/// Bounds on a message to a factory.
+pub const REQUEST_LIMITS: Limits = Limits { bytes_max: REQUEST_BYTES_MAX, depth_max: 32, tokens_max: 300_000 };
+/// Bounds on a message from a factory.
+pub const MESSAGE_LIMITS: Limits = Limits { bytes_max: MESSAGE_BYTES_MAX, depth_max: 32, tokens_max: 100_000 };
+
+/// Most operations of a network.
+pub const OPERATIONS_MAX: usize = 5_000;
+/// Most relations of a network.
+pub const RELATIONS_MAX: usize = 20_000;
+/// Most elements of any list inside an operation, request or relation.
+pub const LIST_MAX: usize = 500;
+/// Longest name or foreign identifier, in characters.
+pub const NAME_CHARS_MAX: usize = 256;
+/// Longest description, purpose or remark, in characters.
+pub const TEXT_CHARS_MAX: usize = 8_192;
+/// Highest revision: what every JSON reader keeps exact.
+pub const REVISION_MAX: u64 = (1 << 53) - 1;
+
+/// Why a message is rejected, and what could be read of it nevertheless.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the message has {} fault(s), the first: {}", faults.len(), faults.first().map_or("", |fault| &fault.message))]
+pub struct Rejection {
+    /// Everything that is wrong; never empty.
+    pub faults: Vec<Fault>,
+    /// The message's id.
+    pub message_id: Option<MessageId>,
+    /// The network it is about.
+    pub operation_network_id: Option<OperationNetworkId>,
+    /// The revision it is about.
+    pub revision: Option<u64>,
+}
+
+impl Rejection {
+    /// The acknowledgement that tells the sender. Where the message's own id could not be read, it refers to the id
+    /// that the transport gave it.
+    #[must_use]
+    pub fn into_acknowledgement(
+        self,
+        message_id: MessageId,
+        factory_id: FactoryId,
+        transport_id: MessageId,
+    ) -> Acknowledgement {
+        Acknowledgement {
+            message_id,
+            factory_id,
+            correlation_id: self.message_id.unwrap_or(transport_id),
+            operation_network_id: self.operation_network_id,
+            revision: self.revision,
+            result: AcknowledgementResult::Rejected,
+            fault_list: self.faults,
+        }
+    }
+}
+
+/// Reads and checks a message from the platform to a factory.
+///
+/// # Errors
+/// [`Rejection`] with all faults.
+pub fn parse_platform_message(bytes: &[u8], expected: &FactoryId) -> Result<PlatformMessage, Rejection> {
+    parse(bytes, REQUEST_LIMITS, |reader, tape| messages::platform_message(reader, tape.root(), Some(expected)))
+}
+
+/// As [`parse_platform_message`], for whichever factory the message names.
+///
+/// # Errors
+/// [`Rejection`] with all faults.
+pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, Rejection> {
+    parse(bytes, REQUEST_LIMITS, |reader, tape| messages::platform_message(reader, tape.root(), None))
+}
+
+/// Reads and checks a message from a factory, besides reports.
+///
+/// # Errors
+/// [`Rejection`] with all faults.
+pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, Rejection> {
+    parse(bytes, MESSAGE_LIMITS, |reader, tape| messages::factory_message(reader, tape.root()))
+}
+
+/// Reads and checks a whole network, as partners' tools hand it to the platform. Pointers are relative to it.
+///
+/// # Errors
+/// [`Rejection`] with all faults.
+pub fn parse_network(bytes: &[u8]) -> Result<OperationNetwork, Rejection> {
+    parse(bytes, REQUEST_LIMITS, |reader, tape| {
+        let read = network::read(reader, tape.root())?;
+        network::check(&read, "", None, reader);
+        Some(read)
+    })
+}
+
+/// Checks the meaning of a network whose structure is sound. Pointers are relative to it.
+#[must_use]
+pub fn validate_network(network: &OperationNetwork) -> Vec<Fault> {
+    let mut reader = Reader::default();
+    network::check(network, "", None, &mut reader);
+    reader.faults.into_list()
+}
+
+/// As [`validate_network`], for the part of one factory: its operations are its own, all others stubs.
+#[must_use]
+pub fn validate_factory_part(network: &OperationNetwork, factory_id: &FactoryId) -> Vec<Fault> {
+    let mut reader = Reader::default();
+    network::check(network, "", Some(factory_id), &mut reader);
+    reader.faults.into_list()
+}
+
+fn parse<T>(
+    bytes: &[u8],
+    limits: Limits,
+    read: impl FnOnce(&mut Reader, &Tape<'_>) -> Option<T>,
+) -> Result<T, Rejection> {
+    let mut reader = Reader::default();
+    let tape = match Tape::read(bytes, limits) {
+        Ok(tape) => tape,
+        Err(error) => {
+            reader.faults.unreadable(&error);
+            return Err(Rejection {
+                faults: reader.faults.into_list(),
+                message_id: None,
+                operation_network_id: None,
+                revision: None,
+            });
+        }
+    };
+    for pointer in tape.duplicates() {
+        reader.faults.push(pointer, FaultCode::DuplicateMember, "The member occurs twice; keep one.");
+    }
+    let message = read(&mut reader, &tape);
+    match message {
+        Some(message) if reader.faults.is_empty() => Ok(message),
+        _ => Err(reader.into_rejection(&tape)),
+    }
+}
+
+impl Reader {
+    fn into_rejection(self, tape: &Tape<'_>) -> Rejection {
+        let root = tape.root();
+        let id = |name: &str| root.get(name).and_then(|node| node.text());
+        let network_id = root
+            .get("operationNetwork")
+            .and_then(|network| network.get("operationNetworkId"))
+            .and_then(|node| node.text())
+            .or_else(|| id("operationNetworkId"));
+        Rejection {
+            faults: self.faults.into_list(),
+            message_id: id("messageId").and_then(|id| id.parse().ok()),
+            operation_network_id: network_id.and_then(|id| id.parse().ok()),
+            revision: root.get("revision").and_then(|node| node.integer()).filter(|revision| *revision <= REVISION_MAX),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

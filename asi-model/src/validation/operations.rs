@@ -1,0 +1,72 @@
+//! Reading operations and their equipment.
+
+use super::{LIST_MAX, reader::Reader, report_format};
+use crate::{
+    json::Node,
+    network::{EquipmentRequirement, Operation, OperationKind},
+};
+
+pub(super) fn operation(reader: &mut Reader, node: Node<'_, '_>) -> Option<Operation> {
+    if !reader.is_object(node, "An operation") {
+        return None;
+    }
+    Some(Operation {
+        operation_id: reader.required_id(node, "operationId"),
+        kind: kind(reader, node),
+        name: reader.optional(node, "name", Reader::name),
+        description: reader.optional(node, "description", Reader::text),
+        stub: reader.optional(node, "stub", Reader::boolean).unwrap_or(false),
+        owning_factory_id: reader.optional(node, "owningFactoryId", Reader::id),
+        planned_start: reader.optional(node, "plannedStart", Reader::time),
+        planned_end: reader.optional(node, "plannedEnd", Reader::time),
+        planned_quantity: reader.optional(node, "plannedQuantity", Reader::quantity),
+        quantity_unit: reader.optional(node, "quantityUnit", Reader::name),
+        equipment_requirement_list: reader.optional_list(node, "equipmentRequirementList", LIST_MAX, equipment),
+        dynamic_data_request_list: reader.optional_list(
+            node,
+            "dynamicDataRequestList",
+            LIST_MAX,
+            report_format::request,
+        ),
+    })
+}
+
+fn kind(reader: &mut Reader, node: Node<'_, '_>) -> OperationKind {
+    #[derive(Clone)]
+    enum Wanted {
+        Production,
+        Inspection,
+        Transportation,
+    }
+    const TYPES: [(&str, Wanted); 3] = [
+        ("PRODUCTION", Wanted::Production),
+        ("INSPECTION", Wanted::Inspection),
+        ("TRANSPORTATION", Wanted::Transportation),
+    ];
+    match reader.required(node, "operationType", |reader, node| reader.choice(node, &TYPES)) {
+        Some(Wanted::Inspection) => OperationKind::Inspection {
+            inspected_operation_id: reader.optional(node, "inspectedOperationId", Reader::id),
+            characteristic: reader.optional(node, "characteristic", Reader::name),
+        },
+        Some(Wanted::Transportation) => OperationKind::Transportation {
+            origin: reader.optional(node, "origin", Reader::name),
+            destination: reader.optional(node, "destination", Reader::name),
+        },
+        Some(Wanted::Production) | None => {
+            OperationKind::Production { product_id: reader.optional(node, "productId", Reader::name) }
+        }
+    }
+}
+
+fn equipment(reader: &mut Reader, node: Node<'_, '_>) -> Option<EquipmentRequirement> {
+    if !reader.is_object(node, "An equipment requirement") {
+        return None;
+    }
+    Some(EquipmentRequirement {
+        equipment_requirement_id: reader.required_id(node, "equipmentRequirementId"),
+        equipment_type: reader.required(node, "equipmentType", Reader::name).unwrap_or_default(),
+        capability: reader.optional(node, "capability", Reader::text),
+        quantity: reader.optional(node, "quantity", Reader::quantity),
+        asset_id: reader.optional(node, "assetId", Reader::id),
+    })
+}

@@ -1,0 +1,236 @@
+//! Reading members of JSON objects into types, noting every fault and going on.
+//!
+//! Where an identifier cannot be read, a placeholder stands in for it, so that the rest is checked all the same; a
+//! message with faults never leaves the validation.
+
+use std::str::FromStr;
+
+use super::{FaultCode, NAME_CHARS_MAX, TEXT_CHARS_MAX, faults::Faults};
+use crate::{
+    ids::InvalidId,
+    json::{Kind, Node},
+    values::DateTime,
+};
+
+/// The faults so far, and what could not be read at all.
+#[derive(Debug, Default)]
+pub(super) struct Reader {
+    pub(super) faults: Faults,
+    /// How many identifiers have placeholders.
+    pub(super) unreadable_ids: usize,
+    /// True where list elements had to be left out, so that positions no longer agree with the text.
+    pub(super) has_left_out: bool,
+}
+
+impl Reader {
+    /// Notes a fault at a node.
+    pub(super) fn fault(&mut self, node: Node<'_, '_>, code: FaultCode, message: impl Into<String>) {
+        // A pointer costs a walk from the root; nobody needs more than the list holds.
+        if self.faults.is_full() {
+            self.faults.count_unlisted();
+        } else {
+            self.faults.push(node.pointer(), code, message);
+        }
+    }
+
+    fn wrong_type<T>(&mut self, node: Node<'_, '_>, wanted: &str) -> Option<T> {
+        self.fault(node, FaultCode::WrongType, format!("Expected {wanted}, but found {}.", node.kind().name()));
+        None
+    }
+
+    /// True for an object; else a fault.
+    pub(super) fn is_object(&mut self, node: Node<'_, '_>, what: &str) -> bool {
+        let is_object = node.kind() == Kind::Object;
+        if !is_object {
+            self.has_left_out = true;
+            self.fault(node, FaultCode::WrongType, format!("{what} must be an object, but is {}.", node.kind().name()));
+        }
+        is_object
+    }
+
+    /// A member that must be there.
+    pub(super) fn required<'t, 'a, T>(
+        &mut self,
+        object: Node<'t, 'a>,
+        name: &str,
+        read: impl FnOnce(&mut Self, Node<'t, 'a>) -> Option<T>,
+    ) -> Option<T> {
+        match object.get(name).filter(|node| !node.is_null()) {
+            Some(node) => read(self, node),
+            None if self.faults.is_full() => {
+                self.faults.count_unlisted();
+                None
+            }
+            None => {
+                let pointer = format!("{}/{name}", object.pointer());
+                self.faults.push(pointer, FaultCode::MissingMember, format!("The member {name} is missing."));
+                None
+            }
+        }
+    }
+
+    /// A member that may be absent or null.
+    pub(super) fn optional<'t, 'a, T>(
+        &mut self,
+        object: Node<'t, 'a>,
+        name: &str,
+        read: impl FnOnce(&mut Self, Node<'t, 'a>) -> Option<T>,
+    ) -> Option<T> {
+        object.get(name).filter(|node| !node.is_null()).and_then(|node| read(self, node))
+    }
+
+    /// The elements of a list that must be there, each read; unreadable ones are left out.
+    pub(super) fn list<'t, 'a, T>(
+        &mut self,
+        object: Node<'t, 'a>,
+        name: &str,
+        count_max: usize,
+        mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+    ) -> Vec<T> {
+        let list = self.required(object, name, |reader, node| reader.elements(node, count_max, &mut read));
+        list.unwrap_or_default()
+    }
+
+    /// As [`Self::list`], of a list that may be absent.
+    pub(super) fn optional_list<'t, 'a, T>(
+        &mut self,
+        object: Node<'t, 'a>,
+        name: &str,
+        count_max: usize,
+        mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+    ) -> Vec<T> {
+        let list = self.optional(object, name, |reader, node| reader.elements(node, count_max, &mut read));
+        list.unwrap_or_default()
+    }
+
+    fn elements<'t, 'a, T>(
+        &mut self,
+        node: Node<'t, 'a>,
+        count_max: usize,
+        read: &mut impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        if node.kind() != Kind::Array {
+            return self.wrong_type(node, "an array");
+        }
+        if node.elements().count() > count_max {
+            self.has_left_out = true;
+            self.fault(node, FaultCode::TooManyElements, format!("The list may have at most {count_max} elements."));
+            return None;
+        }
+        Some(node.elements().filter_map(|element| read(self, element)).collect())
+    }
+
+    /// An identifier.
+    pub(super) fn id<T: FromStr<Err = InvalidId>>(&mut self, node: Node<'_, '_>) -> Option<T> {
+        let Some(text) = node.text() else { return self.wrong_type(node, "an identifier as a string") };
+        match text.parse() {
+            Ok(id) => Some(id),
+            Err(InvalidId { kind, pattern, .. }) => {
+                self.fault(node, FaultCode::InvalidId, format!("This is not {kind}: it must match {pattern}."));
+                None
+            }
+        }
+    }
+
+    /// An identifier that must be there, or a placeholder after the fault.
+    pub(super) fn required_id<T: FromStr<Err = InvalidId>>(&mut self, object: Node<'_, '_>, name: &str) -> T {
+        match self.required(object, name, |reader, node| reader.id(node)) {
+            Some(id) => id,
+            None => {
+                self.unreadable_ids += 1;
+                format!("unreadable-{}", self.unreadable_ids)
+                    .parse()
+                    .expect("the placeholder matches the patterns of all identifiers")
+            }
+        }
+    }
+
+    fn bounded_text(&mut self, node: Node<'_, '_>, chars_max: usize) -> Option<String> {
+        let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
+        if text.chars().nth(chars_max).is_some() {
+            self.fault(node, FaultCode::TextTooLong, format!("The text may have at most {chars_max} characters."));
+            return None;
+        }
+        Some(text.into_owned())
+    }
+
+    /// A name, or another party's identifier.
+    pub(super) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
+        self.bounded_text(node, NAME_CHARS_MAX)
+    }
+
+    /// A description, purpose or remark.
+    pub(super) fn text(&mut self, node: Node<'_, '_>) -> Option<String> {
+        self.bounded_text(node, TEXT_CHARS_MAX)
+    }
+
+    /// A text that must say something.
+    pub(super) fn said(&mut self, node: Node<'_, '_>) -> Option<String> {
+        let text = self.text(node)?;
+        if text.trim().is_empty() {
+            self.fault(node, FaultCode::InvalidValue, "The text must not be empty.");
+        }
+        Some(text)
+    }
+
+    /// A time.
+    pub(super) fn time(&mut self, node: Node<'_, '_>) -> Option<DateTime> {
+        let Some(text) = node.text() else { return self.wrong_type(node, "a time as a string") };
+        let time = crate::json::write::parse_date_time(&text);
+        if time.is_none() {
+            self.fault(node, FaultCode::InvalidValue, "A time must be RFC 3339, as 2019-04-18T06:00:00Z.");
+        }
+        time
+    }
+
+    /// A value with its own text form.
+    pub(super) fn parsed<T: FromStr>(&mut self, node: Node<'_, '_>, expected: &str) -> Option<T> {
+        let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
+        let value = text.parse().ok();
+        if value.is_none() {
+            self.fault(node, FaultCode::InvalidValue, format!("Expected {expected}."));
+        }
+        value
+    }
+
+    /// One of several names.
+    pub(super) fn choice<T: Clone>(&mut self, node: Node<'_, '_>, choices: &[(&str, T)]) -> Option<T> {
+        let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
+        let found = choices.iter().find(|(name, _)| *name == text).map(|(_, value)| value.clone());
+        if found.is_none() {
+            let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+            self.fault(node, FaultCode::InvalidValue, format!("Expected one of {}.", names.join(", ")));
+        }
+        found
+    }
+
+    /// An integer that fits.
+    pub(super) fn integer<T: FromStr>(&mut self, node: Node<'_, '_>, expected: &str) -> Option<T> {
+        if node.kind() != Kind::Number {
+            return self.wrong_type(node, expected);
+        }
+        let value = node.integer();
+        if value.is_none() {
+            self.fault(node, FaultCode::InvalidValue, format!("Expected {expected}."));
+        }
+        value
+    }
+
+    /// A finite number that is not negative.
+    pub(super) fn quantity(&mut self, node: Node<'_, '_>) -> Option<f64> {
+        let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
+        let value = digits.parse().ok().filter(|value: &f64| value.is_finite() && *value >= 0.0);
+        if value.is_none() {
+            self.fault(node, FaultCode::InvalidValue, "The number must not be negative or beyond 1e308.");
+        }
+        value
+    }
+
+    /// A boolean.
+    pub(super) fn boolean(&mut self, node: Node<'_, '_>) -> Option<bool> {
+        match node.boolean() {
+            Some(value) => Some(value),
+            None => self.wrong_type(node, "true or false"),
+        }
+    }
+}

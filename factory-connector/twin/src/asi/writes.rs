@@ -1,0 +1,254 @@
+//! What clients write and call: checked here, decided by the connector.
+
+use std::time::Duration;
+
+use asi_model::{
+    BuiltInType, Variant as ModelVariant,
+    messages::MappingState,
+    network::{OperationState, ReportField, Semantic, VALUE_RANK_SCALAR},
+};
+use opcua_stack::{
+    opcua::types::{AttributeId, DateTime, Identifier, NodeId, StatusCode, Variant},
+    values::{from_stack, status_to_stack},
+};
+
+use super::{
+    interface::Interface,
+    model,
+    parts::engineering_range,
+    place::Place,
+    provider::{AsiProvider, At, Located},
+    types::TypeProvider,
+};
+use crate::{
+    access::{FieldDecision, TwinUser},
+    events::AuditWrite,
+    provider::{CallOutcome, WriteRequest},
+};
+
+/// How long a client waits for the connector's answer at most.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
+/// Longest reason for a decision, in bytes.
+const REASON_BYTES_MAX: usize = 2000;
+
+impl AsiProvider {
+    pub(super) async fn write_field(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode {
+        let located = self.locate(request.node_id);
+        let Some(Located::Node(At { interface, place: Place::Field(field), part: None, .. })) = located else {
+            return match located {
+                Some(_) => StatusCode::BadNotWritable,
+                None => StatusCode::BadNodeIdUnknown,
+            };
+        };
+        let old = interface.record(field);
+        let status = match self.check_write(user, &request, &interface, field) {
+            Err(status) => status,
+            Ok(()) => {
+                let mut value = request.value.clone();
+                value.source_timestamp.get_or_insert_with(DateTime::now);
+                let value = from_stack(value, &self.namespaces);
+                let key = interface.key_of(field);
+                let write = self.writer.write(&key, value, user);
+                match tokio::time::timeout(ANSWER_TIMEOUT, write).await {
+                    Ok(status) => status_to_stack(status),
+                    Err(_) => StatusCode::BadTimeout,
+                }
+            }
+        };
+        metrics::counter!("twin_writes_total", "outcome" => if status.is_bad() { "refused" } else { "accepted" })
+            .increment(1);
+        self.events.report_write(|| AuditWrite {
+            node_id: request.node_id.clone(),
+            user: user.name.to_string(),
+            status,
+            old_value: self.shown(&old).value.unwrap_or_default(),
+            new_value: request.value.value.clone().unwrap_or_default(),
+            message: "A client wrote the value of a report field.".to_owned(),
+        });
+        status
+    }
+
+    fn check_write(
+        &self,
+        user: &TwinUser,
+        request: &WriteRequest<'_>,
+        interface: &Interface,
+        field: u32,
+    ) -> Result<(), StatusCode> {
+        if request.attribute != AttributeId::Value || !interface.records.read()[field as usize].is_writable() {
+            return Err(StatusCode::BadNotWritable);
+        }
+        if !user.role.may_write() {
+            return Err(StatusCode::BadUserAccessDenied);
+        }
+        // What the node shows is the disclosed value; a part written into it would mix two things.
+        if request.has_index_range {
+            return Err(StatusCode::BadWriteNotSupported);
+        }
+        let value = from_stack(request.value.clone(), &self.namespaces).value;
+        let (owner, definition) = interface.field(field);
+        let operation = interface.operation(interface.slot(owner).operation);
+        let planned = (operation.quantity_unit == definition.unit).then_some(operation.planned_quantity).flatten();
+        check_value(definition, planned, &value)
+    }
+
+    pub(super) async fn call_method(
+        &self,
+        user: &TwinUser,
+        object: &NodeId,
+        method: &NodeId,
+        arguments: &[Variant],
+    ) -> CallOutcome {
+        let Some(Located::Node(At { interface, place, part: None, .. })) = self.locate(object) else {
+            return CallOutcome::failed(StatusCode::BadNodeIdUnknown);
+        };
+        let Some(name) = self.method_name(&interface, place, method) else {
+            return CallOutcome::failed(StatusCode::BadMethodInvalid);
+        };
+        match (place, name) {
+            (Place::Request(request), "Decide") => self.decide(user, &interface, request, arguments).await,
+            (Place::Interface, "ExportNodeSet") if arguments.is_empty() => self.export(&interface),
+            (Place::Interface, "ExportNodeSet") => CallOutcome::failed(StatusCode::BadTooManyArguments),
+            _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
+        }
+    }
+
+    /// The name of a method of this place, given as its own node or as its type's declaration.
+    fn method_name(&self, interface: &Interface, place: Place, method: &NodeId) -> Option<&'static str> {
+        let type_id = interface.type_of(place)?;
+        let identifier = interface.identifier(place);
+        model::object_type(type_id).parts.iter().map(|part| part.name).find(|name| match &method.identifier {
+            Identifier::String(id) if method.namespace == self.instances => {
+                id.as_ref().strip_prefix(identifier.as_str()).and_then(|rest| rest.strip_prefix('#')) == Some(name)
+            }
+            _ => TypeProvider::method_declaration(self.types, type_id, name).as_ref() == Some(method),
+        })
+    }
+
+    async fn decide(&self, user: &TwinUser, interface: &Interface, request: u32, arguments: &[Variant]) -> CallOutcome {
+        if arguments.len() != 3 {
+            let status =
+                if arguments.len() < 3 { StatusCode::BadArgumentsMissing } else { StatusCode::BadTooManyArguments };
+            return CallOutcome::failed(status);
+        }
+        let field = text(&arguments[0]).map(|name| interface.find_field(request, name));
+        let state = mapping_state(&arguments[1]);
+        let reason = optional_text(&arguments[2]);
+        let (field, mapping_state, reason) = match (field, state, reason) {
+            (Some(Some(field)), Ok(state), Ok(reason)) if state != MappingState::Refused || reason.is_some() => {
+                (field, state, reason)
+            }
+            (field, state, reason) => {
+                let unknown = if field.is_some() { StatusCode::BadNotFound } else { StatusCode::BadTypeMismatch };
+                return CallOutcome::invalid_arguments(vec![
+                    if matches!(field, Some(Some(_))) { StatusCode::Good } else { unknown },
+                    state.err().unwrap_or(StatusCode::Good),
+                    // What remains wrong is a refusal without a reason.
+                    match reason {
+                        Err(status) => status,
+                        Ok(None) if state == Ok(MappingState::Refused) => StatusCode::BadInvalidArgument,
+                        Ok(_) => StatusCode::Good,
+                    },
+                ]);
+            }
+        };
+        let decision = FieldDecision { mapping_state, reason };
+        let key = interface.key_of(field);
+        let decide = self.writer.decide(&key, decision, user);
+        let status = match tokio::time::timeout(ANSWER_TIMEOUT, decide).await {
+            Ok(status) => status_to_stack(status),
+            Err(_) => StatusCode::BadTimeout,
+        };
+        if status.is_bad() {
+            let node_id = self.id(format!("{}#MappingState", interface.identifier(Place::Field(field))));
+            let old_value = Variant::from(interface.record(field).mapping_state as i32);
+            self.events.report_write(|| AuditWrite {
+                node_id,
+                user: user.name.to_string(),
+                status,
+                old_value,
+                new_value: (mapping_state as i32).into(),
+                message: "A decision about a report field was not accepted.".to_owned(),
+            });
+        }
+        CallOutcome { status, outputs: Vec::new(), argument_statuses: Vec::new() }
+    }
+
+    fn export(&self, _interface: &Interface) -> CallOutcome {
+        CallOutcome::failed(StatusCode::BadNotSupported)
+    }
+}
+
+fn text(variant: &Variant) -> Option<&str> {
+    match variant {
+        Variant::String(text) if !text.is_null() => Some(text.as_ref()),
+        _ => None,
+    }
+}
+
+fn optional_text(variant: &Variant) -> Result<Option<String>, StatusCode> {
+    let text = match variant {
+        Variant::Empty => return Ok(None),
+        Variant::String(text) => text.as_ref(),
+        Variant::LocalizedText(text) => text.text.as_ref(),
+        _ => return Err(StatusCode::BadTypeMismatch),
+    };
+    if text.len() > REASON_BYTES_MAX {
+        return Err(StatusCode::BadOutOfRange);
+    }
+    Ok((!text.trim().is_empty()).then(|| text.to_owned()))
+}
+
+fn mapping_state(variant: &Variant) -> Result<MappingState, StatusCode> {
+    match variant {
+        Variant::Int32(0) => Ok(MappingState::Pending),
+        Variant::Int32(1) => Ok(MappingState::Mapped),
+        Variant::Int32(2) => Ok(MappingState::Refused),
+        Variant::Int32(_) => Err(StatusCode::BadOutOfRange),
+        _ => Err(StatusCode::BadTypeMismatch),
+    }
+}
+
+/// Whether a value may become a field's: its type, its rank, its range.
+fn check_value(definition: &ReportField, planned: Option<f64>, value: &ModelVariant) -> Result<(), StatusCode> {
+    let wanted = definition.field_type.0;
+    let fits_type = value.built_in_type().is_some_and(|found| found == wanted || wanted == BuiltInType::Variant);
+    let rank = match value {
+        ModelVariant::Null => return Err(StatusCode::BadTypeMismatch),
+        ModelVariant::Scalar(_) => VALUE_RANK_SCALAR,
+        ModelVariant::Array(array) => {
+            array.dimensions.as_ref().map_or(1, |d| i32::try_from(d.len()).unwrap_or(i32::MAX))
+        }
+    };
+    // OPC 10000-3 §5.6.2: -3 scalar or one dimension, -2 any, -1 scalar, 0 one or more dimensions.
+    let fits_rank = match definition.value_rank {
+        -3 => rank == VALUE_RANK_SCALAR || rank == 1,
+        -2 => true,
+        0 => rank >= 1,
+        exact => rank == exact,
+    };
+    if !fits_type || !fits_rank {
+        return Err(StatusCode::BadTypeMismatch);
+    }
+    let Some(scalar) = value.as_scalar() else { return Ok(()) };
+    if definition.semantic == Some(Semantic::OperationState) {
+        let is_state = match scalar.as_str() {
+            Some(name) => OperationState::from_name(name).is_some(),
+            None => scalar.as_i128().is_some_and(|n| (0..6).contains(&n)),
+        };
+        return if is_state { Ok(()) } else { Err(StatusCode::BadOutOfRange) };
+    }
+    // Only a percentage has hard bounds: more than planned may well be produced.
+    let is_percent = definition.semantic == Some(Semantic::PercentComplete);
+    match (scalar.as_f64(), engineering_range(definition, planned)) {
+        (Some(number), Some(range)) if is_percent && !(range.low..=range.high).contains(&number) => {
+            Err(StatusCode::BadOutOfRange)
+        }
+        (Some(number), _) if !is_percent && is_quantity(definition) && number < 0.0 => Err(StatusCode::BadOutOfRange),
+        _ => Ok(()),
+    }
+}
+
+fn is_quantity(definition: &ReportField) -> bool {
+    matches!(definition.semantic, Some(Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity))
+}

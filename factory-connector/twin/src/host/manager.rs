@@ -1,0 +1,199 @@
+//! The services that the stack asks of a node manager.
+
+use std::sync::Arc;
+
+use async_trait::async_trait;
+use futures::future::join_all;
+use opcua_stack::opcua::{
+    nodes::DefaultTypeTree,
+    server::{
+        CreateMonitoredItem,
+        diagnostics::NamespaceMetadata,
+        node_manager::{
+            BrowseNode, BrowsePathItem, ExternalReferenceRequest, MethodCall, NodeManager, ReadNode, RequestContext,
+            ServerContext, WriteNode,
+        },
+    },
+    types::{AttributeId, IdType, NodeClass, NodeId, StatusCode, TimestampsToReturn},
+};
+
+use super::{NodeHost, browse::metadata};
+use crate::{
+    provider::{CallOutcome, NodeKind, WriteRequest},
+    security::login::user_of,
+};
+
+/// The host as the stack sees it.
+pub(crate) struct HostManager(pub(crate) Arc<NodeHost>);
+
+// The trait leaves this lifetime out, and an implementation has to do the same.
+#[allow(elided_lifetimes_in_paths)]
+#[async_trait]
+impl NodeManager for HostManager {
+    fn owns_node(&self, id: &NodeId) -> bool {
+        self.0.table.load().owners.contains_key(&id.namespace)
+    }
+
+    fn name(&self) -> &str {
+        "twin"
+    }
+
+    fn namespaces_for_user(&self, _context: &RequestContext) -> Vec<NamespaceMetadata> {
+        let table = self.0.table.load();
+        table
+            .providers
+            .iter()
+            .flat_map(|provider| provider.namespaces())
+            .map(|namespace| NamespaceMetadata {
+                is_namespace_subset: Some(false),
+                namespace_uri: namespace.uri,
+                namespace_version: namespace.version,
+                static_node_id_types: Some(vec![IdType::Numeric, IdType::String]),
+                namespace_index: namespace.index,
+                ..NamespaceMetadata::default()
+            })
+            .collect()
+    }
+
+    async fn init(&self, _type_tree: &mut DefaultTypeTree, _context: ServerContext) {
+        // Providers bring their types when they are added, before the server runs or while it does.
+    }
+
+    async fn resolve_external_references(
+        &self,
+        _context: &RequestContext,
+        items: &mut [&mut ExternalReferenceRequest],
+    ) {
+        let table = self.0.table.load();
+        for item in items {
+            if let Some(node) = table.node(item.node_id()) {
+                item.set(metadata(item.node_id().clone(), node));
+            }
+        }
+    }
+
+    async fn read(
+        &self,
+        context: &RequestContext,
+        _max_age: f64,
+        timestamps_to_return: TimestampsToReturn,
+        nodes_to_read: &mut [&mut ReadNode],
+    ) -> Result<(), StatusCode> {
+        let (table, role) = (self.0.table.load(), user_of(&context.token).role);
+        for node in nodes_to_read {
+            let value = table.read(node.node(), role, timestamps_to_return);
+            node.set_result(value);
+        }
+        Ok(())
+    }
+
+    async fn write(&self, context: &RequestContext, nodes_to_write: &mut [&mut WriteNode]) -> Result<(), StatusCode> {
+        let user = user_of(&context.token);
+        let table = self.0.table.load_full();
+        // All at once, so that they share a commit; begun in order, so that writes to one node keep theirs.
+        let writes = nodes_to_write.iter_mut().map(|node| {
+            let (table, user) = (&table, &user);
+            async move {
+                let value = node.value();
+                let status = match table.owner(&value.node_id) {
+                    Some(provider) => {
+                        let request = WriteRequest {
+                            node_id: &value.node_id,
+                            attribute: value.attribute_id,
+                            has_index_range: value.index_range.has_range(),
+                            value: &value.value,
+                        };
+                        provider.write(user, request).await
+                    }
+                    None => StatusCode::BadNodeIdUnknown,
+                };
+                node.set_status(status);
+            }
+        });
+        join_all(writes).await;
+        Ok(())
+    }
+
+    async fn browse(&self, context: &RequestContext, nodes_to_browse: &mut [BrowseNode]) -> Result<(), StatusCode> {
+        let table = self.0.table.load();
+        let types = context.type_tree.read();
+        for node in nodes_to_browse {
+            table.browse(node, &*types);
+        }
+        Ok(())
+    }
+
+    async fn translate_browse_paths_to_node_ids(
+        &self,
+        context: &RequestContext,
+        nodes: &mut [&mut BrowsePathItem],
+    ) -> Result<(), StatusCode> {
+        let table = self.0.table.load();
+        let types = context.type_tree.read();
+        for item in nodes {
+            table.translate(item, context, &*types);
+        }
+        Ok(())
+    }
+
+    async fn create_monitored_items(
+        &self,
+        context: &RequestContext,
+        items: &mut [&mut CreateMonitoredItem],
+    ) -> Result<(), StatusCode> {
+        let (table, role) = (self.0.table.load(), user_of(&context.token).role);
+        for item in items {
+            let target = item.item_to_monitor();
+            if target.attribute_id == AttributeId::EventNotifier {
+                let status = match table.node(&target.node_id).map(|node| node.class.node_class()) {
+                    None => StatusCode::BadNodeIdUnknown,
+                    // Our objects are no notifiers; events come from the Server object.
+                    Some(NodeClass::Object) => StatusCode::BadNotSupported,
+                    Some(_) => StatusCode::BadAttributeIdInvalid,
+                };
+                item.set_status(status);
+                continue;
+            }
+            let value = table.read(target, role, item.timestamps_to_return());
+            // A value whose status is bad can be monitored; a node or attribute that does not exist cannot.
+            match value.status() {
+                status @ (StatusCode::BadNodeIdUnknown
+                | StatusCode::BadAttributeIdInvalid
+                | StatusCode::BadDataEncodingInvalid
+                | StatusCode::BadIndexRangeDataMismatch) => item.set_status(status),
+                _ => {
+                    item.set_initial_value(value);
+                    item.set_status(StatusCode::Good);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn call(&self, context: &RequestContext, methods_to_call: &mut [&mut MethodCall]) -> Result<(), StatusCode> {
+        let user = user_of(&context.token);
+        let table = self.0.table.load_full();
+        for call in methods_to_call {
+            // A method of a type may be called on an object, so the object decides who answers.
+            let outcome = match table.owner(call.object_id()) {
+                None => CallOutcome::failed(StatusCode::BadNodeIdUnknown),
+                Some(provider) if provider.node(call.object_id()).is_none() => {
+                    CallOutcome::failed(StatusCode::BadNodeIdUnknown)
+                }
+                Some(provider) => match table.node(call.method_id()).map(|node| node.class) {
+                    Some(NodeKind::Method { callable_by }) if user.role.includes(callable_by) => {
+                        provider.call(&user, call.object_id(), call.method_id(), call.arguments()).await
+                    }
+                    Some(NodeKind::Method { .. }) => CallOutcome::failed(StatusCode::BadUserAccessDenied),
+                    _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
+                },
+            };
+            if !outcome.argument_statuses.is_empty() {
+                call.set_argument_error(outcome.argument_statuses);
+            }
+            call.set_status(outcome.status);
+            call.set_outputs(outcome.outputs);
+        }
+        Ok(())
+    }
+}

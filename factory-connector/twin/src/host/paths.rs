@@ -1,0 +1,90 @@
+//! TranslateBrowsePathsToNodeIds within our nodes, and from standard nodes into them.
+
+use std::ops::ControlFlow;
+
+use opcua_stack::opcua::{
+    nodes::TypeTree,
+    server::node_manager::{BrowsePathItem, RequestContext},
+    types::{NodeId, QualifiedName, RelativePathElement},
+};
+
+use super::ProviderTable;
+use crate::provider::Reference;
+
+/// Most nodes that one path may lead through: a path of wildcards over many nodes ends there.
+const NODES_PER_PATH_MAX: usize = 100_000;
+
+impl ProviderTable {
+    /// Follows a path as far as the providers' nodes go. Nodes of other managers that it reaches are handed on.
+    pub(super) fn translate(&self, item: &mut BrowsePathItem<'_>, context: &RequestContext, types: &dyn TypeTree) {
+        if let Some(expected) = item.unmatched_browse_name() {
+            let is_match = self.node(item.node_id()).is_some_and(|n| expected.is_null() || &n.browse_name == expected);
+            if !is_match {
+                return;
+            }
+            item.set_browse_name_matched(context.current_node_manager_index);
+        }
+        let mut found: Vec<(NodeId, usize, Option<QualifiedName>)> = Vec::new();
+        let mut layer = vec![item.node_id().clone()];
+        for (depth, element) in item.path().iter().enumerate() {
+            let mut next = Vec::new();
+            for node_id in &layer {
+                self.follow(node_id, element, types, &mut |reference| {
+                    if found.len() >= NODES_PER_PATH_MAX {
+                        return;
+                    }
+                    if self.owner(&reference.target).is_some() {
+                        found.push((reference.target.clone(), depth + 1, None));
+                        next.push(reference.target);
+                    } else {
+                        // Whether the name fits, the node's own manager knows.
+                        found.push((reference.target, depth + 1, Some(element.target_name.clone())));
+                    }
+                });
+            }
+            layer = next;
+        }
+        for (node_id, depth, unmatched) in found {
+            item.add_element(node_id, depth, unmatched);
+        }
+    }
+
+    /// The references of a node that fit one element of a path; for targets that are not ours, all but the name.
+    fn follow(
+        &self,
+        node_id: &NodeId,
+        element: &RelativePathElement,
+        types: &dyn TypeTree,
+        visit: &mut dyn FnMut(Reference),
+    ) {
+        let is_wanted = |reference: &Reference| {
+            reference.is_forward != element.is_inverse
+                && (element.reference_type_id.is_null()
+                    || reference.reference_type == element.reference_type_id
+                    || element.include_subtypes
+                        && types.is_subtype_of(&reference.reference_type, &element.reference_type_id))
+        };
+        for provider in &self.providers {
+            if !element.is_inverse
+                && !element.target_name.is_null()
+                && let Some(named) = provider.targets_named(node_id, &element.target_name)
+            {
+                named.into_iter().filter(|r| is_wanted(r)).for_each(&mut *visit);
+                continue;
+            }
+            provider.references(node_id, 0, &mut |_, reference| {
+                if is_wanted(&reference) && self.may_be_named(&reference.target, &element.target_name) {
+                    visit(reference);
+                }
+                ControlFlow::Continue(())
+            });
+        }
+    }
+
+    fn may_be_named(&self, node_id: &NodeId, name: &QualifiedName) -> bool {
+        match self.owner(node_id) {
+            Some(owner) => owner.node(node_id).is_some_and(|node| name.is_null() || &node.browse_name == name),
+            None => true,
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Who may connect: the twin's own certificate, the trust list, and users.
+
+pub(crate) mod certificate;
+pub(crate) mod login;
+pub(crate) mod throttle;
+pub(crate) mod trust;

@@ -1,0 +1,157 @@
+//! The twin's own application certificate: made at the first start, renewed before it expires.
+
+use std::{
+    fs,
+    net::IpAddr,
+    path::{Path, PathBuf},
+};
+
+use asi_model::DateTime;
+use opcua_stack::opcua::crypto::{CertificateStore, PrivateKey, X509, X509Data, hostname};
+
+use crate::{config::TwinConfig, error::TwinError};
+
+/// Size of a new key; every policy we offer takes 2048 to 4096 bits.
+const KEY_BITS: u32 = 2048;
+/// The certificate within the folder.
+pub(crate) const CERTIFICATE_FILE: &str = "own/cert.der";
+/// The key within the folder.
+pub(crate) const KEY_FILE: &str = "private/private.pem";
+
+/// The names under which clients reach the twin, the advertised one first.
+pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
+    if !config.host_names.is_empty() {
+        return config.host_names.clone();
+    }
+    let ip: IpAddr = config.listen.ip();
+    if !ip.is_unspecified() {
+        return vec![ip.to_string()];
+    }
+    vec![hostname().ok().filter(|name| !name.is_empty()).unwrap_or_else(|| "localhost".to_owned())]
+}
+
+/// Makes sure that a usable certificate is there: for this application, these host names, and for long enough.
+///
+/// # Errors
+/// [`TwinError`] when the folder cannot be written or no certificate can be made.
+pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) -> Result<(), TwinError> {
+    let folder = &config.pki_directory;
+    prepare_folders(folder)?;
+    let hosts = host_names(config);
+    let Some(flaw) = flaw(folder, config, application_uri, &hosts, now) else { return Ok(()) };
+    tracing::info!(reason = flaw, "The twin makes itself a new certificate; clients have to trust it anew.");
+    create(folder, config, application_uri, &hosts)
+}
+
+fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
+    for name in ["own", "private", "trusted", "rejected"] {
+        let path = folder.join(name);
+        fs::create_dir_all(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+    }
+    restrict(&folder.join("private"), 0o700)
+}
+
+#[cfg(unix)]
+fn restrict(path: &Path, mode: u32) -> Result<(), TwinError> {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
+        .map_err(|source| TwinError::Pki { path: path.to_owned(), source })
+}
+
+#[cfg(not(unix))]
+fn restrict(_path: &Path, _mode: u32) -> Result<(), TwinError> {
+    Ok(())
+}
+
+/// Why the certificate that is there will not do; `None` where it will.
+fn flaw(
+    folder: &Path,
+    config: &TwinConfig,
+    application_uri: &str,
+    hosts: &[String],
+    now: DateTime,
+) -> Option<&'static str> {
+    let Ok(certificate) = CertificateStore::read_cert(&folder.join(CERTIFICATE_FILE)) else {
+        return Some("there is none");
+    };
+    let Ok(key) = CertificateStore::read_pkey(&folder.join(KEY_FILE)) else { return Some("its key is missing") };
+    if !is_pair(&certificate, &key) {
+        return Some("it does not belong to its key");
+    }
+    if certificate.is_application_uri_valid(application_uri).is_err() {
+        return Some("it was made for another factory");
+    }
+    if hosts.iter().any(|host| certificate.is_hostname_valid(host).is_err()) {
+        return Some("it lacks a configured host name");
+    }
+    let seconds_left =
+        certificate.not_after().map_or(0, |end| end.timestamp() - now.unix_micros().div_euclid(1_000_000));
+    (seconds_left < i64::from(config.security.certificate_renewal_days) * 86_400).then_some("it expires soon")
+}
+
+fn is_pair(certificate: &X509, key: &PrivateKey) -> bool {
+    use opcua_stack::opcua::crypto::KeySize;
+    let (probe, mut signature) = (b"the same pair", vec![0; key.size()]);
+    key.sign_sha256(probe, &mut signature).is_ok()
+        && certificate.public_key().is_ok_and(|public| public.verify_sha256(probe, &signature).unwrap_or(false))
+}
+
+fn create(folder: &Path, config: &TwinConfig, application_uri: &str, hosts: &[String]) -> Result<(), TwinError> {
+    // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name. The loopback names are added where the twin
+    // listens there.
+    let is_local = config.listen.ip().is_loopback() || config.listen.ip().is_unspecified();
+    let names = X509Data::alt_host_names(application_uri, Some(hosts.to_vec()), is_local, false, is_local);
+    let wanted = X509Data {
+        key_size: KEY_BITS,
+        common_name: format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str)),
+        organization: "Verbund".to_owned(),
+        organizational_unit: String::new(),
+        country: String::new(),
+        state: String::new(),
+        alt_host_names: names,
+        certificate_duration_days: config.security.certificate_validity_days.max(1),
+    };
+    // Beside the old ones first: a crash in between leaves a pair that does not fit, which the next start notices.
+    let new = (folder.join("own/new.der"), folder.join("private/new.pem"));
+    CertificateStore::create_certificate_and_key(&wanted, true, &new.0, &new.1)
+        .map_err(|reason| TwinError::Certificate { reason })?;
+    restrict(&new.1, 0o600)?;
+    rename(&new.1, folder.join(KEY_FILE))?;
+    rename(&new.0, folder.join(CERTIFICATE_FILE))
+}
+
+fn rename(from: &Path, to: PathBuf) -> Result<(), TwinError> {
+    fs::rename(from, &to).map_err(|source| TwinError::Pki { path: to, source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_certificate_is_kept_while_it_fits() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = TwinConfig {
+            pki_directory: folder.path().to_owned(),
+            host_names: vec!["press.plant".to_owned()],
+            ..TwinConfig::default()
+        };
+        let now = DateTime::from(std::time::SystemTime::now());
+        let read = || fs::read(folder.path().join(CERTIFICATE_FILE)).unwrap();
+        ensure(&config, "urn:verbund:twin:F", now).unwrap();
+        let first = read();
+        ensure(&config, "urn:verbund:twin:F", now).unwrap();
+        assert_eq!(read(), first, "a fitting certificate stays");
+        let years_later = DateTime::from_ticks(now.ticks() + 5 * 365 * 86_400 * 10_000_000);
+        assert_eq!(
+            flaw(folder.path(), &config, "urn:verbund:twin:F", &host_names(&config), years_later),
+            Some("it expires soon")
+        );
+        config.host_names.push("press2.plant".to_owned());
+        ensure(&config, "urn:verbund:twin:F", now).unwrap();
+        assert_ne!(read(), first, "a new host name needs a new certificate");
+        let own = CertificateStore::read_cert(&folder.path().join(CERTIFICATE_FILE)).unwrap();
+        assert!(own.is_application_uri_valid("urn:verbund:twin:F").is_ok());
+        assert!(own.is_hostname_valid("press2.plant").is_ok());
+    }
+}

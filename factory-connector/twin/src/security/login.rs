@@ -1,0 +1,163 @@
+//! Users of the twin: names and passwords through the connector's [`Authenticator`], roles in the session's token.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use async_trait::async_trait;
+use opcua_stack::opcua::{
+    server::{
+        ServerEndpoint,
+        authenticator::{AuthManager, CoreServerPermissions, Password, UserToken, user_pass_security_policy_id},
+    },
+    types::{Error, MessageSecurityMode, StatusCode, UAString, UserTokenPolicy, UserTokenType},
+};
+use parking_lot::Mutex;
+
+use super::throttle::Throttle;
+use crate::{
+    access::{Authenticator, Role, TwinUser},
+    config::SecurityConfig,
+    events::EventReporter,
+};
+
+/// How long checking a password may take.
+const AUTHENTICATION_TIMEOUT: Duration = Duration::from_secs(10);
+/// Longest user name and password looked at, in bytes.
+const CREDENTIAL_BYTES_MAX: usize = 1024;
+/// The stack's id of the policy for anonymous users.
+const ANONYMOUS_POLICY_ID: &str = "anonymous";
+/// The name of anonymous users, where the development setting lets them in.
+const ANONYMOUS: &str = "anonymous";
+
+/// The user behind a session's token. A token that is none of ours is a viewer's, the least that there is.
+pub(crate) fn user_of(token: &UserToken) -> TwinUser {
+    match token.0.split_once(':').and_then(|(role, name)| Some((Role::from_name(role)?, name))) {
+        Some((role, name)) => TwinUser { name: Arc::from(name), role },
+        None => TwinUser { name: Arc::from(ANONYMOUS), role: Role::Viewer },
+    }
+}
+
+fn token_of(name: &str, role: Role) -> UserToken {
+    UserToken(format!("{role}:{name}"))
+}
+
+/// Lets users in.
+pub(crate) struct Login {
+    authenticator: Arc<dyn Authenticator>,
+    throttle: Mutex<Throttle>,
+    allow_anonymous: bool,
+    /// Known once the server is built.
+    events: Arc<std::sync::OnceLock<Arc<EventReporter>>>,
+}
+
+impl Login {
+    pub fn new(
+        authenticator: Arc<dyn Authenticator>,
+        config: &SecurityConfig,
+        events: Arc<std::sync::OnceLock<Arc<EventReporter>>>,
+    ) -> Self {
+        Self {
+            authenticator,
+            throttle: Mutex::new(Throttle::new(config.login_failures_max, config.login_window())),
+            allow_anonymous: config.allow_anonymous_unencrypted,
+            events,
+        }
+    }
+
+    fn report(&self, user: &str, status: StatusCode) {
+        metrics::counter!("twin_sign_ins_total", "outcome" => if status.is_good() { "accepted" } else { "refused" })
+            .increment(1);
+        if let Some(events) = self.events.get() {
+            events.report_sign_in(user, status);
+        }
+    }
+
+    fn refuse(&self, user: &str, why: &'static str) -> Error {
+        tracing::warn!(user.name = user, reason = why, "The twin refused a sign-in.");
+        self.report(user, StatusCode::BadIdentityTokenRejected);
+        // Nobody learns whether the name or the password was wrong, or that attempts are throttled.
+        Error::new(StatusCode::BadIdentityTokenRejected, "the user name or password is wrong")
+    }
+}
+
+fn is_encrypted(endpoint: &ServerEndpoint) -> bool {
+    endpoint.message_security_mode() != MessageSecurityMode::None
+}
+
+#[async_trait]
+impl AuthManager for Login {
+    async fn authenticate_anonymous_token(&self, endpoint: &ServerEndpoint) -> Result<(), Error> {
+        if self.allow_anonymous && !is_encrypted(endpoint) {
+            return Ok(());
+        }
+        self.report(ANONYMOUS, StatusCode::BadIdentityTokenRejected);
+        Err(Error::new(StatusCode::BadIdentityTokenRejected, "sign in with a user name and password"))
+    }
+
+    async fn authenticate_username_identity_token(
+        &self,
+        _endpoint: &ServerEndpoint,
+        username: &str,
+        password: &Password,
+    ) -> Result<UserToken, Error> {
+        if username.len() > CREDENTIAL_BYTES_MAX || password.get().len() > CREDENTIAL_BYTES_MAX {
+            return Err(self.refuse("", "the credentials are too long"));
+        }
+        if !self.throttle.lock().may_try(username, Instant::now()) {
+            return Err(self.refuse(username, "too many wrong attempts"));
+        }
+        let authentication = self.authenticator.authenticate(username, password.get());
+        match tokio::time::timeout(AUTHENTICATION_TIMEOUT, authentication).await {
+            Ok(Some(role)) => {
+                self.throttle.lock().succeeded(username);
+                self.report(username, StatusCode::Good);
+                tracing::info!(user.name = username, %role, "A user signed in to the twin.");
+                Ok(token_of(username, role))
+            }
+            Ok(None) => {
+                self.throttle.lock().failed(username, Instant::now());
+                Err(self.refuse(username, "the user name or password is wrong"))
+            }
+            Err(_) => Err(self.refuse(username, "checking the password took too long")),
+        }
+    }
+
+    fn user_token_policies(&self, endpoint: &ServerEndpoint) -> Vec<UserTokenPolicy> {
+        let policy = |policy_id: UAString, token_type| UserTokenPolicy {
+            policy_id,
+            token_type,
+            issued_token_type: UAString::null(),
+            issuer_endpoint_url: UAString::null(),
+            security_policy_uri: UAString::null(),
+        };
+        if is_encrypted(endpoint) {
+            vec![policy(user_pass_security_policy_id(endpoint), UserTokenType::UserName)]
+        } else if self.allow_anonymous {
+            // A password would travel in the clear.
+            vec![policy(ANONYMOUS_POLICY_ID.into(), UserTokenType::Anonymous)]
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn core_permissions(&self, token: &UserToken) -> CoreServerPermissions {
+        CoreServerPermissions { read_diagnostics: user_of(token).role.may_write() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tokens_keep_name_and_role() {
+        for (name, role) in [("anna", Role::Engineer), ("b:c", Role::Operator), ("", Role::Viewer)] {
+            let user = user_of(&token_of(name, role));
+            assert_eq!((user.name.as_ref(), user.role), (name, role));
+        }
+        assert_eq!(user_of(&UserToken("ANONYMOUS".to_owned())).role, Role::Viewer);
+        assert_eq!(user_of(&UserToken("root:anna".to_owned())).role, Role::Viewer);
+    }
+}

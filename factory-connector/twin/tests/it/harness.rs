@@ -1,0 +1,322 @@
+//! A running twin with a connector's two ports, and clients of the same stack.
+
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
+
+use asi_model::{
+    DataValue, DateTime, FactoryId, FieldKey, StatusCode,
+    messages::{MappingState, OperationNetworkMessage, PlatformMessage, ValueSource},
+};
+use async_trait::async_trait;
+use opcua_stack::{
+    limits,
+    opcua::{
+        client::{ClientBuilder, IdentityToken, Session},
+        crypto::SecurityPolicy,
+        types::{
+            AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask, DataValue as StackValue, Error,
+            MessageSecurityMode, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId, ReadValueId,
+            ReferenceDescription, ReferenceTypeId, StatusCode as StackStatus, TimestampsToReturn, UserTokenPolicy,
+            Variant,
+        },
+    },
+};
+use parking_lot::Mutex;
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+use twin::{
+    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, SecurityConfig, Twin, TwinConfig,
+    TwinHandle, TwinUser,
+};
+
+/// How long a test waits for anything.
+pub const DEADLINE: Duration = Duration::from_secs(20);
+/// The namespace index of the instances: 0 standard, 1 server, 2 types.
+pub const INSTANCES: u16 = 3;
+pub const TYPES: u16 = 2;
+
+/// Stands for the connector: keeps what it is given, and publishes it as the connector does after a commit.
+#[derive(Default)]
+pub struct Connector {
+    pub handle: OnceLock<TwinHandle>,
+    pub writes: Mutex<Vec<(FieldKey, DataValue, TwinUser)>>,
+    pub decisions: Mutex<Vec<(FieldKey, FieldDecision, TwinUser)>>,
+    pub answer: Mutex<Option<StatusCode>>,
+}
+
+#[async_trait]
+impl FieldWriter for Connector {
+    async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
+        self.writes.lock().push((field.clone(), value.clone(), user.clone()));
+        if let Some(handle) = self.handle.get() {
+            handle.publish_values(vec![(field.clone(), value)]);
+        }
+        self.answer.lock().unwrap_or(StatusCode::GOOD)
+    }
+
+    async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode {
+        self.decisions.lock().push((field.clone(), decision.clone(), user.clone()));
+        if let Some(handle) = self.handle.get() {
+            let record = FieldRecord {
+                mapping_state: decision.mapping_state,
+                value_source: (decision.mapping_state == MappingState::Mapped).then_some(ValueSource::External),
+                reason: decision.reason.map(Into::into),
+                decided_by: Some(Arc::clone(&user.name)),
+                decision_time: Some(now()),
+                ..FieldRecord::default()
+            };
+            handle.publish_decision(field, record);
+        }
+        StatusCode::GOOD
+    }
+}
+
+/// `anna` engineers, `otto` operates, `vera` looks; the password is the name and `-secret`.
+struct Users;
+
+#[async_trait]
+impl Authenticator for Users {
+    async fn authenticate(&self, user_name: &str, password: &str) -> Option<Role> {
+        let role = match user_name {
+            "anna" => Role::Engineer,
+            "otto" => Role::Operator,
+            "vera" => Role::Viewer,
+            _ => return None,
+        };
+        (password == format!("{user_name}-secret")).then_some(role)
+    }
+}
+
+/// A running twin.
+pub struct TestTwin {
+    pub handle: TwinHandle,
+    pub connector: Arc<Connector>,
+    pub url: Arc<str>,
+    pub folder: tempfile::TempDir,
+    shutdown: CancellationToken,
+    running: tokio::task::JoinHandle<Result<(), twin::TwinError>>,
+}
+
+pub fn now() -> DateTime {
+    DateTime::from(std::time::SystemTime::now())
+}
+
+impl TestTwin {
+    /// Trusts every client certificate, as the tests' clients make new ones.
+    pub async fn start() -> Self {
+        Self::start_with(|config| config.security.trust_unknown_certificates = true).await
+    }
+
+    pub async fn start_with(adjust: impl FnOnce(&mut TwinConfig)) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = TwinConfig {
+            listen: "127.0.0.1:0".parse().unwrap(),
+            pki_directory: folder.path().join("pki"),
+            security: SecurityConfig::default(),
+            ..TwinConfig::default()
+        };
+        adjust(&mut config);
+        let connector = Arc::new(Connector::default());
+        let factory = FactoryId::new("FOR_MUC").unwrap();
+        let writer: Arc<dyn FieldWriter> = Arc::clone(&connector) as _;
+        let (twin, handle) = Twin::new(factory, config, writer, Arc::new(Users)).unwrap();
+        connector.handle.get_or_init(|| handle.clone());
+        let shutdown = CancellationToken::new();
+        let running = tokio::spawn(twin.run(shutdown.clone()));
+        let url = tokio::time::timeout(DEADLINE, handle.ready()).await.unwrap().unwrap();
+        Self { handle, connector, url, folder, shutdown, running }
+    }
+
+    pub async fn stop(self) {
+        self.shutdown.cancel();
+        tokio::time::timeout(DEADLINE, self.running).await.unwrap().unwrap().unwrap();
+    }
+
+    pub async fn client(&self, user: &str) -> Client {
+        self.connect(user, &format!("{user}-secret"), SecurityPolicy::Basic256Sha256).await.unwrap()
+    }
+
+    pub async fn connect(&self, user: &str, password: &str, policy: SecurityPolicy) -> Result<Client, StackStatus> {
+        let identity = IdentityToken::new_user_name(user, password);
+        Client::connect(&self.url, self.folder.path().join(format!("client-{user}")), identity, policy).await
+    }
+}
+
+/// A client's session.
+pub struct Client {
+    pub session: Arc<Session>,
+    events: tokio::task::JoinHandle<StackStatus>,
+}
+
+impl Client {
+    pub async fn connect(
+        url: &str,
+        pki: std::path::PathBuf,
+        identity: IdentityToken,
+        policy: SecurityPolicy,
+    ) -> Result<Self, StackStatus> {
+        let builder = ClientBuilder::new()
+            .application_name("test client")
+            .application_uri("urn:verbund:test:client")
+            .pki_dir(pki)
+            .create_sample_keypair(true)
+            .trust_server_certs(true)
+            .session_retry_limit(0);
+        let mut client = limits::raise_client(builder).client().unwrap();
+        let mode = match policy {
+            SecurityPolicy::None => MessageSecurityMode::None,
+            _ => MessageSecurityMode::SignAndEncrypt,
+        };
+        let endpoint = (url, policy.to_str(), mode, UserTokenPolicy::anonymous());
+        let connected: Result<_, Error> = client.connect_to_matching_endpoint(endpoint, identity).await;
+        let (session, event_loop) = connected.map_err(|error| error.status())?;
+        let mut events = event_loop.spawn();
+        tokio::select! {
+            is_connected = session.wait_for_connection() => {
+                if is_connected { Ok(Self { session, events }) } else { Err(events.await.unwrap()) }
+            }
+            ended = &mut events => Err(ended.unwrap()),
+        }
+    }
+
+    pub async fn close(self) {
+        self.session.disconnect().await.unwrap();
+        tokio::time::timeout(DEADLINE, self.events).await.unwrap().unwrap();
+    }
+
+    pub async fn attribute(&self, node_id: &NodeId, attribute: AttributeId) -> StackValue {
+        let wanted = ReadValueId { node_id: node_id.clone(), attribute_id: attribute as u32, ..ReadValueId::default() };
+        let mut values = self.session.read(&[wanted], TimestampsToReturn::Both, 0.0).await.unwrap();
+        values.remove(0)
+    }
+
+    pub async fn read(&self, identifier: &str) -> StackValue {
+        self.attribute(&instance(identifier), AttributeId::Value).await
+    }
+
+    pub async fn browse(&self, node_id: impl Into<NodeId>, direction: BrowseDirection) -> Vec<ReferenceDescription> {
+        let wanted = BrowseDescription {
+            node_id: node_id.into(),
+            browse_direction: direction,
+            reference_type_id: ReferenceTypeId::References.into(),
+            include_subtypes: true,
+            node_class_mask: 0,
+            result_mask: BrowseResultMask::All as u32,
+        };
+        let mut result = self.session.browse(&[wanted], 0, None).await.unwrap().remove(0);
+        assert!(result.status_code.is_good(), "{}", result.status_code);
+        let mut references = result.references.take().unwrap_or_default();
+        while !result.continuation_point.is_null_or_empty() {
+            result = self.session.browse_next(false, &[result.continuation_point]).await.unwrap().remove(0);
+            references.extend(result.references.take().unwrap_or_default());
+        }
+        references
+    }
+
+    /// The names behind forward references.
+    pub async fn children(&self, node_id: impl Into<NodeId>) -> Vec<String> {
+        let references = self.browse(node_id, BrowseDirection::Forward).await;
+        references.into_iter().map(|r| r.browse_name.name.to_string()).collect()
+    }
+
+    pub async fn write(&self, identifier: &str, value: impl Into<Variant>) -> StackStatus {
+        let value = opcua_stack::opcua::types::WriteValue {
+            node_id: instance(identifier),
+            attribute_id: AttributeId::Value as u32,
+            value: StackValue { value: Some(value.into()), ..StackValue::default() },
+            ..Default::default()
+        };
+        self.session.write(&[value]).await.unwrap().remove(0)
+    }
+
+    /// Subscribes to values; each change is (position among the nodes, value).
+    pub async fn subscribe(&self, nodes: &[NodeId]) -> mpsc::UnboundedReceiver<(u32, StackValue)> {
+        let (sender, receiver) = mpsc::unbounded_channel();
+        let callback = opcua_stack::opcua::client::DataChangeCallback::new(move |value, item| {
+            // The test may have ended.
+            // The client takes handle 0 for "any", so they count from 1.
+            let _ = sender.send((item.client_handle() - 1, value));
+        });
+        let interval = Duration::from_millis(10);
+        let subscription = self.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await.unwrap();
+        let items = (1_u32..)
+            .zip(nodes)
+            .map(|(handle, node_id)| MonitoredItemCreateRequest {
+                item_to_monitor: ReadValueId {
+                    node_id: node_id.clone(),
+                    attribute_id: AttributeId::Value as u32,
+                    ..ReadValueId::default()
+                },
+                monitoring_mode: MonitoringMode::Reporting,
+                requested_parameters: MonitoringParameters {
+                    client_handle: handle,
+                    sampling_interval: 0.0,
+                    queue_size: 100,
+                    discard_oldest: true,
+                    ..MonitoringParameters::default()
+                },
+            })
+            .collect();
+        let created = self.session.create_monitored_items(subscription, TimestampsToReturn::Both, items).await.unwrap();
+        assert!(created.iter().all(|item| item.result.status_code.is_good()), "all nodes can be monitored");
+        receiver
+    }
+}
+
+/// The next notification, within the deadline.
+pub async fn next<T>(receiver: &mut mpsc::UnboundedReceiver<T>) -> T {
+    tokio::time::timeout(DEADLINE, receiver.recv()).await.expect("a notification comes in time").unwrap()
+}
+
+pub fn instance(identifier: &str) -> NodeId {
+    NodeId::new(INSTANCES, identifier)
+}
+
+/// The message of the wire contract's example, with another revision and id.
+pub fn message(network: &str, revision: u64) -> OperationNetworkMessage {
+    let text = include_str!("frame-order.json");
+    let PlatformMessage::OperationNetwork(mut message) = serde_json::from_str(text).unwrap() else {
+        panic!("the example is an operation network")
+    };
+    message.revision = revision;
+    message.operation_network.operation_network_id = network.parse().unwrap();
+    message
+}
+
+pub fn document(message: OperationNetworkMessage) -> AsiDocument {
+    let keys: Vec<_> = message.operation_network.requests().map(|(key, _, _)| key).collect();
+    AsiDocument {
+        message: Arc::new(message),
+        received_at: now(),
+        writers: (1..).zip(keys).map(|(writer, key)| (key, writer)).collect(),
+        fields: std::collections::HashMap::new(),
+    }
+}
+
+pub fn field(network: &str, name: &str) -> FieldKey {
+    serde_json::from_value(serde_json::json!({
+        "operationNetworkId": network,
+        "operationId": "MakeFrame1",
+        "dynamicDataRequestId": "ReqResponse1",
+        "fieldName": name,
+    }))
+    .unwrap()
+}
+
+pub fn external() -> FieldRecord {
+    FieldRecord {
+        mapping_state: MappingState::Mapped,
+        value_source: Some(ValueSource::External),
+        decided_by: Some("anna".into()),
+        decision_time: Some(now()),
+        disclosure: Some("as it is".into()),
+        ..FieldRecord::default()
+    }
+}
+
+/// The identifier of a field of the example's request.
+pub fn field_id(network: &str, name: &str) -> String {
+    format!("{network}/op/MakeFrame1/req/ReqResponse1/{name}")
+}

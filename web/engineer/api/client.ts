@@ -1,0 +1,54 @@
+import { path, query, request } from '@/transport/http'
+import { LiveFeed } from '@/transport/live.svelte'
+import type {
+  BrowsedNode,
+  DataValue,
+  DeadLetter,
+  Decision,
+  Disclosure,
+  Field,
+  FieldKey,
+  InboxRequest,
+  LedgerEntry,
+  Mapping,
+  Page,
+  Preview,
+  SourceConfig,
+  SourceStatus,
+  SpoolStatus,
+  Status,
+  ValueSource,
+  Verification,
+} from './types'
+
+const fieldPath = (key: FieldKey): string => path('fields', key.operationNetworkId, key.operationId, key.dynamicDataRequestId, key.fieldName)
+
+/** The connector's API. */
+export const connector = {
+  status: (signal?: AbortSignal) => request<Status>('GET', '/status', { signal }),
+  inbox: (cursor?: string, signal?: AbortSignal) => request<Page<InboxRequest>>('GET', `/inbox${query({ cursor })}`, { signal }),
+  networks: (signal?: AbortSignal) => request<Page<unknown>>('GET', '/operation-networks', { signal }),
+
+  decide: (key: FieldKey, decision: Decision) => request<Field>('PUT', `${fieldPath(key)}/decision`, { body: decision }),
+  enter: (key: FieldKey, value: unknown) => request<unknown>('PUT', `${fieldPath(key)}/value`, { body: { value } }),
+  preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal) =>
+    request<Preview>('POST', `${fieldPath(key)}/preview`, { body: draft, signal }),
+
+  sources: (signal?: AbortSignal) => request<Page<SourceStatus & SourceConfig>>('GET', '/sources', { signal }),
+  addSource: (source: SourceConfig) => request<unknown>('POST', '/sources', { body: source }),
+  changeSource: (source: SourceConfig) => request<unknown>('PUT', path('sources', source.sourceId), { body: source }),
+  removeSource: (sourceId: string) => request<unknown>('DELETE', path('sources', sourceId)),
+  nodes: (sourceId: string, parent?: string, signal?: AbortSignal) =>
+    request<BrowsedNode[]>('GET', `${path('sources', sourceId, 'nodes')}${query({ parent })}`, { signal }),
+  value: (sourceId: string, node: string, signal?: AbortSignal) =>
+    request<DataValue>('GET', `${path('sources', sourceId, 'value')}${query({ node })}`, { signal }),
+
+  ledger: (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal) =>
+    request<Page<LedgerEntry>>('GET', `/ledger${query({ recipient, after, limit })}`, { signal }),
+  verifyLedger: () => request<Verification>('POST', '/ledger/verification'),
+  spool: (signal?: AbortSignal) => request<SpoolStatus>('GET', '/spool', { signal }),
+  deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),
+}
+
+/** What happens at the connector, as it happens. */
+export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'status'])

@@ -1,0 +1,114 @@
+import type { BrowsedNode, Decision, Disclosure, Field, InboxRequest, Mapping, MappingInput, Step, ValueSource } from '../api/types'
+import { newStep } from './step-catalogue'
+
+/** What the engineer is about to decide on a field; nothing of it counts before consent. */
+export class Draft {
+  source = $state<ValueSource>('MAPPING')
+  inputs = $state<MappingInput[]>([])
+  steps = $state<Step[]>([])
+  disclosure = $state<Disclosure>({})
+
+  readonly #wanted: Field
+  readonly #before: string
+
+  constructor(field: Field, request: InboxRequest) {
+    this.#wanted = field
+    this.source = field.valueSource ?? 'MAPPING'
+    this.inputs = structuredClone(field.mapping?.inputs ?? [])
+    this.steps = structuredClone(field.mapping?.steps ?? [])
+    // A field that is open for the first time starts with the period that the partner asked for.
+    const asked: Disclosure = request.updateIntervalMs ? { minimumIntervalMs: request.updateIntervalMs } : {}
+    this.disclosure = structuredClone(field.mappingState === 'MAPPED' ? (field.disclosure ?? {}) : { ...asked, ...field.disclosure })
+    this.#before = JSON.stringify(this.decision)
+  }
+
+  get mapping(): Mapping | undefined {
+    return this.source === 'MAPPING' ? { inputs: this.inputs, steps: this.steps } : undefined
+  }
+
+  /** Whether there is anything to consent to. */
+  get isComplete(): boolean {
+    return this.source !== 'MAPPING' || this.inputs.length > 0 || this.steps.some((step) => step.function === 'constant')
+  }
+
+  /** Whether it differs from what it started from. */
+  get isChanged(): boolean {
+    return JSON.stringify(this.decision) !== this.#before
+  }
+
+  get decision(): Decision {
+    return { mappingState: 'MAPPED', valueSource: this.source, ...(this.mapping === undefined ? {} : { mapping: this.mapping }), disclosure: tidy(this.disclosure) }
+  }
+
+  /** Where the first input's type is not the one that is asked for. */
+  get typeDifference(): { is: string; wanted: string } | undefined {
+    const is = this.inputs[0]?.valueType
+    const wanted = this.#wanted.typeName ?? this.#wanted.type
+    if (!is || is === wanted || this.steps.length > 0) return undefined
+    return { is, wanted }
+  }
+
+  /** Where the first input's unit is not the one that is asked for. */
+  get unitDifference(): { is: string; wanted: string } | undefined {
+    const is = this.inputs[0]?.unit
+    const wanted = this.#wanted.unit
+    if (!is || !wanted || is === wanted || this.steps.some((step) => step.function !== 'convert')) return undefined
+    return { is, wanted }
+  }
+
+  has(sourceId: string, nodeId: string): boolean {
+    return this.inputs.some((input) => input.sourceId === sourceId && input.nodeId === nodeId)
+  }
+
+  take(sourceId: string, node: BrowsedNode): void {
+    if (this.has(sourceId, node.nodeId)) return
+    this.inputs.push({
+      name: this.#freeName(node.browseName),
+      sourceId,
+      nodeId: node.nodeId,
+      ...(node.builtInType ? { valueType: node.builtInType } : {}),
+      ...(node.unit?.code ? { unit: node.unit.code } : {}),
+    })
+  }
+
+  drop(index: number): void {
+    this.inputs.splice(index, 1)
+  }
+
+  addStep(name: string): void {
+    this.steps.push(newStep(name))
+  }
+
+  addTypeConversion(): void {
+    this.steps.push({ function: 'convert', to: this.#wanted.typeName ?? this.#wanted.type })
+  }
+
+  addUnitConversion(): void {
+    this.steps.unshift({ function: 'unitConversion' })
+  }
+
+  dropStep(index: number): void {
+    this.steps.splice(index, 1)
+  }
+
+  moveStep(index: number, by: 1 | -1): void {
+    const step = this.steps[index]
+    if (step === undefined || index + by < 0 || index + by >= this.steps.length) return
+    this.steps.splice(index, 1)
+    this.steps.splice(index + by, 0, step)
+  }
+
+  #freeName(browseName: string): string {
+    const plain = browseName.replace(/^.*[:/]/, '').replace(/[^A-Za-z0-9_]/g, '_').replace(/^(?=\d|$)/, '_').slice(0, 60)
+    const base = plain.charAt(0).toLowerCase() + plain.slice(1)
+    const isTaken = (name: string): boolean => name === 'value' || this.inputs.some((input) => input.name === name)
+    let name = base
+    for (let number = 2; isTaken(name); number += 1) name = `${base}${number}`
+    return name
+  }
+}
+
+/** Without the members that say nothing. */
+export function tidy(disclosure: Disclosure): Disclosure {
+  return Object.fromEntries(Object.entries(disclosure).filter(([, value]) => value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0)))
+}

@@ -1,0 +1,19 @@
+const INTEGERS = ['SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32']
+
+/**
+ * What a person typed as a JSON value of the field's type; `undefined` where it is none. 64-bit integers stay text, as
+ * numbers in JSON are not exact that far. A decimal comma is understood.
+ */
+export function enteredValue(type: string, written: string): unknown {
+  const text = written.trim()
+  if (type === 'String') return written
+  if (text === '') return undefined
+  if (type === 'Boolean') return text === 'true' ? true : text === 'false' ? false : undefined
+  if (type === 'Int64' || type === 'UInt64') return /^-?\d+$/.test(text) ? text : undefined
+  if (INTEGERS.includes(type)) return /^-?\d+$/.test(text) ? Number(text) : undefined
+  if (type === 'Float' || type === 'Double') {
+    const number = Number(text.replace(',', '.'))
+    return Number.isFinite(number) ? number : undefined
+  }
+  return text
+}

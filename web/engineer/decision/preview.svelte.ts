@@ -1,0 +1,56 @@
+import { Problem } from '@/transport/problem'
+import { connector } from '../api/client'
+import type { Diagnostic, FieldKey, Preview } from '../api/types'
+import { tidy, type Draft } from './draft.svelte'
+
+const TYPING_MS = 250
+const LIVE_MS = 1_500
+
+/** The preview of a draft: computed by the connector on live values, again after each change and every other moment. */
+export class PreviewRun {
+  value = $state.raw<Preview | undefined>()
+  problem = $state.raw<Problem | undefined>()
+  isRunning = $state(false)
+
+  get diagnostics(): Diagnostic[] {
+    return this.value?.diagnostics ?? []
+  }
+
+  diagnosticsOf(step: number): Diagnostic[] {
+    return this.diagnostics.filter((diagnostic) => diagnostic.step === step)
+  }
+
+  /** Follows a draft until the returned function is called. Reactive: to be called in an effect. */
+  follow(key: FieldKey, draft: Draft): () => void {
+    const body = { valueSource: draft.source, mapping: draft.mapping, disclosure: tidy(draft.disclosure) }
+    const text = JSON.stringify(body)
+    if (!draft.isComplete) {
+      this.value = undefined
+      this.problem = undefined
+      return () => undefined
+    }
+    const running = new AbortController()
+    let next = setTimeout(() => void run(), TYPING_MS)
+    const run = async (): Promise<void> => {
+      this.isRunning = true
+      try {
+        const value = await connector.preview(key, JSON.parse(text) as typeof body, running.signal)
+        if (running.signal.aborted) return
+        this.value = value
+        this.problem = undefined
+      } catch (failure) {
+        if (running.signal.aborted) return
+        this.problem = Problem.from(failure)
+      }
+      this.isRunning = false
+      next = setTimeout(() => void (document.hidden ? wait() : run()), LIVE_MS)
+    }
+    const wait = (): void => {
+      next = setTimeout(() => void (document.hidden ? wait() : run()), LIVE_MS)
+    }
+    return () => {
+      clearTimeout(next)
+      running.abort()
+    }
+  }
+}

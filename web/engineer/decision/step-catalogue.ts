@@ -1,0 +1,105 @@
+import type { Step } from '../api/types'
+
+/** How a parameter of a function is entered. */
+export type ParameterKind =
+  | { is: 'number' }
+  | { is: 'text'; wide?: boolean }
+  | { is: 'flag' }
+  | { is: 'literal' }
+  | { is: 'type' }
+  | { is: 'input' }
+  | { is: 'inputs' }
+  | { is: 'choice'; options: readonly string[] }
+  | { is: 'table' }
+  | { is: 'texts' }
+  | { is: 'bits' }
+  | { is: 'script' }
+
+export interface Parameter {
+  name: string
+  kind: ParameterKind
+  /** Must be given; all others may stay empty. */
+  needed?: boolean
+}
+
+export interface StepKind {
+  function: string
+  parameters: readonly Parameter[]
+  /** What a new one starts with. */
+  initial: Step
+}
+
+export const BUILT_IN_TYPES = ['Boolean', 'SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32', 'Int64', 'UInt64', 'Float', 'Double', 'String', 'DateTime', 'Guid'] as const
+
+const number = (name: string, needed = false): Parameter => ({ name, kind: { is: 'number' }, needed })
+const text = (name: string, wide = false, needed = false): Parameter => ({ name, kind: { is: 'text', wide }, needed })
+const choice = (name: string, ...options: string[]): Parameter => ({ name, kind: { is: 'choice', options } })
+const onDecrease = choice('onDecrease', 'reset', 'set', 'subtract')
+
+const NEW_SCRIPT = `(value, ctx) => {
+  return value
+}`
+
+/** The functions a mapping can be made of, in the order in which they are offered. */
+export const STEP_KINDS: readonly StepKind[] = [
+  kind('scale', { factor: 1, divisor: 1, offset: 0 }, number('factor'), number('divisor'), number('offset')),
+  kind('unitConversion', {}, text('from'), text('to')),
+  kind('convert', { to: 'Int64' }, { name: 'to', kind: { is: 'type' }, needed: true }, choice('rounding', 'nearest', 'halfEven', 'down', 'up', 'towardZero', 'exact'), choice('overflow', 'fault', 'clamp')),
+  kind('counter', { start: 0 }, choice('counts', '', 'increments', 'risingEdges', 'values'), number('start'), number('modulus'), onDecrease, { name: 'resetBy', kind: { is: 'input' } }),
+  kind('increment', {}, number('modulus'), onDecrease),
+  kind('threshold', { limit: 0 }, number('limit', true), number('release'), { name: 'above', kind: { is: 'literal' } }, { name: 'below', kind: { is: 'literal' } }),
+  kind('deadband', {}, number('absolute'), number('percent')),
+  kind('debounce', { quietMs: 1000 }, number('quietMs', true)),
+  kind('edge', { direction: 'rising' }, choice('direction', 'rising', 'falling', 'both')),
+  kind('rate', { per: 'minute' }, choice('per', 'second', 'minute', 'hour', 'day')),
+  kind('window', { aggregate: 'mean', durationMs: 60000 }, choice('aggregate', 'minimum', 'maximum', 'mean', 'sum', 'count', 'last'), number('samples'), number('durationMs')),
+  kind('lookup', { entries: [] }, { name: 'entries', kind: { is: 'table' } }, { name: 'otherwise', kind: { is: 'literal' } }, { name: 'interpolate', kind: { is: 'flag' } }),
+  kind('enumeration', { texts: {} }, { name: 'texts', kind: { is: 'texts' } }, text('otherwise')),
+  kind('bit', { bit: 0 }, number('bit', true)),
+  kind('bitTexts', { bits: [] }, { name: 'bits', kind: { is: 'bits' } }, text('separator'), text('none')),
+  kind('format', { template: '{value}' }, text('template', true, true)),
+  kind('parse', { to: 'Double' }, { name: 'to', kind: { is: 'type' }, needed: true }, text('pattern', true), number('radix'), { name: 'decimalComma', kind: { is: 'flag' } }),
+  kind('select', { path: '[0]' }, text('path', true, true)),
+  kind('merge', { rule: 'newest' }, choice('rule', 'newest', 'firstGood', 'minimum', 'maximum', 'sum', 'mean', 'all', 'any', 'join', 'array'), { name: 'inputs', kind: { is: 'inputs' } }, text('separator')),
+  kind('constant', { value: 0 }, { name: 'value', kind: { is: 'literal' }, needed: true }),
+  kind('expression', { expression: 'value' }, text('expression', true, true)),
+  kind('script', { source: NEW_SCRIPT }, { name: 'source', kind: { is: 'script' }, needed: true }),
+]
+
+export function stepKind(name: string): StepKind | undefined {
+  return STEP_KINDS.find((known) => known.function === name)
+}
+
+/** A new function of this kind, sharing nothing with others. */
+export function newStep(name: string): Step {
+  return structuredClone(stepKind(name)?.initial ?? { function: name })
+}
+
+/** The function with one parameter changed; an empty one is left out, as the connector then takes its default. */
+export function withParameter(step: Step, parameter: Parameter, value: unknown): Step {
+  const { [parameter.name]: _, ...others } = step
+  const isEmpty = value === undefined || value === '' || (Array.isArray(value) && value.length === 0 && parameter.kind.is === 'inputs')
+  return (isEmpty && parameter.needed !== true ? others : { ...others, [parameter.name]: value ?? '' }) as Step
+}
+
+/** A literal as it is written in a form: `true`, `12`, `0.5` and text; quotes make text of what looks otherwise. */
+export function parseLiteral(written: string): unknown {
+  const trimmed = written.trim()
+  if (trimmed === '') return undefined
+  if (trimmed === 'true' || trimmed === 'false') return trimmed === 'true'
+  if (/^-?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(trimmed)) return Number(trimmed)
+  const quoted = /^"(.*)"$/s.exec(trimmed)
+  return quoted === null ? written : quoted[1]
+}
+
+/** The other way round. */
+export function writeLiteral(value: unknown): string {
+  if (value === undefined || value === null) return ''
+  if (typeof value === 'string') return parseLiteral(value) === value ? value : `"${value}"`
+  if (typeof value === 'number' || typeof value === 'boolean') return String(value)
+  return JSON.stringify(value)
+}
+
+function kind(name: string, initial: Record<string, unknown>, ...parameters: Parameter[]): StepKind {
+  return { function: name, parameters, initial: { function: name, ...initial } }
+}

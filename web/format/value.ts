@@ -1,0 +1,46 @@
+import { language } from '@/language/language.svelte'
+import { words } from '@/language/words'
+
+/** A value for reading. Every digit that was sent is shown: precision is what disclosure is about. */
+export function valueText(value: unknown): string {
+  if (value === null || value === undefined) return words.value.none
+  if (typeof value === 'number') return numberText(value)
+  if (typeof value === 'boolean') return value ? words.value.yes : words.value.no
+  if (typeof value === 'string') return value
+  if (Array.isArray(value)) return `[${value.map(valueText).join(', ')}]`
+  const body = variantBody(value)
+  return body === undefined ? JSON.stringify(value) : valueText(body.value)
+}
+
+/** A number in the reader's notation. */
+export function numberText(value: number): string {
+  return new Intl.NumberFormat(language.code, { maximumSignificantDigits: 15 }).format(value)
+}
+
+/** The value as a number where it is one, for drawing. 64-bit integers arrive as strings. */
+export function valueNumber(value: unknown): number | undefined {
+  if (typeof value === 'number') return value
+  if (typeof value === 'boolean') return value ? 1 : 0
+  if (typeof value === 'string' && /^-?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value)) return Number(value)
+  const body = value === null || typeof value !== 'object' ? undefined : variantBody(value)
+  return body === undefined ? undefined : valueNumber(body.value)
+}
+
+/** Bytes as people say them. */
+export function bytesText(bytes: number): string {
+  const units = ['B', 'KiB', 'MiB', 'GiB']
+  let size = bytes
+  let unit = 0
+  while (size >= 1024 && unit < units.length - 1) {
+    size /= 1024
+    unit += 1
+  }
+  return `${new Intl.NumberFormat(language.code, { maximumFractionDigits: unit === 0 ? 0 : 1 }).format(size)} ${units[unit] ?? ''}`
+}
+
+function variantBody(value: object): { value: unknown } | undefined {
+  if ('Body' in value) return { value: value.Body }
+  if ('Value' in value) return { value: value.Value }
+  if ('value' in value) return { value: value.value }
+  return undefined
+}

@@ -1,0 +1,52 @@
+import { isoDuration, shortMoment, span } from '@/format/time'
+import { words } from '@/language/words'
+
+/** An operation as graph and timeline draw it, whoever owns it. */
+export interface DrawnOperation {
+  operationId: string
+  name: string
+  operationType: string
+  owner?: string | undefined
+  isStub: boolean
+  state?: string | undefined
+  quantity?: number | undefined
+  plannedQuantity?: number | undefined
+  quantityUnit?: string | undefined
+  percentComplete?: number | undefined
+  plannedStart?: string | undefined
+  plannedEnd?: string | undefined
+  actualStart?: string | undefined
+  actualEnd?: string | undefined
+  expectedEnd?: string | undefined
+  lastReportAt?: string | undefined
+  fields: { mapped: number; pending: number; refused: number }
+}
+
+export interface DrawnCondition {
+  conditionId: string
+  conditionKind: string
+  time?: string | null | undefined
+  duration?: string | null | undefined
+}
+
+export interface DrawnRelation {
+  operationRelationId: string
+  relationType: string
+  predecessorOperationId: string
+  successorOperationId: string
+  conditionList: DrawnCondition[]
+}
+
+/** A condition in a sentence: "gap of at most 8 h". */
+export function conditionText(condition: DrawnCondition): string {
+  const length = condition.duration ? isoDuration(condition.duration) : undefined
+  const what = length !== undefined ? span(length) : condition.time ? shortMoment(condition.time) : '?'
+  return words.condition[condition.conditionKind]?.(what) ?? condition.conditionKind
+}
+
+/** How far an operation is, 0 to 1: by its own word, else by quantities. */
+export function completion(operation: DrawnOperation): number | undefined {
+  if (operation.percentComplete !== undefined) return Math.min(1, Math.max(0, operation.percentComplete / 100))
+  if (operation.quantity === undefined || !operation.plannedQuantity) return undefined
+  return Math.min(1, Math.max(0, operation.quantity / operation.plannedQuantity))
+}

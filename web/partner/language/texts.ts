@@ -1,0 +1,6 @@
+import { catalogue } from '@/language/language.svelte'
+import { de } from './de'
+import { en } from './en'
+
+/** The texts of the partners' UI. */
+export const texts = catalogue({ en, de })

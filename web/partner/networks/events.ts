@@ -1,0 +1,36 @@
+import type { Resource } from '@/transport/resource.svelte'
+import type { FieldKey, FieldState, NetworkView } from '../api/types'
+
+/**
+ * Puts the value of an event into the network it belongs to, at once; progress that follows from it is read again in a
+ * moment. An event we cannot place makes the network be read again.
+ */
+export function takeEvent(view: Resource<NetworkView>, networkId: string, event: unknown): void {
+  const changed = fieldsOf(event).filter((field) => field.key.operationNetworkId === networkId)
+  if (changed.length > 0) {
+    view.amend((known) => ({ ...known, fields: known.fields.map((field) => merge(field, changed)) }))
+    view.refreshSoon()
+  } else if (!isPlaced(event)) view.refreshSoon()
+}
+
+function merge(field: FieldState, changed: readonly FieldState[]): FieldState {
+  const news = changed.find((each) => sameField(each.key, field.key))
+  if (news === undefined) return field
+  // Values that were delayed on their way do not replace newer ones.
+  if (news.sequence != null && field.sequence != null && news.sequence < field.sequence) return field
+  return { ...field, ...Object.fromEntries(Object.entries(news).filter(([, value]) => value !== undefined)) }
+}
+
+function fieldsOf(event: unknown): FieldState[] {
+  if (event === null || typeof event !== 'object') return []
+  if ('key' in event) return [event as FieldState]
+  return 'fields' in event && Array.isArray(event.fields) ? (event.fields as FieldState[]).filter((field) => typeof field === 'object' && 'key' in field) : []
+}
+
+function isPlaced(event: unknown): boolean {
+  return fieldsOf(event).length > 0
+}
+
+export function sameField(a: FieldKey, b: FieldKey): boolean {
+  return a.operationNetworkId === b.operationNetworkId && a.operationId === b.operationId && a.dynamicDataRequestId === b.dynamicDataRequestId && a.fieldName === b.fieldName
+}

@@ -1,0 +1,69 @@
+import type { DynamicDataRequest, NetworkView, Operation, UpdateFrequencyUnit } from '../api/types'
+
+interface FieldDraft {
+  name: string
+  type: string
+  unit: string
+  semantic: string
+}
+
+/** A request as it is being written. */
+export class RequestDraft {
+  id = $state('')
+  requesterId = $state('')
+  recipients = $state('')
+  purpose = $state('')
+  reportName = $state('ProgressReport')
+  times = $state<number | undefined>(1)
+  unit = $state<UpdateFrequencyUnit>('MINUTE')
+  validUntil = $state('')
+  fields = $state<FieldDraft[]>([])
+
+  constructor(view: NetworkView, operation: Operation) {
+    const others = view.network.operationList.flatMap((each) => each.dynamicDataRequestList ?? [])
+    const pattern = others[0]
+    this.id = freeId(others.map((other) => other.dynamicDataRequestId))
+    this.requesterId = pattern?.requesterId ?? ''
+    this.recipients = pattern?.recipientList.join(', ') ?? ''
+    this.fields = [{ name: 'producedQuantity', type: 'UInt32', unit: operation.quantityUnit ?? 'PIECE', semantic: 'PRODUCED_QUANTITY' }]
+  }
+
+  addField(): void {
+    this.fields.push({ name: '', type: 'Double', unit: '', semantic: '' })
+  }
+
+  get request(): DynamicDataRequest {
+    return {
+      dynamicDataRequestId: this.id.trim(),
+      requesterId: this.requesterId.trim(),
+      recipientList: this.recipients
+        .split(',')
+        .map((each) => each.trim())
+        .filter((each) => each !== ''),
+      purpose: this.purpose.trim(),
+      ...(this.validUntil === '' ? {} : { validUntil: instant(this.validUntil) }),
+      ...(this.times ? { updateFrequency: this.times, updateFrequencyUnit: this.unit } : {}),
+      reportDataFormat: {
+        reportName: this.reportName.trim(),
+        reportFieldList: this.fields.map((field) => ({
+          name: field.name.trim(),
+          type: field.type,
+          ...(field.unit.trim() === '' ? {} : { unit: field.unit.trim() }),
+          ...(field.semantic === '' ? {} : { semantic: field.semantic }),
+        })),
+      },
+    }
+  }
+}
+
+/** What a `datetime-local` field says, which is this machine's time zone, as an instant. */
+function instant(local: string): string {
+  return new Date(local).toISOString()
+}
+
+function freeId(taken: readonly string[]): string {
+  for (let number = taken.length + 1; ; number += 1) {
+    const id = `Request${number}`
+    if (!taken.includes(id)) return id
+  }
+}

@@ -1,0 +1,126 @@
+/* eslint-disable svelte/prefer-svelte-reactivity -- who listens is nobody's state to draw */
+import { clock } from '@/format/clock.svelte'
+
+export type FeedState = 'connecting' | 'live' | 'interrupted'
+
+const BACKOFF_MIN_MS = 1_000
+const BACKOFF_MAX_MS = 15_000
+
+type Listener = (event: unknown) => void
+
+/**
+ * The server's stream of events.
+ *
+ * The browser reconnects by itself and names the last event it saw, so that the server can send what was missed. When
+ * it gave up (the server answered with an error), we start again with a growing pause. After every interruption the
+ * pages are told to catch up, so that they are right even where the server's memory of events was too short.
+ */
+export class LiveFeed {
+  state = $state<FeedState>('connecting')
+  since = $state(clock.now)
+  lastEventAt = $state<number | undefined>()
+
+  readonly #address: string
+  readonly #types: readonly string[]
+  readonly #listeners = new Map<string, Set<Listener>>()
+  readonly #catchUps = new Set<() => void>()
+  #source: EventSource | undefined
+  #retry: ReturnType<typeof setTimeout> | undefined
+  #pause = BACKOFF_MIN_MS
+  #wasLive = false
+
+  constructor(address: string, types: readonly string[]) {
+    this.#address = address
+    this.#types = types
+  }
+
+  start(): void {
+    if (this.#source !== undefined) return
+    const source = new EventSource(this.#address)
+    this.#source = source
+    source.onopen = () => {
+      this.#pause = BACKOFF_MIN_MS
+      this.#become('live')
+      if (this.#wasLive) for (const catchUp of this.#catchUps) catchUp()
+      this.#wasLive = true
+    }
+    source.onerror = () => {
+      this.#become(this.#wasLive ? 'interrupted' : 'connecting')
+      if (source.readyState === EventSource.CLOSED) this.#startAgain()
+    }
+    for (const type of this.#types) {
+      source.addEventListener(type, (message) => {
+        this.#hear(type, message as MessageEvent<string>)
+      })
+    }
+  }
+
+  stop(): void {
+    clearTimeout(this.#retry)
+    this.#source?.close()
+    this.#source = undefined
+    this.#wasLive = false
+    this.#become('connecting')
+  }
+
+  /** Calls `listener` with the body of every event of these types. Returns how to stop that. */
+  on(types: string | readonly string[], listener: Listener): () => void {
+    const names = typeof types === 'string' ? [types] : types
+    for (const name of names) this.#of(name).add(listener)
+    return () => {
+      for (const name of names) this.#of(name).delete(listener)
+    }
+  }
+
+  /** Calls `catchUp` whenever the stream is back after an interruption. Returns how to stop that. */
+  onCatchUp(catchUp: () => void): () => void {
+    this.#catchUps.add(catchUp)
+    return () => this.#catchUps.delete(catchUp)
+  }
+
+  /** Keeps something fresh: it is read again on events of these types and after interruptions. */
+  keepFresh(types: readonly string[], ...resources: { refreshSoon(): void }[]): () => void {
+    const refresh = (): void => {
+      for (const each of resources) each.refreshSoon()
+    }
+    const stops = [this.on(types, refresh), this.onCatchUp(refresh)]
+    return () => {
+      for (const stop of stops) stop()
+    }
+  }
+
+  #hear(type: string, message: MessageEvent<string>): void {
+    this.lastEventAt = clock.now
+    let body: unknown
+    try {
+      body = JSON.parse(message.data)
+    } catch {
+      body = message.data
+    }
+    for (const listener of this.#of(type)) listener(body)
+  }
+
+  #of(type: string): Set<Listener> {
+    const known = this.#listeners.get(type)
+    if (known !== undefined) return known
+    const fresh = new Set<Listener>()
+    this.#listeners.set(type, fresh)
+    return fresh
+  }
+
+  #become(state: FeedState): void {
+    if (this.state === state) return
+    this.state = state
+    this.since = clock.now
+  }
+
+  #startAgain(): void {
+    this.#source?.close()
+    this.#source = undefined
+    clearTimeout(this.#retry)
+    this.#retry = setTimeout(() => {
+      this.start()
+    }, this.#pause * (0.75 + Math.random() / 2))
+    this.#pause = Math.min(this.#pause * 2, BACKOFF_MAX_MS)
+  }
+}

@@ -1,0 +1,29 @@
+import { fileURLToPath } from 'node:url'
+import { svelte } from '@sveltejs/vite-plugin-svelte'
+import type { UserConfig } from 'vite'
+
+const here = fileURLToPath(new URL('.', import.meta.url))
+
+/**
+ * One single-page app of this package.
+ *
+ * The daemons serve the result under a policy that allows scripts, styles and fonts from themselves only, so nothing may
+ * be inlined: neither the module-preload helper nor small assets.
+ */
+export function app(name: 'engineer' | 'partner', backend: string): UserConfig {
+  return {
+    root: `${here}${name}`,
+    base: '/',
+    plugins: [svelte({ configFile: `${here}svelte.config.js` })],
+    resolve: { alias: { '@': here.replace(/\/$/, '') } },
+    build: {
+      outDir: `${here}dist/${name}`,
+      emptyOutDir: true,
+      target: 'es2023',
+      assetsInlineLimit: 0,
+      modulePreload: { polyfill: false },
+      chunkSizeWarningLimit: 700,
+    },
+    server: { proxy: { '/api': { target: backend, changeOrigin: false } } },
+  }
+}

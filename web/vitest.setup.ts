@@ -1,0 +1,6 @@
+import { beforeEach } from 'vitest'
+import { language } from '@/language/language.svelte'
+
+beforeEach(() => {
+  language.choose('en')
+})
