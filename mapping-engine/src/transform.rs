@@ -156,9 +156,9 @@ impl Transform {
         }
     }
 
-    /// A mapping without inputs speaks once, when it is put.
+    /// A mapping that uses no input speaks once, when it is put.
     pub fn start(&mut self, now: DateTime, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
-        if !self.plan.inputs.is_empty() {
+        if self.plan.inputs.iter().any(|input| input.entry.is_some()) {
             return Reaction::Quiet;
         }
         let meta = Meta { source_timestamp: Some(now), ..Meta::default() };
@@ -195,7 +195,7 @@ impl Transform {
     }
 
     /// Time passed.
-    pub fn on_timer(&mut self, now: DateTime) -> Reaction {
+    pub fn on_timer(&mut self, now: DateTime, mut trace: Option<&mut Vec<TraceStep>>) -> Reaction {
         let plan = Arc::clone(&self.plan);
         let is_due = |state: &StepState, function: &Function| function.due(state).is_some_and(|due| due <= now);
         let step = self.state.0.iter().zip(&plan.functions).position(|(state, function)| is_due(state, function));
@@ -204,7 +204,10 @@ impl Transform {
         };
         let state = &mut Arc::make_mut(&mut self.state.0)[step];
         match function.on_timer(state, now) {
-            Applied::Pass(flow) => self.run(step + 1, flow, None, now, None),
+            Applied::Pass(flow) => {
+                TraceStep::passed(trace.as_deref_mut(), step, plan.name_of(step), &flow);
+                self.run(step + 1, flow, None, now, trace)
+            }
             _ => Reaction::Quiet,
         }
     }
@@ -250,11 +253,14 @@ impl Transform {
             if !planned.is_required {
                 continue;
             }
-            if let Some(bad) = slot.bad() {
+            if let Some(bad) = slot.bad(self.last.is_some()) {
                 return self.say_bad(bad);
             }
             if slot.is_waiting() {
                 return Reaction::Quiet;
+            }
+            if slot.is_away_unseen() {
+                return self.show_again();
             }
         }
         let is_head = entry == 0;
@@ -366,7 +372,7 @@ impl Transform {
     /// The worst status among the inputs that count.
     fn input_status(&self) -> StatusCode {
         let counting = self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
-        counting.filter_map(|(slot, _)| slot.status()).fold(StatusCode::GOOD, worst)
+        counting.filter_map(|(slot, _)| slot.status(self.last.is_some())).fold(StatusCode::GOOD, worst)
     }
 
     /// The chain has nothing new, but the status may have changed since the last candidate.
@@ -374,7 +380,7 @@ impl Transform {
         let inputs = self.input_status();
         if severity(inputs) == 2 {
             let bad = self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
-            return match bad.filter_map(|(slot, _)| slot.bad()).next() {
+            return match bad.filter_map(|(slot, _)| slot.bad(self.last.is_some())).next() {
                 Some(bad) if self.shown != Some(bad.status) => self.say_bad(bad),
                 _ => Reaction::Quiet,
             };

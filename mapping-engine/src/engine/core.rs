@@ -235,7 +235,7 @@ impl Core {
                 continue;
             };
             entry.scheduled = None;
-            let reaction = entry.transform.on_timer(now);
+            let reaction = entry.transform.on_timer(now, None);
             self.react(place, reaction, now);
         }
         self.lanes.iter_mut().for_each(Lane::feed);

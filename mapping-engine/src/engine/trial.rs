@@ -139,8 +139,9 @@ impl Running<'_> {
             if *runs > TIMER_RUNS_MAX {
                 return;
             }
-            let reaction = transform.on_timer(due);
-            self.follow(transform, reaction, due, None, Vec::new()).await;
+            let mut steps = Vec::new();
+            let reaction = transform.on_timer(due, Some(&mut steps));
+            self.follow(transform, reaction, due, None, steps).await;
         }
     }
 

@@ -140,8 +140,8 @@ pub enum Overflow {
     Clamp,
 }
 
-/// `value * factor / divisor + offset`. Integers stay integers where factor, divisor and offset are and the division
-/// comes out even.
+/// `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor and offset are and the
+/// division comes out even.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Scale {

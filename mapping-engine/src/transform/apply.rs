@@ -1,6 +1,6 @@
 //! One function on one value.
 
-use asi_model::{DateTime, Scalar, Variant};
+use asi_model::{DateTime, Scalar, Variant, units as unece};
 
 use super::{
     Flow,
@@ -168,7 +168,9 @@ impl UnitFactor {
                 return Ok(Number::Integer(product / divide));
             }
         }
-        Ok(Number::Real(number.as_f64() * self.factor + self.offset))
+        unece::convert(number.as_f64(), &self.from, &self.to)
+            .map(Number::Real)
+            .map_err(|error| Fault::type_mismatch(error.to_string()))
     }
 }
 

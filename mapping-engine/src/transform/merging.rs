@@ -52,7 +52,7 @@ impl MergeOf {
 fn pick(picked: Option<Flow>, slots: &[&Slot]) -> Applied {
     match picked {
         Some(flow) => Applied::Pass(flow),
-        None => match slots.iter().find_map(|slot| slot.bad()) {
+        None => match slots.iter().find_map(|slot| slot.bad(false)) {
             Some(bad) => {
                 let message = "none of the inputs has a usable value";
                 let fault = Fault::new(crate::fault::FaultKind::OutOfRange, bad.status, message);

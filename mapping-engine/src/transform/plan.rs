@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use asi_model::{BuiltInType, Variant};
+use asi_model::{BuiltInType, Variant, units::EngineeringUnit};
 
 use super::table::Table;
 use crate::{
@@ -75,11 +75,11 @@ pub(crate) struct ScaleBy {
     pub offset: Number,
 }
 
-/// `value * factor + offset`, on integers `value * multiply / divide` where that says the same exactly.
+/// From unit to unit; on integers `value * multiply / divide` where that says the same exactly.
 #[derive(Debug)]
 pub(crate) struct UnitFactor {
-    pub factor: f64,
-    pub offset: f64,
+    pub from: EngineeringUnit,
+    pub to: EngineeringUnit,
     pub exact: Option<(i128, i128)>,
 }
 

@@ -105,20 +105,25 @@ impl Slot {
         Some(meta)
     }
 
-    /// The status that holds now, once anything came.
-    pub fn status(&self) -> Option<StatusCode> {
+    /// The source is away and gave nothing since we began.
+    pub fn is_away_unseen(&self) -> bool {
+        self.away.is_some() && self.value.is_none()
+    }
+
+    /// The status that holds now, once anything came. `has_last`: there is a last candidate, from a former run perhaps,
+    /// that stands while the source is away.
+    pub fn status(&self, has_last: bool) -> Option<StatusCode> {
+        let is_usable = self.value.as_ref().map_or(has_last, |value| severity(value.status) < 2);
         match (&self.value, self.away) {
-            (Some(value), Some(_)) if severity(value.status) < 2 => {
-                Some(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE)
-            }
+            (_, Some(_)) if is_usable => Some(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
             (_, Some(away)) => Some(away),
             (value, None) => value.as_ref().map(|value| value.status),
         }
     }
 
     /// What is said while the input is Bad: no value, its status and times.
-    pub fn bad(&self) -> Option<DataValue> {
-        let status = self.status().filter(|status| severity(*status) == 2)?;
+    pub fn bad(&self, has_last: bool) -> Option<DataValue> {
+        let status = self.status(has_last).filter(|status| severity(*status) == 2)?;
         let meta = self.value.as_ref().map(Meta::of).unwrap_or_default();
         Some(meta.failed(status))
     }

@@ -90,7 +90,7 @@ fn worker_message() -> impl Strategy<Value = WorkerMessage> {
         state,
         spent: Duration::from_micros(micros.into()),
     });
-    let results = vec(result, 0..5);
+    let results = vec(result, 0..5).boxed();
     prop_oneof![
         (any::<u16>(), text(), any::<bool>()).prop_map(|(version, engine, is_filtered)| WorkerMessage::Welcome {
             version,

@@ -45,17 +45,14 @@ impl Compiler<'_> {
     }
 }
 
-/// The linear function between two units, from two of its points.
+/// Whether two units go together, and whether integers can stay integers between them.
 fn factor(from: &EngineeringUnit, to: &EngineeringUnit) -> Result<UnitFactor, String> {
     let at = |value: f64| unece::convert(value, from, to).map_err(|error| error.to_string());
-    if from.code == to.code {
-        return Ok(UnitFactor { factor: 1.0, offset: 0.0, exact: Some((1, 1)) });
-    }
-    let offset = at(0.0)?;
-    // A large second point keeps the digits of small factors; dividing by a power of two is exact.
-    let far = 1_048_576.0;
-    let slope = if offset == 0.0 { at(1.0)? } else { (at(far)? - offset) / far };
-    Ok(UnitFactor { factor: slope, offset, exact: (offset == 0.0).then(|| ratio(slope)).flatten() })
+    let exact = match (at(0.0)?, at(1.0)?) {
+        (0.0, slope) => ratio(slope),
+        _ => None,
+    };
+    Ok(UnitFactor { from: *from, to: *to, exact })
 }
 
 /// A factor as a ratio of small integers where it is one: 1000, 1/1000, 60, 1/3600.

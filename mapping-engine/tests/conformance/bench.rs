@@ -1,0 +1,160 @@
+//! A mapping engine with inputs that the test plays.
+
+use std::{
+    collections::{HashMap, VecDeque},
+    path::PathBuf,
+    sync::{Arc, Mutex},
+    time::Duration,
+};
+
+use asi_model::{DataValue, DateTime, Variant};
+use mapping_engine::{
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingId, MappingStatus,
+    Published, ScriptConfig, ScriptEngine,
+};
+use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
+use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
+use tokio_util::sync::CancellationToken;
+
+/// The worker under test.
+#[derive(Debug, Clone)]
+pub struct Worker {
+    pub engine: ScriptEngine,
+    pub path: PathBuf,
+}
+
+/// Longest wait for anything.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Remembers which key each node is monitored under.
+#[derive(Debug, Clone, Default)]
+struct PlayedInputs(Arc<Mutex<HashMap<String, InputKey>>>);
+
+impl Inputs for PlayedInputs {
+    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+        let mut keys = self.0.lock().expect("no test panics while holding it");
+        keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
+        Ok(())
+    }
+
+    fn unmonitor(&self, inputs: &[InputKey]) {
+        self.0.lock().expect("no test panics while holding it").retain(|_, key| !inputs.contains(key));
+    }
+}
+
+/// A running engine.
+pub struct Bench {
+    pub handle: MappingEngineHandle,
+    inputs: PlayedInputs,
+    changes: mpsc::Sender<Vec<InputChange>>,
+    candidates: mpsc::Receiver<Vec<Candidate>>,
+    arrived: VecDeque<Candidate>,
+    shutdown: CancellationToken,
+    running: JoinHandle<()>,
+    time: i64,
+}
+
+impl Bench {
+    pub fn start(worker: &Worker, adjust: impl FnOnce(&mut ScriptConfig)) -> Self {
+        let mut config = MappingEngineConfig::default();
+        config.script.engine = worker.engine;
+        config.script.worker_path = Some(worker.path.clone());
+        adjust(&mut config.script);
+        let inputs = PlayedInputs::default();
+        let (changes, for_engine) = mpsc::channel(64);
+        let (engine, handle, candidates) = MappingEngine::new(config, inputs.clone(), for_engine);
+        let shutdown = CancellationToken::new();
+        let running = tokio::spawn(engine.run(shutdown.clone()));
+        let arrived = VecDeque::new();
+        Self { handle, inputs, changes, candidates, arrived, shutdown, running, time: 1_600_000_000_000_000 }
+    }
+
+    /// Publishes a script mapping `id` of the inputs named, to a field of a type.
+    pub async fn put_script(&self, id: &str, inputs: &[&str], target: &str, source: &str) {
+        let mapping = script_mapping(id, inputs, target, source);
+        let results = self.handle.put_many(vec![Published::from(mapping)]).await.expect("the engine runs");
+        for result in results {
+            result.expect("the mapping is fine");
+        }
+    }
+
+    pub async fn remove(&self, id: &str) {
+        assert!(self.handle.remove(&mapping_id(id)).await.expect("the engine runs"), "{id} was there");
+    }
+
+    /// Gives an input of a mapping a value.
+    pub async fn feed(&mut self, id: &str, input: &str, value: impl Into<Variant>) {
+        self.feed_all(id, input, [value.into()]).await;
+    }
+
+    pub async fn feed_all(&mut self, id: &str, input: &str, values: impl IntoIterator<Item = Variant>) {
+        let values = values.into_iter().map(|value| {
+            self.time += 1000;
+            DataValue::good(value, DateTime::from_unix_micros(self.time))
+        });
+        let values = values.collect();
+        self.send(id, input, values).await;
+    }
+
+    pub async fn send(&mut self, id: &str, input: &str, values: Vec<DataValue>) {
+        let key = *self.inputs.0.lock().expect("no panic").get(&node(id, input)).expect("the input is monitored");
+        let changes = values.into_iter().map(|value| InputChange { input: key, value }).collect();
+        self.changes.send(changes).await.expect("the engine runs");
+    }
+
+    /// The next candidate of a mapping; those of others stay for later.
+    pub async fn next(&mut self, id: &str) -> Candidate {
+        let id = mapping_id(id);
+        if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping_id == id) {
+            return self.arrived.remove(at).expect("just found");
+        }
+        let waiting = async {
+            loop {
+                let batch = self.candidates.recv().await.expect("the engine runs");
+                self.arrived.extend(batch);
+                if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping_id == id) {
+                    return self.arrived.remove(at).expect("just found");
+                }
+            }
+        };
+        timeout(PATIENCE, waiting).await.unwrap_or_else(|_| panic!("no candidate of {id} came"))
+    }
+
+    /// Feeds one value and takes the candidate.
+    pub async fn ask(&mut self, id: &str, value: impl Into<Variant>) -> DataValue {
+        self.feed(id, "a", value).await;
+        self.next(id).await.value
+    }
+
+    pub async fn status(&self, id: &str) -> MappingStatus {
+        self.handle.status(&mapping_id(id)).await.expect("the engine runs").expect("the mapping is there")
+    }
+
+    pub async fn stop(self) {
+        self.shutdown.cancel();
+        timeout(PATIENCE, self.running).await.expect("the engine ends").expect("without a panic");
+    }
+}
+
+pub fn mapping_id(id: &str) -> MappingId {
+    MappingId::new(id).expect("a mapping id")
+}
+
+fn node(id: &str, input: &str) -> String {
+    format!("nsu=urn:test;s={id}.{input}")
+}
+
+pub fn script_mapping(id: &str, inputs: &[&str], target: &str, source: &str) -> Mapping {
+    let key = |name: &str| format!("{name}-{id}");
+    let json = serde_json::json!({
+        "mappingId": id,
+        "target": { "operationNetworkId": key("n"), "operationId": "o", "dynamicDataRequestId": "r", "fieldName": "f" },
+        "targetType": target,
+        "inputs": inputs
+            .iter()
+            .map(|name| serde_json::json!({ "name": name, "sourceId": "test", "nodeId": node(id, name) }))
+            .collect::<Vec<_>>(),
+        "steps": [{ "function": "script", "source": source }],
+    });
+    serde_json::from_value(json).expect("a mapping")
+}

@@ -1,0 +1,88 @@
+//! Scripts that want to take the machine down.
+
+use std::time::{Duration, Instant};
+
+use mapping_engine::FaultKind as K;
+
+use super::bench::{Bench, Worker};
+
+/// The budget of a call in these tests.
+const BUDGET_MS: u64 = 300;
+/// A busy machine is not the script's fault: so often is it tried.
+const ATTEMPTS: u32 = 3;
+
+const TIME: &[K] = &[K::ScriptTimeout];
+const MEMORY: &[K] = &[K::ScriptOutOfMemory, K::ScriptTimeout];
+const ERROR: &[K] = &[K::ScriptError, K::ScriptOutOfMemory, K::ScriptTimeout];
+/// What ends the process as well as what the engine catches.
+const ANY: &[K] = &[K::ScriptTimeout, K::ScriptOutOfMemory, K::ScriptError, K::ScriptCrash];
+
+/// Each with the kinds of fault it may end as.
+const TABLE: &[(&str, &str, &[K])] = &[
+    ("endless loop", "(v) => { for (;;) {} }", TIME),
+    ("loop that catches", "(v) => { for (;;) { try { for (;;) {} } catch {} finally { continue } } }", TIME),
+    ("generator", "(v) => { function* g() { for (;;) yield 1 } for (const x of g()); }", TIME),
+    ("getter", "(v) => { const o = { get x() { for (;;) {} } }; return o.x }", TIME),
+    ("getter of the result", "(v) => ({ get value() { for (;;) {} } })", TIME),
+    ("proxy", "(v) => { const p = new Proxy({}, { get() { for (;;) {} } }); return p.x }", TIME),
+    ("sort callback", "(v) => { [3, 1, 2].sort(() => { for (;;) {} }) }", TIME),
+    ("promise executor", "(v) => { new Promise((r) => { for (;;) r() }); return 1 }", TIME),
+    ("state with a getter", "(v, ctx) => { ctx.state = { get x() { for (;;) {} } }; return 1 }", TIME),
+    ("state with toJSON", "(v, ctx) => { ctx.state = { toJSON() { for (;;) {} } }; return 1 }", TIME),
+    ("arrays without end", "(v) => { const a = []; for (;;) a.push(new Array(1e6).fill(1)) }", MEMORY),
+    ("objects without end", "(v) => { const a = []; for (;;) a.push({ x: a.length, y: [1, 2, 3] }) }", MEMORY),
+    ("map without end", "(v) => { const m = new Map(); for (let i = 0; ; i++) m.set(i, String(i)) }", MEMORY),
+    ("buffers without end", "(v) => { const a = []; for (;;) a.push(new ArrayBuffer(1 << 20)) }", ERROR),
+    (
+        "allocation that catches",
+        "(v) => { const a = []; for (;;) { try { a.push(new Array(1e5).fill(1)) } catch {} } }",
+        MEMORY,
+    ),
+    ("text doubling", "(v) => { let s = 'ab'; for (;;) s += s }", ERROR),
+    ("huge text", "(v) => 'a'.repeat(2 ** 29)", ERROR),
+    ("regular expression", "(v) => /^(a+)+$/.test('a'.repeat(40) + 'b')", TIME),
+    ("deep recursion", "(v) => { const f = (n) => 1 + f(n + 1); return f(0) }", ERROR),
+    ("deep JSON", "(v) => JSON.parse('['.repeat(1e6))", ERROR),
+    ("native search", "const s = 'x'.repeat(4e6); (v) => { for (;;) s.indexOf('y') }", ANY),
+    ("native number", "(v) => (2n ** 4000000n).toString().length", ANY),
+    ("native join", "(v) => (new Array(1e9) + '').length", ANY),
+];
+
+pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
+    let budget = Duration::from_millis(BUDGET_MS);
+    let mut bench = Bench::start(worker, |config| {
+        config.call_budget_ms = BUDGET_MS;
+        config.rest_s = 3600;
+    });
+    let counting = "(v, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return ctx.state * 1000 + v }";
+    bench.put_script("neighbour", &["a"], "Double", counting).await;
+    let mut calls = 0.0;
+    let mut report = String::new();
+    for (name, source, kinds) in TABLE {
+        let mut fastest = Duration::MAX;
+        for attempt in 0..ATTEMPTS {
+            let id = format!("{name} {attempt}");
+            bench.put_script(&id, &["a"], "Double", source).await;
+            let begun = Instant::now();
+            bench.feed(&id, "a", 1_i32).await;
+            bench.feed("neighbour", "a", 7_i32).await;
+            let value = bench.next(&id).await.value;
+            fastest = fastest.min(begun.elapsed());
+            let fault = bench.status(&id).await.last_fault.unwrap_or_else(|| panic!("{name}: {value:?}"));
+            assert!(kinds.contains(&fault.kind), "{name}: {fault:?}");
+            assert!(value.status.0 >> 30 == 2 && value.value.is_null(), "{name}: {value:?}");
+            // The neighbour was asked meanwhile: it answered, in order, and remembers every call.
+            calls += 1.0;
+            assert_eq!(bench.next("neighbour").await.value.value, (calls * 1000.0 + 7.0).into(), "{name}");
+            bench.remove(&id).await;
+            if fastest <= 2 * budget {
+                break;
+            }
+        }
+        report.push_str(&format!("{name}: {fastest:?}\n"));
+        assert!(fastest <= 2 * budget, "{name} ended after {fastest:?}, more than twice its budget\n{report}");
+    }
+    let neighbour = bench.status("neighbour").await;
+    assert_eq!(neighbour.faults, 0, "{neighbour:?}");
+    bench.stop().await;
+}
