@@ -12,19 +12,25 @@
 //! - [`difference`]: what a new revision changes, and what that does to mappings and consent.
 //! - [`split`]: the part of a network that concerns one factory.
 //! - [`schedule`]: earliest and latest times, slack and the critical path of a network.
+//! - [`schema`]: JSON Schemas of every message.
 //! - [`units`]: UNECE units, their aliases and conversion.
 //! - [`asi_types`]: the OPC UA type model of the Activity Status Interface.
+//! - [`instance`]: Activity Status Interfaces as nodes, and back.
+//! - [`node_set`]: OPC UA nodes as NodeSet2 documents.
 //! - [`json`]: the bounded reader and the plain writer that the encodings share.
 
 pub mod asi_types;
 pub mod difference;
 pub mod ids;
+pub mod instance;
 pub mod json;
 pub mod messages;
 pub mod network;
+pub mod node_set;
 pub mod opcua_json;
 pub mod pubsub;
 pub mod schedule;
+pub mod schema;
 pub mod split;
 pub mod units;
 pub mod validation;

@@ -16,12 +16,14 @@ pub use faults::{FAULTS_MAX, FaultCode};
 
 use crate::{
     ids::{FactoryId, MessageId, OperationNetworkId},
+    instance,
     json::{Limits, Tape},
     messages::{
         Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, MESSAGE_BYTES_MAX, PlatformMessage,
         REQUEST_BYTES_MAX,
     },
     network::OperationNetwork,
+    node_set,
 };
 use reader::Reader;
 
@@ -79,12 +81,13 @@ impl Rejection {
     }
 }
 
-/// Reads and checks a message from the platform to a factory.
+/// Reads and checks a message from the platform to a factory: JSON, or a NodeSet2 document with an Activity Status
+/// Interface in place of an `operation-network` message (pointers of faults then refer to the JSON it stands for).
 ///
 /// # Errors
 /// [`Rejection`] with all faults.
 pub fn parse_platform_message(bytes: &[u8], expected: &FactoryId) -> Result<PlatformMessage, Rejection> {
-    parse(bytes, REQUEST_LIMITS, |reader, tape| messages::platform_message(reader, tape.root(), Some(expected)))
+    platform_message(bytes, Some(expected))
 }
 
 /// As [`parse_platform_message`], for whichever factory the message names.
@@ -92,7 +95,44 @@ pub fn parse_platform_message(bytes: &[u8], expected: &FactoryId) -> Result<Plat
 /// # Errors
 /// [`Rejection`] with all faults.
 pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, Rejection> {
-    parse(bytes, REQUEST_LIMITS, |reader, tape| messages::platform_message(reader, tape.root(), None))
+    platform_message(bytes, None)
+}
+
+fn platform_message(bytes: &[u8], expected: Option<&FactoryId>) -> Result<PlatformMessage, Rejection> {
+    let is_xml =
+        bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte)) == Some(&b'<');
+    let json = if is_xml { Some(from_node_set(bytes)?) } else { None };
+    parse(json.as_deref().unwrap_or(bytes), REQUEST_LIMITS, |reader, tape| {
+        messages::platform_message(reader, tape.root(), expected)
+    })
+}
+
+/// The JSON that a NodeSet2 document stands for. Its message id follows from the text, so that a repeated document is
+/// a repeated message.
+fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
+    let reject = |code: FaultCode, message: String| {
+        let mut reader = Reader::default();
+        reader.faults.push("", code, message);
+        let faults = reader.faults.into_list();
+        Rejection { faults, message_id: None, operation_network_id: None, revision: None }
+    };
+    if bytes.len() > REQUEST_LIMITS.bytes_max {
+        let message = format!("The body has {} bytes; at most {REQUEST_BYTES_MAX} are accepted.", bytes.len());
+        return Err(reject(FaultCode::TooLarge, message));
+    }
+    let node_set = node_set::read(bytes)
+        .map_err(|error| reject(FaultCode::NotNodeSet, format!("The body is no NodeSet2 document: {error}.")))?;
+    // FNV-1a: no secret is at stake, only that the same text has the same id.
+    let hash = bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
+    match instance::to_json(&node_set, &format!("nodeset-{hash:016x}")) {
+        Some(message) => Ok(message.to_string().into_bytes()),
+        None => {
+            let message = "The document has no object of ActivityStatusInterfaceType.".to_owned();
+            Err(reject(FaultCode::NoInterface, message))
+        }
+    }
 }
 
 /// Reads and checks a message from a factory, besides reports.

@@ -24,6 +24,10 @@ macro_rules! fault_codes {
 fault_codes! {
     /// The body is not JSON.
     NotJson = "NOT_JSON",
+    /// The body begins as XML, but is no NodeSet2 document.
+    NotNodeSet = "NOT_NODE_SET",
+    /// The NodeSet2 document has no Activity Status Interface.
+    NoInterface = "NO_INTERFACE",
     /// The body is too long.
     TooLarge = "TOO_LARGE",
     /// Arrays and objects are nested too deeply.

@@ -1,0 +1,93 @@
+//! What is read: from a file or standard input, and which kind of message it looks like.
+
+use std::{io::Read as _, path::Path};
+
+use anyhow::{Context as _, bail};
+use asi_model::{
+    json::{Kind as JsonKind, Limits, Tape},
+    messages::REQUEST_BYTES_MAX,
+};
+
+/// The longest input; longer ones no receiver takes.
+const BYTES_MAX: u64 = 16 * REQUEST_BYTES_MAX as u64;
+
+/// An input.
+pub struct Input {
+    /// Its text.
+    pub bytes: Vec<u8>,
+    /// What it looks like.
+    pub kind: Kind,
+}
+
+/// The kinds of message, told by the members that every message of the kind has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// From the platform to a factory.
+    ToFactory,
+    /// From a factory to the platform, besides reports.
+    FromFactory,
+    /// A whole operation network without envelope.
+    Network,
+    /// An OPC UA PubSub message.
+    PubSub,
+    /// A NodeSet2 document.
+    NodeSet,
+    /// None of these.
+    Unknown,
+}
+
+impl Kind {
+    /// The kind for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ToFactory => "a message to a factory",
+            Self::FromFactory => "a message from a factory",
+            Self::Network => "an operation network",
+            Self::PubSub => "an OPC UA PubSub message",
+            Self::NodeSet => "an interface as NodeSet2",
+            Self::Unknown => "a message of unknown kind",
+        }
+    }
+
+    fn of(bytes: &[u8]) -> Self {
+        if bytes.trim_ascii_start().starts_with(b"<") || bytes.starts_with(b"\xef\xbb\xbf<") {
+            return Self::NodeSet;
+        }
+        let limits = Limits { bytes_max: usize::MAX, depth_max: 100, tokens_max: 2_000_000 };
+        let Ok(tape) = Tape::read(bytes, limits) else { return Self::Unknown };
+        let root = tape.root();
+        match root.get("messageType").and_then(|node| node.text()).as_deref() {
+            Some("acknowledgement" | "decision" | "gap" | "asset-offer") => Self::FromFactory,
+            Some(_) => Self::ToFactory,
+            None if root.get("operationNetworkId").is_some() => Self::Network,
+            // Layouts without headers are bare payloads.
+            None if matches!(root.kind(), JsonKind::Object | JsonKind::Array) => Self::PubSub,
+            None => Self::Unknown,
+        }
+    }
+}
+
+impl Input {
+    /// Reads a file, or standard input where there is none or it is called `-`.
+    pub fn read(file: Option<&Path>) -> anyhow::Result<Self> {
+        let mut bytes = Vec::new();
+        match file.filter(|file| *file != Path::new("-")) {
+            Some(file) => {
+                let context = || format!("cannot read {}", file.display());
+                let opened = std::fs::File::open(file).with_context(context)?;
+                opened.take(BYTES_MAX + 1).read_to_end(&mut bytes).with_context(context)?;
+            }
+            None => {
+                std::io::stdin()
+                    .lock()
+                    .take(BYTES_MAX + 1)
+                    .read_to_end(&mut bytes)
+                    .context("cannot read standard input")?;
+            }
+        }
+        if bytes.len() as u64 > BYTES_MAX {
+            bail!("the input is longer than {BYTES_MAX} bytes");
+        }
+        Ok(Self { kind: Kind::of(&bytes), bytes })
+    }
+}
