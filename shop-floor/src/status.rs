@@ -23,6 +23,8 @@ pub struct SourceStatus {
     pub inputs: usize,
     /// How many of them the server monitors and has given a first value for.
     pub live: usize,
+    /// How many inputs would be found again if the server changed its node ids: those whose browse path is known.
+    pub findable: usize,
     /// The inputs that are not live, each with the reason; the first 1000.
     pub not_live: Vec<InputProblem>,
     /// When a change last arrived.

@@ -1,1 +1,24 @@
-//! simulator.
+//! Simulated machines: real OPC UA servers for the demo, the tests and the benchmarks.
+//!
+//! - [`machines`] describe what a machine shows and how its values run. Each value is a pure function of seed, machine
+//!   and simulated time, so a run can be repeated.
+//! - Values are pushed when they change; nothing is sampled.
+//! - Machines fail on command, see [`Fault`]: through [`MachineHandle`] or the HTTP control interface ([`control`]).
+//!
+//! In tests: [`Simulator::new`] with port 0, [`SimulatorHandle::machine`], [`MachineHandle::endpoint_url`].
+
+pub mod blueprint;
+mod config;
+pub mod control;
+mod fault;
+mod host;
+pub mod machines;
+mod relay;
+mod server;
+pub mod signals;
+mod simulator;
+
+pub use config::{Config, ConfigError, EXAMPLE, MachineConfig, MachineKind, SecurityConfig, UserConfig};
+pub use fault::{Fault, Layout};
+pub use host::{MachineHandle, SimulatorError};
+pub use simulator::{Simulator, SimulatorHandle};

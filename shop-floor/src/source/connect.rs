@@ -199,7 +199,7 @@ fn choose<'a>(
     };
     let secure_enough: Vec<_> = offered.iter().filter(fits).collect();
     if secure_enough.is_empty() {
-        let names: Vec<_> = offered.iter().map(|endpoint| offer_name(endpoint)).collect();
+        let names: Vec<_> = offered.iter().map(offer_name).collect();
         let hint = match choice {
             SecurityChoice::Strongest => "only unprotected or outdated endpoints; choose \"none\" to accept that",
             SecurityChoice::None => "no unprotected endpoint",

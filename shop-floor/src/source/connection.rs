@@ -1,6 +1,9 @@
 //! An established session, as all services use it.
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use opcua_stack::{
     NamespaceTable,
@@ -10,7 +13,7 @@ use opcua_stack::{
     },
     values::status_from_stack,
 };
-use parking_lot::RwLock;
+use parking_lot::{Mutex, RwLock};
 use tokio::sync::OnceCell;
 
 use crate::{ServerLimits, ShopFloorError, SourceId};
@@ -33,6 +36,7 @@ struct Inner {
     namespaces: RwLock<NamespaceTable>,
     limits: ServerLimits,
     types_loaded: OnceCell<bool>,
+    answered_at: Mutex<Instant>,
 }
 
 impl Connection {
@@ -43,7 +47,9 @@ impl Connection {
         limits: ServerLimits,
     ) -> Self {
         let namespaces = RwLock::new(namespaces);
-        Self { inner: Arc::new(Inner { source, session, namespaces, limits, types_loaded: OnceCell::new() }) }
+        let answered_at = Mutex::new(Instant::now());
+        let types_loaded = OnceCell::new();
+        Self { inner: Arc::new(Inner { source, session, namespaces, limits, types_loaded, answered_at }) }
     }
 
     pub(super) fn session(&self) -> &Arc<Session> {
@@ -95,10 +101,18 @@ impl Connection {
             .await
     }
 
+    /// How long ago the server last answered a request.
+    pub(super) fn silence(&self) -> Duration {
+        self.inner.answered_at.lock().elapsed()
+    }
+
     /// Waits for an answer, no longer than [`ANSWER_TIMEOUT`].
     pub(super) async fn ask<T>(&self, request: impl Future<Output = Result<T, Error>>) -> Result<T, ShopFloorError> {
         match tokio::time::timeout(ANSWER_TIMEOUT, request).await {
-            Ok(Ok(answer)) => Ok(answer),
+            Ok(Ok(answer)) => {
+                *self.inner.answered_at.lock() = Instant::now();
+                Ok(answer)
+            }
             Ok(Err(error)) => Err(self.refusal(error.status())),
             Err(_) => Err(ShopFloorError::Timeout(self.inner.source.clone())),
         }

@@ -50,6 +50,7 @@ struct Board {
     limits: Option<ServerLimits>,
     feed: Option<Arc<Feed>>,
     problems: IndexMap<InputKey, (StatusCode, String)>,
+    findable: usize,
 }
 
 /// Counts and times that change with every notification; zero ticks mean never.
@@ -90,6 +91,7 @@ impl Entry {
                 limits: None,
                 feed: None,
                 problems: IndexMap::new(),
+                findable: 0,
             }),
             meter: Meter::default(),
         }
@@ -212,6 +214,11 @@ impl Entry {
         board.problems.clear();
     }
 
+    /// Says of how many inputs the browse path is known.
+    pub(super) fn set_findable(&self, findable: usize) {
+        self.board.lock().findable = findable;
+    }
+
     /// Says why inputs are not live; `None` where that is over.
     pub(super) fn note(&self, notes: impl IntoIterator<Item = (InputKey, Option<(StatusCode, String)>)>) {
         let mut board = self.board.lock();
@@ -238,6 +245,7 @@ impl Entry {
             problem: board.problem.clone(),
             inputs,
             live: board.feed.as_ref().map_or(0, |feed| feed.live()),
+            findable: board.findable,
             not_live,
             last_change_at: time(&self.meter.last_change_ticks),
             last_sign_of_life_at: time(&self.meter.last_sign_ticks),

@@ -38,6 +38,8 @@ pub(crate) struct Feed {
     slots: Mutex<Slots>,
     live: AtomicUsize,
     is_closed: AtomicBool,
+    /// When each subscription was last heard of.
+    heard: Mutex<Vec<Instant>>,
     /// Woken when a structure arrived that needs the server's data types.
     pub(super) types_needed: Notify,
     /// Woken when the server ended a subscription.
@@ -77,6 +79,7 @@ impl Feed {
             slots: Mutex::new(Slots { slots: vec![None], free: VecDeque::new() }),
             live: AtomicUsize::new(0),
             is_closed: AtomicBool::new(false),
+            heard: Mutex::default(),
             types_needed: Notify::new(),
             subscription_ended: Notify::new(),
         }
@@ -90,6 +93,23 @@ impl Feed {
     pub(super) fn live_inputs(&self) -> HashSet<InputKey> {
         let slots = self.slots.lock();
         slots.slots.iter().flatten().filter(|slot| slot.last.is_some()).map(|slot| slot.input).collect()
+    }
+
+    /// A new subscription's place among those that are listened to.
+    pub(super) fn add_subscription(&self) -> usize {
+        let mut heard = self.heard.lock();
+        heard.push(Instant::now());
+        heard.len() - 1
+    }
+
+    /// The longest time that any subscription has been silent; `None` while there is none.
+    pub(super) fn silence(&self) -> Option<Duration> {
+        self.heard.lock().iter().map(Instant::elapsed).max()
+    }
+
+    /// All subscriptions count as heard of just now.
+    pub(super) fn excuse_silence(&self) {
+        self.heard.lock().fill(Instant::now());
     }
 
     /// A client handle for an input.
@@ -153,15 +173,15 @@ impl Feed {
             if seen.len() >= count {
                 break;
             }
-            if let Some(slot) = &slots.slots[position] {
-                if let Some(value) = slot.last.as_ref().filter(|_| slot.last_at < older_than && !slot.is_held) {
-                    seen.push(LastSeen {
-                        handle: u32::try_from(position).unwrap_or(0),
-                        input: slot.input,
-                        value: value.clone(),
-                        at: slot.last_at,
-                    });
-                }
+            if let Some(slot) = &slots.slots[position]
+                && let Some(value) = slot.last.as_ref().filter(|_| slot.last_at < older_than && !slot.is_held)
+            {
+                seen.push(LastSeen {
+                    handle: u32::try_from(position).unwrap_or(0),
+                    input: slot.input,
+                    value: value.clone(),
+                    at: slot.last_at,
+                });
             }
             position = (position + 1) % total;
         }
@@ -214,19 +234,19 @@ impl Feed {
 /// What one subscription is told.
 pub(super) struct Listener {
     feed: Arc<Feed>,
-    heard: Arc<Mutex<Instant>>,
+    subscription: usize,
 }
 
 impl Listener {
-    pub(super) const fn new(feed: Arc<Feed>, heard: Arc<Mutex<Instant>>) -> Self {
-        Self { feed, heard }
+    pub(super) const fn new(feed: Arc<Feed>, subscription: usize) -> Self {
+        Self { feed, subscription }
     }
 }
 
 impl OnSubscriptionNotificationCore for Listener {
     fn on_subscription_notification(&mut self, message: NotificationMessage, _items: MonitoredItemMap<'_>) {
         // Any publish response is a sign of life, with or without data.
-        *self.heard.lock() = Instant::now();
+        self.feed.heard.lock()[self.subscription] = Instant::now();
         self.feed.entry.meter.sign_of_life(0);
         for notification in message.notification_data.into_iter().flatten() {
             match_extension_object_owned!(notification,

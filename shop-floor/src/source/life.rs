@@ -2,11 +2,18 @@
 
 use std::{
     collections::HashMap,
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
 use asi_model::values::{DataValue, DateTime, NodeId, StatusCode};
+use futures::{
+    FutureExt as _,
+    future::{BoxFuture, OptionFuture},
+};
 use opcua_stack::{opcua::types::NodeId as StackNodeId, values::node_id_to_stack};
 use tokio_util::sync::CancellationToken;
 
@@ -21,8 +28,8 @@ use super::{
     subscriptions::Subscriptions,
 };
 use crate::{
-    BrowsePath, InputChange, MonitorRequest, ShopFloorError, SourceConfig, SourceProblem, SourceProblemKind as Kind,
-    SourceState, service::Floor,
+    BrowsePath, InputChange, InputKey, MonitorRequest, ShopFloorError, SourceConfig, SourceProblem,
+    SourceProblemKind as Kind, SourceState, service::Floor,
 };
 
 /// How often the session is looked after.
@@ -49,6 +56,10 @@ impl Memory {
     pub(super) fn path_of(&self, request: &MonitorRequest) -> Option<BrowsePath> {
         let given = request.options.browse_path.clone();
         given.or_else(|| self.learned.get(&request.node_id).cloned().flatten())
+    }
+
+    fn knows_path_of(&self, request: &MonitorRequest) -> bool {
+        request.options.browse_path.is_some() || self.learned.get(&request.node_id).is_some_and(Option::is_some)
     }
 }
 
@@ -106,18 +117,25 @@ pub(super) async fn live(
             config.clone(),
         ),
         audit: Audit::new(config.silence_max(), &memory.stalls),
+        is_busy: Arc::new(AtomicBool::new(true)),
+        are_paths_settled: false,
         asked_at: Instant::now(),
     };
+    let is_busy = Arc::clone(&session.is_busy);
     let ended = tokio::select! {
         biased;
         () = stop.cancelled() => None,
         status = link.lost() => {
             Some(problem(Kind::ConnectionLost, format!("The connection was lost: {status}.")))
         }
+        problem = silence(&connection, &feed, config.silence_max(), &is_busy) => Some(problem),
         problem = session.work(memory, is_same_server) => Some(problem),
     };
-    if ended.is_none() || ended.as_ref().is_some_and(|problem| problem.kind != Kind::ConnectionLost) {
-        session.say_goodbye().await;
+    match &ended {
+        None => session.say_goodbye(GOODBYE_TIMEOUT).await,
+        Some(problem) if problem.kind == Kind::ConnectionLost => {}
+        // It may well not answer any more.
+        Some(_) => session.say_goodbye(GOODBYE_TIMEOUT / 4).await,
     }
     let has_flowed = feed.live() > 0;
     feed.close();
@@ -131,6 +149,21 @@ pub(super) async fn live(
     }
 }
 
+/// Waits until nothing has been heard for too long. While items are created, which keeps servers busy, any answer is a
+/// sign of life; else each subscription must send its keep-alives.
+async fn silence(connection: &Connection, feed: &Feed, max: Duration, is_busy: &AtomicBool) -> SourceProblem {
+    let mut tick = tokio::time::interval(max / 10);
+    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
+    loop {
+        tick.tick().await;
+        let Some(silence) = feed.silence() else { continue };
+        let is_excused = is_busy.load(Ordering::Relaxed) && connection.silence() <= max;
+        if silence > max && !is_excused {
+            return problem(Kind::Stalled, format!("Nothing was heard for {:.1} s.", silence.as_secs_f64()));
+        }
+    }
+}
+
 struct Session<'a> {
     floor: &'a Arc<Floor>,
     entry: &'a Arc<Entry>,
@@ -139,6 +172,10 @@ struct Session<'a> {
     feed: Arc<Feed>,
     subscriptions: Subscriptions,
     audit: Audit,
+    /// Set while items are created.
+    is_busy: Arc<AtomicBool>,
+    /// No more browse paths are to be learned for now.
+    are_paths_settled: bool,
     /// When the server was last asked whether it runs, while there is no subscription.
     asked_at: Instant,
 }
@@ -161,20 +198,29 @@ impl Session<'_> {
             self.look_for_moved(&wanted, memory).await?;
         }
         let wanted = wanted.into_iter().map(|request| (request.input, Some(request))).collect();
-        self.subscriptions.apply(wanted, memory).await?;
+        self.apply(wanted, memory).await?;
         self.entry.set_state(self.floor, SourceState::Connected, None);
         let mut tick = tokio::time::interval(TICK);
         tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
         let feed = Arc::clone(&self.feed);
         let mut live = 0;
+        let connection = self.connection.clone();
+        // Reading all data types of a server takes a while and must not keep us from the rest.
+        let mut types_loading: Option<BoxFuture<'_, bool>> = None;
         loop {
             tokio::select! {
                 () = self.entry.wanted_changed() => {
                     let changed = self.entry.take_changed();
-                    self.subscriptions.apply(changed, memory).await?;
+                    self.apply(changed, memory).await?;
                     self.floor.status_has_changed();
                 }
-                () = feed.types_needed.notified() => self.decode_held(memory).await?,
+                () = feed.types_needed.notified(), if types_loading.is_none() => {
+                    types_loading = Some(connection.load_types().boxed());
+                }
+                Some(_) = OptionFuture::from(types_loading.as_mut()) => {
+                    types_loading = None;
+                    self.deliver_held(memory).await?;
+                }
                 () = feed.subscription_ended.notified() => {
                     return Ok(problem(Kind::Stalled, "The server ended a subscription."));
                 }
@@ -190,23 +236,27 @@ impl Session<'_> {
         }
     }
 
-    /// The regular round: silence, refused items, audit, browse paths.
+    async fn apply(
+        &mut self,
+        changed: Vec<(InputKey, Option<Arc<MonitorRequest>>)>,
+        memory: &mut Memory,
+    ) -> Result<(), ShopFloorError> {
+        self.is_busy.store(true, Ordering::Relaxed);
+        self.are_paths_settled = false;
+        let applied = self.subscriptions.apply(changed, memory).await;
+        self.feed.excuse_silence();
+        self.is_busy.store(false, Ordering::Relaxed);
+        applied
+    }
+
+    /// The regular round: is the server there, refused items, audit, browse paths.
     async fn look_after(&mut self, memory: &mut Memory) -> Result<Option<SourceProblem>, ShopFloorError> {
-        let silence_max = self.config.silence_max();
-        match self.subscriptions.silence() {
-            Some(silence) if silence > silence_max => {
-                let message = format!("Nothing was heard for {:.1} s.", silence.as_secs_f64());
-                return Ok(Some(problem(Kind::Stalled, message)));
+        if self.feed.silence().is_none() && self.asked_at.elapsed() > self.config.silence_max() / 2 {
+            self.asked_at = Instant::now();
+            if !facts::is_running(self.connection.session()).await {
+                return Ok(Some(problem(Kind::Stalled, "The server does not run or does not answer.")));
             }
-            Some(_) => {}
-            None if self.asked_at.elapsed() > silence_max / 2 => {
-                self.asked_at = Instant::now();
-                if !facts::is_running(self.connection.session()).await {
-                    return Ok(Some(problem(Kind::Stalled, "The server does not run or does not answer.")));
-                }
-                self.entry.meter.sign_of_life(0);
-            }
-            None => {}
+            self.entry.meter.sign_of_life(0);
         }
         self.subscriptions.retry(memory).await?;
         if self.audit.round(&self.connection, &self.feed, &self.subscriptions, memory).await? {
@@ -230,10 +280,12 @@ impl Session<'_> {
     }
 
     /// Learns where monitored nodes hang, a few at a time.
-    async fn learn_paths(&self, memory: &mut Memory) -> Result<(), ShopFloorError> {
-        if memory.learned.len() >= PATHS_MAX {
+    async fn learn_paths(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
+        if self.are_paths_settled {
             return Ok(());
         }
+        self.entry.set_findable(self.subscriptions.monitored().filter(|request| memory.knows_path_of(request)).count());
+        self.are_paths_settled = memory.learned.len() >= PATHS_MAX;
         let namespaces = self.connection.namespaces();
         let unknown: Vec<_> = self
             .subscriptions
@@ -245,6 +297,7 @@ impl Session<'_> {
             .take(PATHS_PER_TICK)
             .collect();
         if unknown.is_empty() {
+            self.are_paths_settled = true;
             return Ok(());
         }
         let ids: Vec<_> = unknown.iter().map(|(_, id)| id.clone()).collect();
@@ -258,9 +311,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Loads the server's data types and delivers the structures that waited for them.
-    async fn decode_held(&self, memory: &Memory) -> Result<(), ShopFloorError> {
-        self.connection.load_types().await;
+    /// Delivers the structures that waited for the server's data types.
+    async fn deliver_held(&self, memory: &Memory) -> Result<(), ShopFloorError> {
         let held: Vec<_> = self
             .feed
             .take_held()
@@ -274,12 +326,12 @@ impl Session<'_> {
     }
 
     /// Closes the session so that the server need not keep it.
-    async fn say_goodbye(&mut self) {
+    async fn say_goodbye(&mut self, timeout: Duration) {
         let goodbye = async {
             // Refusals do not matter any more.
             let _ = self.subscriptions.delete_all().await;
             let _ = self.connection.session().disconnect().await;
         };
-        let _ = tokio::time::timeout(GOODBYE_TIMEOUT, goodbye).await;
+        let _ = tokio::time::timeout(timeout, goodbye).await;
     }
 }

@@ -15,7 +15,6 @@ use opcua_stack::{
     },
     values::{node_id_to_stack, status_from_stack},
 };
-use parking_lot::Mutex;
 
 use super::{
     Connection,
@@ -57,7 +56,6 @@ struct Subscription {
     id: u32,
     items: usize,
     capacity: usize,
-    heard: Arc<Mutex<Instant>>,
 }
 
 enum Item {
@@ -110,11 +108,6 @@ impl Subscriptions {
         }
     }
 
-    /// The longest time that any subscription has been silent.
-    pub(super) fn silence(&self) -> Option<Duration> {
-        self.subscriptions.iter().map(|subscription| subscription.heard.lock().elapsed()).max()
-    }
-
     /// The requests that are live and might need their browse path learned.
     pub(super) fn monitored(&self) -> impl Iterator<Item = &Arc<MonitorRequest>> {
         self.items.values().filter_map(|item| match item {
@@ -152,10 +145,10 @@ impl Subscriptions {
         let mut to_delete = Vec::new();
         let mut to_create = Vec::new();
         for (input, wanted) in changed {
-            if let (Some(Item::Monitored { request, .. }), Some(wanted)) = (self.items.get(&input), &wanted) {
-                if request == wanted {
-                    continue;
-                }
+            if let (Some(Item::Monitored { request, .. }), Some(wanted)) = (self.items.get(&input), &wanted)
+                && request == wanted
+            {
+                continue;
             }
             to_delete.extend(self.items.remove(&input));
             if wanted.is_none() {
@@ -369,8 +362,7 @@ impl Subscriptions {
         let count = |duration: Duration| (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32;
         let keep_alive_count = count(keep_alive);
         let life_count = count(SUBSCRIPTION_LIFE).max(keep_alive_count.saturating_mul(3));
-        let heard = Arc::new(Mutex::new(Instant::now()));
-        let listener = Listener::new(Arc::clone(&self.feed), Arc::clone(&heard));
+        let listener = Listener::new(Arc::clone(&self.feed), self.feed.add_subscription());
         let session = self.connection.session();
         let created = session.create_subscription(interval, life_count, keep_alive_count, 0, 0, true, listener);
         match self.connection.ask(created).await {
@@ -378,7 +370,7 @@ impl Subscriptions {
                 let limit = self.connection.limits().items_per_subscription_max;
                 let limit = limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
                 let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
-                self.subscriptions.push(Subscription { id, items: 0, capacity, heard });
+                self.subscriptions.push(Subscription { id, items: 0, capacity });
                 Ok(Some(self.subscriptions.len() - 1))
             }
             Err(ShopFloorError::Refused { status }) => {

@@ -1,0 +1,7 @@
+//! The shop floor against real OPC UA servers in this process.
+
+mod browse;
+mod monitor;
+mod recovery;
+mod security;
+mod support;

@@ -1,0 +1,173 @@
+//! Servers come and go, change their minds or fall silent.
+
+use std::time::Duration;
+
+use asi_model::{StatusCode, Variant};
+use shop_floor::{SourceProblemKind, SourceState};
+use simulator::{Fault, Layout, MachineConfig, MachineHandle, MachineKind};
+
+use crate::support::{Floor, Simulation, node, until, within};
+
+const KEYS: [&str; 5] =
+    ["Production.PartCounter", "Status.StateText", "Spindle.Temperature", "Energy.Power", "Axes.Loads"];
+
+/// A cell with inputs 0 to 4 on its [`KEYS`], all live.
+async fn watched_cell() -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
+    let simulation = Simulation::milling_cell().await;
+    let cell = simulation.machine("Cell");
+    let floor = Floor::start();
+    let source = floor.connect(&cell).await;
+    for (input, key) in (0..).zip(KEYS) {
+        floor.monitor(input, &source, node(&cell, key));
+    }
+    until("all are live", || floor.status(&source).live == KEYS.len()).await;
+    (simulation, cell, floor, source)
+}
+
+/// Sets a value and waits for it.
+async fn proves_to_be_live(cell: &MachineHandle, floor: &Floor, value: u32) {
+    cell.set("Production.PartCounter", value).await.expect("set");
+    floor.until_value(0, value).await;
+}
+
+#[tokio::test]
+async fn a_killed_server_is_told_to_all_inputs_and_found_again_within_five_seconds() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    cell.inject(Fault::Kill).await.expect("killed");
+    for input in 0..KEYS.len() as u64 {
+        floor.until_status(input, StatusCode::BAD_NOT_CONNECTED).await;
+    }
+    until("the source waits", || floor.status(&source).state != SourceState::Connected).await;
+    let status = floor.status(&source);
+    assert_eq!((status.live, status.not_live.len()), (0, KEYS.len()));
+    assert!(status.problem.is_some());
+
+    cell.inject(Fault::Restart { layout: Layout::default(), down_ms: 0 }).await.expect("back");
+    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    proves_to_be_live(&cell, &floor, 9001).await;
+    assert_eq!(floor.status(&source).sessions, 2);
+}
+
+#[tokio::test]
+async fn cut_connections_are_made_again() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    for round in 0..3 {
+        cell.inject(Fault::DropConnections).await.expect("cut");
+        until("a new session", || floor.status(&source).sessions == round + 2).await;
+        within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    }
+    proves_to_be_live(&cell, &floor, 9002).await;
+}
+
+#[tokio::test]
+async fn other_namespace_indexes_after_a_restart_do_not_matter() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    let before = floor.status(&source).sessions;
+    let layout = Layout { namespaces_before: 3, renumbered: 0 };
+    cell.inject(Fault::Restart { layout, down_ms: 0 }).await.expect("back");
+    until("a new session", || floor.status(&source).sessions > before).await;
+    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    proves_to_be_live(&cell, &floor, 9003).await;
+}
+
+#[tokio::test]
+async fn renumbered_nodes_are_found_at_their_browse_paths() {
+    let mut robot = MachineConfig::new("Robot1", MachineKind::Robot);
+    robot.asset_id = Some("eDO".into());
+    let simulation = Simulation::of(vec![MachineConfig::new("Cell", MachineKind::MillingCell), robot]).await;
+    let (cell, robot) = (simulation.machine("Cell"), simulation.machine("Robot1"));
+    let floor = Floor::start();
+    let (cell_source, robot_source) = (floor.connect(&cell).await, floor.connect(&robot).await);
+    floor.monitor(0, &cell_source, node(&cell, "Production.PartCounter"));
+    let key = "Controllers.Controller1.TaskControls.TaskControl1.ParameterSet.TaskProgramName";
+    let old = node(&robot, key);
+    floor.monitor(1, &robot_source, old.clone());
+    robot.set(key, "BEFORE").await.expect("set");
+    floor.until_value(1, "BEFORE").await;
+    for source in [&cell_source, &robot_source] {
+        until("its path is learned", || floor.status(source).findable == 1).await;
+    }
+
+    for machine in [&cell, &robot] {
+        let layout = Layout { namespaces_before: 2, renumbered: 1 };
+        machine.inject(Fault::Restart { layout, down_ms: 0 }).await.expect("back");
+    }
+    assert_ne!(node(&robot, key), old);
+    cell.set("Production.PartCounter", 31_u32).await.expect("set");
+    robot.set(key, "AFTER").await.expect("set");
+    // The robot's old number names another node now; its values must never be taken for ours.
+    floor.until_value(1, "AFTER").await;
+    floor.until_value(0, 31_u32).await;
+    let strangers: Vec<_> = floor
+        .heard(1)
+        .into_iter()
+        .map(|heard| heard.value)
+        .filter(|value| !value.is_null() && value.as_str().is_none())
+        .collect();
+    assert_eq!(strangers, Vec::<Variant>::new());
+}
+
+#[tokio::test]
+async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    proves_to_be_live(&cell, &floor, 1).await;
+    cell.inject(Fault::StallSubscriptions).await.expect("stalled");
+    let sessions = floor.status(&source).sessions;
+    cell.set("Production.PartCounter", 2_u32).await.expect("set");
+    let took = within(Duration::from_secs(10), "a new session", || floor.status(&source).sessions > sessions).await;
+    assert!(took > Duration::from_millis(500), "one look is not enough to call it stalled: {took:?}");
+    floor.until_value(0, 2_u32).await;
+    proves_to_be_live(&cell, &floor, 3).await;
+}
+
+#[tokio::test]
+async fn a_machine_at_rest_is_not_taken_for_stalled() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    cell.inject(Fault::StopUpdating).await.expect("at rest");
+    let begun = std::time::Instant::now();
+    until("some rounds of the audit", || begun.elapsed() > Duration::from_secs(4)).await;
+    assert_eq!(floor.status(&source).sessions, 1);
+    assert_eq!(floor.status(&source).state, SourceState::Connected);
+}
+
+#[tokio::test]
+async fn a_network_that_swallows_everything_is_noticed() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    cell.inject(Fault::HangNetwork).await.expect("hangs");
+    until("it is noticed", || {
+        floor.status(&source).problem.is_some_and(|problem| problem.kind == SourceProblemKind::Stalled)
+    })
+    .await;
+    floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
+    cell.inject(Fault::None).await.expect("healed");
+    within(Duration::from_secs(8), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    proves_to_be_live(&cell, &floor, 9004).await;
+}
+
+#[tokio::test]
+async fn the_machines_statuses_and_wrong_clocks_are_passed_on() {
+    let (_simulation, cell, floor, _source) = watched_cell().await;
+    let failure = StatusCode::BAD_DEVICE_FAILURE;
+    cell.inject(Fault::BadStatus { status: failure.0, variable: None }).await.expect("bad");
+    floor.until_status(0, failure).await;
+    cell.inject(Fault::None).await.expect("healed");
+    floor.until_status(0, StatusCode::GOOD).await;
+
+    let two_hours = 7_200_000;
+    cell.inject(Fault::WrongClock { ahead_ms: two_hours }).await.expect("wrong");
+    let at = cell.set("Production.PartCounter", 77_u32).await.expect("set");
+    let arrived = floor.until_value(0, 77_u32).await;
+    assert_eq!(arrived.source_timestamp, Some(at), "source times are not corrected");
+    let now = asi_model::DateTime::from(std::time::SystemTime::now());
+    assert!(at.since(now) > Duration::from_secs(7000));
+}
+
+#[tokio::test]
+async fn a_removed_source_tells_its_inputs_and_comes_back() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    floor.handle.remove_source(&source);
+    floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
+    assert!(floor.handle.states().is_empty());
+    floor.connect(&cell).await;
+    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+}

@@ -1,0 +1,334 @@
+//! The configuration, as TOML.
+
+use std::{
+    net::{IpAddr, SocketAddr},
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use serde::{Deserialize, Serialize};
+
+use crate::signals::hash;
+
+/// A commented example.
+pub const EXAMPLE: &str = include_str!("../simulator.example.toml");
+
+/// The whole simulation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// From which all values follow.
+    #[serde(default)]
+    pub seed: u64,
+    /// Simulated seconds per second.
+    #[serde(default = "one")]
+    pub speed: f64,
+    /// RFC 3339: when the simulated time was zero. Default: when the simulator starts.
+    #[serde(default)]
+    pub epoch: Option<String>,
+    /// The address that all servers listen on.
+    #[serde(default = "loopback")]
+    pub host: IpAddr,
+    /// Where the HTTP control interface listens; nowhere if absent. It has no access control: keep it on loopback.
+    #[serde(default)]
+    pub control: Option<SocketAddr>,
+    /// Where each machine keeps its certificates, in a folder of its name.
+    #[serde(default = "pki_directory")]
+    pub pki_directory: PathBuf,
+    /// How often values are computed, in milliseconds.
+    #[serde(default = "update_interval_ms")]
+    pub update_interval_ms: u64,
+    /// The machines.
+    #[serde(default)]
+    pub machines: Vec<MachineConfig>,
+}
+
+/// One machine: one OPC UA server.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineConfig {
+    /// Its name: `[A-Za-z0-9_-]{1,64}`, unique.
+    pub name: String,
+    /// What it is.
+    pub kind: MachineKind,
+    /// Its port; 0: any free one.
+    #[serde(default)]
+    pub port: u16,
+    /// The namespace of its nodes. Default: `urn:verbund:simulator:<name>`.
+    #[serde(default)]
+    pub namespace_uri: Option<String>,
+    /// Seconds per part; each kind has its own default.
+    #[serde(default)]
+    pub cycle_seconds: Option<f64>,
+    /// The asset id that a robot shows. Default: its name.
+    #[serde(default)]
+    pub asset_id: Option<String>,
+    /// Only for a bank: how many variables.
+    #[serde(default)]
+    pub variables: u32,
+    /// Only for a bank: how many changes per second over all variables.
+    #[serde(default)]
+    pub changes_per_second: f64,
+    /// False takes the relay away that network faults need: a little faster, for measurements.
+    #[serde(default = "yes")]
+    pub relay: bool,
+    /// Who may connect and how.
+    #[serde(default)]
+    pub security: SecurityConfig,
+}
+
+/// Kinds of machines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs)]
+pub enum MachineKind {
+    MillingCell,
+    Press,
+    Conveyor,
+    Robot,
+    /// Many counters at a steady rate, to measure with.
+    Bank,
+}
+
+/// Who may connect and how.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SecurityConfig {
+    /// Offers an endpoint without protection.
+    #[serde(default = "yes")]
+    pub unprotected: bool,
+    /// Offers Basic256Sha256 and Aes256Sha256RsaPss, signed and encrypted.
+    #[serde(default)]
+    pub protected: bool,
+    /// Lets in users without a name.
+    #[serde(default = "yes")]
+    pub anonymous: bool,
+    /// Users with passwords.
+    #[serde(default)]
+    pub users: Vec<UserConfig>,
+    /// Trusts every client's certificate. Else they wait in the `rejected` folder.
+    #[serde(default = "yes")]
+    pub trusts_all_clients: bool,
+}
+
+/// A user.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UserConfig {
+    /// The name.
+    pub name: String,
+    /// The password.
+    pub password: String,
+}
+
+/// A configuration cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{} cannot be read", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The text is no such configuration.
+    #[error("{} is not a simulator configuration: {message}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong where.
+        message: String,
+    },
+    /// A value is out of range.
+    #[error("{key}: {reason}")]
+    Invalid {
+        /// Which.
+        key: String,
+        /// Why, and what would be right.
+        reason: String,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn loopback() -> IpAddr {
+    IpAddr::from([127, 0, 0, 1])
+}
+
+fn pki_directory() -> PathBuf {
+    PathBuf::from("simulator-pki")
+}
+
+fn update_interval_ms() -> u64 {
+    50
+}
+
+impl Default for SecurityConfig {
+    fn default() -> Self {
+        Self { unprotected: true, protected: false, anonymous: true, users: Vec::new(), trusts_all_clients: true }
+    }
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            speed: one(),
+            epoch: None,
+            host: loopback(),
+            control: None,
+            pki_directory: pki_directory(),
+            update_interval_ms: update_interval_ms(),
+            machines: Vec::new(),
+        }
+    }
+}
+
+impl MachineConfig {
+    /// A machine on any free port, open to everyone.
+    #[must_use]
+    pub fn new(name: &str, kind: MachineKind) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind,
+            port: 0,
+            namespace_uri: None,
+            cycle_seconds: None,
+            asset_id: None,
+            variables: 0,
+            changes_per_second: 0.0,
+            relay: true,
+            security: SecurityConfig::default(),
+        }
+    }
+
+    /// The namespace of its nodes.
+    #[must_use]
+    pub fn namespace_uri(&self) -> String {
+        self.namespace_uri.clone().unwrap_or_else(|| format!("urn:verbund:simulator:{}", self.name))
+    }
+
+    pub(crate) fn asset_id(&self) -> &str {
+        self.asset_id.as_deref().unwrap_or(&self.name)
+    }
+
+    pub(crate) fn serial_number(&self) -> String {
+        format!("SN-{:06}", self.name_hash() % 1_000_000)
+    }
+
+    /// The seed of this machine under the simulation's.
+    pub(crate) fn seed(&self, seed: u64) -> u64 {
+        hash(seed, self.name_hash(), 0)
+    }
+
+    fn name_hash(&self) -> u64 {
+        self.name.bytes().fold(0, |sum, byte| hash(sum, 0, u64::from(byte)))
+    }
+}
+
+impl Config {
+    /// A simulation of these machines, each on any free port.
+    #[must_use]
+    pub fn of(machines: Vec<MachineConfig>) -> Self {
+        Self { machines, ..Self::default() }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ConfigError`] that names file and place.
+    pub fn load(path: &Path) -> Result<Self, ConfigError> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        let config: Self = toml::from_str(&text)
+            .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Checks what the types do not.
+    ///
+    /// # Errors
+    /// [`ConfigError::Invalid`] for the first fault.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let invalid = |key: String, reason: &str| Err(ConfigError::Invalid { key, reason: reason.to_owned() });
+        if !(0.0..=10_000.0).contains(&self.speed) {
+            return invalid("speed".into(), "must be between 0 and 10000");
+        }
+        if !(1..=60_000).contains(&self.update_interval_ms) {
+            return invalid("update_interval_ms".into(), "must be between 1 and 60000");
+        }
+        if self.epoch().is_err() {
+            return invalid("epoch".into(), "must be an RFC 3339 time, as 2026-01-01T00:00:00Z");
+        }
+        let mut names = std::collections::HashSet::new();
+        for machine in &self.machines {
+            let key = |key: &str| format!("machines.{}.{key}", machine.name);
+            let is_name = (1..=64).contains(&machine.name.len())
+                && machine.name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+            if !is_name {
+                return invalid(key("name"), "must match ^[A-Za-z0-9_-]{1,64}$");
+            }
+            if !names.insert(&machine.name) {
+                return invalid(key("name"), "is used twice");
+            }
+            if machine.cycle_seconds.is_some_and(|cycle| !(0.05..=3600.0).contains(&cycle)) {
+                return invalid(key("cycle_seconds"), "must be between 0.05 and 3600");
+            }
+            if machine.variables > 200_000 || !(0.0..=10_000_000.0).contains(&machine.changes_per_second) {
+                return invalid(key("variables"), "at most 200000, with at most 10000000 changes per second");
+            }
+            let security = &machine.security;
+            if !security.unprotected && !security.protected {
+                return invalid(key("security"), "at least one of unprotected and protected must be true");
+            }
+            if !security.anonymous && security.users.is_empty() {
+                return invalid(key("security"), "without anonymous there must be at least one user");
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn epoch(&self) -> Result<Option<asi_model::DateTime>, asi_model::values::InvalidDateTime> {
+        self.epoch.as_deref().map(str::parse).transpose()
+    }
+
+    pub(crate) fn update_interval(&self) -> Duration {
+        Duration::from_millis(self.update_interval_ms)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_is_valid() {
+        let config: Config = toml::from_str(EXAMPLE).expect("the example parses");
+        config.check().expect("the example is valid");
+        assert!(config.machines.len() >= 4);
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let check = |text: &str, expected: &str| {
+            let error = match toml::from_str::<Config>(text) {
+                Ok(config) => config.check().expect_err("must be refused").to_string(),
+                Err(error) => error.to_string(),
+            };
+            assert!(error.contains(expected), "{error}");
+        };
+        check("speeed = 1", "unknown field `speeed`");
+        check("speed = -1", "speed: must be between");
+        check("[[machines]]\nname = 'a b'\nkind = 'press'", "machines.a b.name: must match");
+        check("[[machines]]\nname = 'a'\nkind = 'lathe'", "unknown variant `lathe`");
+    }
+}

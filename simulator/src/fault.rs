@@ -1,0 +1,54 @@
+//! How a machine can be made to fail.
+
+use serde::{Deserialize, Serialize};
+
+/// A fault. In JSON an object with the member `fault`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "fault", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
+pub enum Fault {
+    /// Heals all faults and starts a killed server again; the layout stays.
+    None,
+    /// Cuts all connections; new ones are accepted at once.
+    DropConnections,
+    /// The network swallows everything, both ways; connections stay open.
+    HangNetwork,
+    /// Values stand still.
+    StopUpdating,
+    /// Subscriptions that exist now are told nothing any more, although values go on, reads show them and keep-alives
+    /// are sent. New subscriptions work.
+    StallSubscriptions,
+    /// All variables, or one, have this status.
+    BadStatus {
+        /// The status code.
+        status: u32,
+        /// The variable's key; all if absent.
+        #[serde(default)]
+        variable: Option<String>,
+    },
+    /// The machine's clock is wrong: source and server times are ahead by so much (negative: behind).
+    WrongClock {
+        /// Milliseconds.
+        ahead_ms: i64,
+    },
+    /// The server is gone, without a goodbye.
+    Kill,
+    /// The server is gone, without a goodbye, and comes back after a while.
+    Restart {
+        /// How its nodes are named then.
+        #[serde(default)]
+        layout: Layout,
+        /// How long it is gone.
+        #[serde(default)]
+        down_ms: u64,
+    },
+}
+
+/// How a server numbers its namespaces and names its nodes; the default is what a first start has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct Layout {
+    /// So many further namespaces come before the machine's (at most 100), and the machine's in reverse order.
+    pub namespaces_before: u16,
+    /// Other than 0: nodes have other ids, and ids that existed before name other nodes where they are numbers.
+    pub renumbered: u32,
+}

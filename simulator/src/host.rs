@@ -1,0 +1,448 @@
+//! A machine: it runs by itself, shows what it does through its server, and fails on command.
+
+mod engine;
+
+use std::{
+    collections::HashMap,
+    net::SocketAddr,
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use asi_model::{DataValue, DateTime, NodeId, StatusCode, Variant, values::BuiltInType};
+use parking_lot::RwLock;
+use tokio::{
+    net::TcpListener,
+    sync::{mpsc, oneshot},
+};
+use tokio_util::sync::CancellationToken;
+
+use crate::{
+    Config, Fault, Layout, MachineConfig, blueprint::Blueprint, machines, relay::Relay, server::MachineServer,
+};
+
+use engine::Engine;
+
+/// Commands that may wait for a machine.
+const COMMANDS_MAX: usize = 64;
+
+/// A machine or its server cannot do what was asked.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulatorError {
+    /// The configuration is wrong.
+    #[error("{0}")]
+    Config(String),
+    /// An address cannot be listened on.
+    #[error("{address} cannot be listened on: {reason}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        reason: String,
+    },
+    /// A server cannot be started.
+    #[error("the server of {machine} cannot be started: {reason}")]
+    Server {
+        /// Which machine.
+        machine: String,
+        /// Why.
+        reason: String,
+    },
+    /// There is no such machine.
+    #[error("there is no machine {0}")]
+    UnknownMachine(String),
+    /// The machine has no such variable.
+    #[error("the machine has no variable {0}")]
+    UnknownVariable(String),
+    /// The value is not of the variable's type.
+    #[error("the value must be of the type {expected}")]
+    WrongType {
+        /// The variable's type.
+        expected: BuiltInType,
+    },
+    /// The fault needs the relay, which is configured away.
+    #[error("this fault needs the machine's relay, which its configuration takes away")]
+    NoRelay,
+    /// The server does not run.
+    #[error("the server of the machine does not run")]
+    Down,
+    /// The simulator has stopped.
+    #[error("the simulator has stopped")]
+    Stopped,
+}
+
+/// A cloneable handle to a machine.
+#[derive(Clone)]
+pub struct MachineHandle {
+    config: Arc<MachineConfig>,
+    endpoint_url: String,
+    commands: mpsc::Sender<Command>,
+    node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
+    pki_directory: PathBuf,
+}
+
+enum Command {
+    Set { key: String, value: Variant, status: StatusCode, reply: oneshot::Sender<Result<DateTime, SimulatorError>> },
+    Release { key: String, reply: oneshot::Sender<Result<(), SimulatorError>> },
+    Values { reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>> },
+    Inject { fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>> },
+}
+
+impl MachineHandle {
+    /// The machine's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    /// How it is configured.
+    #[must_use]
+    pub fn config(&self) -> &MachineConfig {
+        &self.config
+    }
+
+    /// Where clients connect.
+    #[must_use]
+    pub fn endpoint_url(&self) -> &str {
+        &self.endpoint_url
+    }
+
+    /// The present identity of a variable, by its key as `Spindle.Temperature`.
+    #[must_use]
+    pub fn node_id(&self, key: &str) -> Option<NodeId> {
+        self.node_ids.read().get(key).cloned()
+    }
+
+    /// The keys of all variables.
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
+        let mut keys: Vec<_> = self.node_ids.read().keys().cloned().collect();
+        keys.sort();
+        keys
+    }
+
+    /// Sets a variable at once and holds it there; returns its source time.
+    ///
+    /// # Errors
+    /// [`SimulatorError`] when there is no such variable, the type differs, or the server does not run.
+    pub async fn set(&self, key: &str, value: impl Into<Variant>) -> Result<DateTime, SimulatorError> {
+        self.set_with_status(key, value, StatusCode::GOOD).await
+    }
+
+    /// As [`Self::set`], with a status.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub async fn set_with_status(
+        &self,
+        key: &str,
+        value: impl Into<Variant>,
+        status: StatusCode,
+    ) -> Result<DateTime, SimulatorError> {
+        let (key, value) = (key.to_owned(), value.into());
+        self.ask(|reply| Command::Set { key, value, status, reply }).await?
+    }
+
+    /// Lets a variable run by itself again.
+    ///
+    /// # Errors
+    /// [`SimulatorError::UnknownVariable`].
+    pub async fn release(&self, key: &str) -> Result<(), SimulatorError> {
+        let key = key.to_owned();
+        self.ask(|reply| Command::Release { key, reply }).await?
+    }
+
+    /// All variables with their types and values, by key.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Stopped`].
+    pub async fn values(&self) -> Result<Vec<(String, BuiltInType, DataValue)>, SimulatorError> {
+        self.ask(|reply| Command::Values { reply }).await
+    }
+
+    /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the server is back.
+    ///
+    /// # Errors
+    /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
+    pub async fn inject(&self, fault: Fault) -> Result<(), SimulatorError> {
+        self.ask(|reply| Command::Inject { fault, reply }).await?
+    }
+
+    /// Trusts all clients whose certificates were rejected so far.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn trust_rejected_clients(&self) -> std::io::Result<()> {
+        let (rejected, trusted) = (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));
+        for entry in std::fs::read_dir(&rejected)? {
+            let entry = entry?;
+            std::fs::rename(entry.path(), trusted.join(entry.file_name()))?;
+        }
+        Ok(())
+    }
+
+    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, SimulatorError> {
+        let (reply, answer) = oneshot::channel();
+        self.commands.send(command(reply)).await.map_err(|_| SimulatorError::Stopped)?;
+        answer.await.map_err(|_| SimulatorError::Stopped)
+    }
+}
+
+/// A machine before it runs.
+pub(crate) struct Host {
+    config: Arc<MachineConfig>,
+    blueprint: Arc<Blueprint>,
+    engine: Engine,
+    update_interval: Duration,
+    pki_directory: PathBuf,
+    host: std::net::IpAddr,
+    public_port: u16,
+    /// Where clients connect; a clone of it is served.
+    listener: std::net::TcpListener,
+    relay: Option<Arc<Relay>>,
+    server: Option<MachineServer>,
+    layout: Layout,
+    back_at: Option<(Instant, oneshot::Sender<Result<(), SimulatorError>>)>,
+    commands: mpsc::Receiver<Command>,
+    node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
+}
+
+impl Host {
+    /// Binds the machine's address and starts its server.
+    pub(crate) async fn start(
+        simulation: &Config,
+        config: MachineConfig,
+        epoch: DateTime,
+    ) -> Result<(Self, MachineHandle), SimulatorError> {
+        let address = SocketAddr::new(simulation.host, config.port);
+        let listen = |error: std::io::Error| SimulatorError::Listen { address, reason: error.to_string() };
+        let listener = TcpListener::bind(address).await.map_err(listen)?.into_std().map_err(listen)?;
+        let public_port = listener.local_addr().map_err(listen)?.port();
+        let config = Arc::new(config);
+        let blueprint = Arc::new(machines::blueprint(&config));
+        let (sender, commands) = mpsc::channel(COMMANDS_MAX);
+        let node_ids = Arc::new(RwLock::new(HashMap::new()));
+        let handle = MachineHandle {
+            config: Arc::clone(&config),
+            endpoint_url: format!("opc.tcp://{}", SocketAddr::new(simulation.host, public_port)),
+            commands: sender,
+            node_ids: Arc::clone(&node_ids),
+            pki_directory: simulation.pki_directory.join(&config.name),
+        };
+        let mut host = Self {
+            engine: Engine::new(&config, Arc::clone(&blueprint), simulation.seed, simulation.speed, epoch),
+            relay: config.relay.then(Relay::new),
+            config,
+            blueprint,
+            update_interval: simulation.update_interval(),
+            pki_directory: simulation.pki_directory.clone(),
+            host: simulation.host,
+            public_port,
+            listener,
+            server: None,
+            layout: Layout::default(),
+            back_at: None,
+            commands,
+            node_ids,
+        };
+        host.start_server().await?;
+        Ok((host, handle))
+    }
+
+    /// Runs until told to stop.
+    pub(crate) async fn run(mut self, shutdown: CancellationToken) {
+        if let Some(relay) = self.relay.clone() {
+            match self.public_listener() {
+                Ok(listener) => {
+                    tokio::spawn(relay.run(listener, shutdown.clone()));
+                }
+                Err(error) => {
+                    tracing::error!(machine = %self.config.name, %error, "A machine cannot be reached.");
+                    return;
+                }
+            }
+        }
+        let mut tick = tokio::time::interval(self.update_interval);
+        tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
+        loop {
+            tokio::select! {
+                biased;
+                () = shutdown.cancelled() => break,
+                command = self.commands.recv() => match command {
+                    Some(command) => self.obey(command).await,
+                    None => break,
+                },
+                _ = tick.tick() => self.tick().await,
+            }
+        }
+        self.stop_server().await;
+    }
+
+    async fn tick(&mut self) {
+        if self.back_at.as_ref().is_some_and(|(at, _)| *at <= Instant::now())
+            && let Some((_, reply)) = self.back_at.take()
+        {
+            let _ = reply.send(self.start_server().await);
+        }
+        if let Some(server) = &self.server {
+            self.engine.update(server);
+        }
+    }
+
+    async fn obey(&mut self, command: Command) {
+        // Whoever asked may have given up waiting.
+        match command {
+            Command::Set { key, value, status, reply } => {
+                let _ = reply.send(self.set(&key, value, status));
+            }
+            Command::Release { key, reply } => {
+                let known = self.node_ids.read().contains_key(&key);
+                let _ = reply.send(if known {
+                    self.engine.release(&key);
+                    Ok(())
+                } else {
+                    Err(SimulatorError::UnknownVariable(key))
+                });
+            }
+            Command::Values { reply } => {
+                let _ = reply.send(self.values());
+            }
+            Command::Inject { fault, reply } => self.inject(fault, reply).await,
+        }
+    }
+
+    fn set(&mut self, key: &str, value: Variant, status: StatusCode) -> Result<DateTime, SimulatorError> {
+        let server = self.server.as_ref().ok_or(SimulatorError::Down)?;
+        let expected = server.built_in(key).ok_or_else(|| SimulatorError::UnknownVariable(key.to_owned()))?;
+        if value.built_in_type().is_some_and(|found| found != expected) {
+            return Err(SimulatorError::WrongType { expected });
+        }
+        let value = self.engine.hold(key, value, status);
+        let source_timestamp = value.source_timestamp.unwrap_or_default();
+        server.publish([(key, value)]);
+        Ok(source_timestamp)
+    }
+
+    fn values(&self) -> Vec<(String, BuiltInType, DataValue)> {
+        let Some(server) = &self.server else { return Vec::new() };
+        let mut keys: Vec<String> = self.node_ids.read().keys().cloned().collect();
+        keys.sort();
+        keys.into_iter()
+            .filter_map(|key| {
+                let (built_in, value) = (server.built_in(&key)?, server.value(&key)?);
+                Some((key, built_in, value))
+            })
+            .collect()
+    }
+
+    async fn inject(&mut self, fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>>) {
+        tracing::info!(machine = %self.config.name, ?fault, "A fault is injected.");
+        let result = match fault {
+            Fault::None => self.heal().await,
+            Fault::DropConnections => self.with_relay(Relay::drop_connections),
+            Fault::HangNetwork => self.with_relay(|relay| relay.set_hanging(true)),
+            Fault::StopUpdating => {
+                self.engine.stand_still(true);
+                Ok(())
+            }
+            Fault::StallSubscriptions => match &self.server {
+                Some(server) => {
+                    server.mute(true);
+                    Ok(())
+                }
+                None => Err(SimulatorError::Down),
+            },
+            Fault::BadStatus { variable: Some(key), .. } if !self.node_ids.read().contains_key(&key) => {
+                Err(SimulatorError::UnknownVariable(key))
+            }
+            Fault::BadStatus { status, variable } => {
+                self.engine.have_status(variable, StatusCode(status));
+                self.tick().await;
+                Ok(())
+            }
+            Fault::WrongClock { ahead_ms } => {
+                self.engine.set_clock(ahead_ms);
+                self.tick().await;
+                Ok(())
+            }
+            Fault::Kill => {
+                self.stop_server().await;
+                Ok(())
+            }
+            Fault::Restart { layout, down_ms } => {
+                self.stop_server().await;
+                self.layout = layout;
+                self.back_at = Some((Instant::now() + Duration::from_millis(down_ms), reply));
+                self.tick().await;
+                return;
+            }
+        };
+        let _ = reply.send(result);
+    }
+
+    async fn heal(&mut self) -> Result<(), SimulatorError> {
+        self.engine.heal();
+        if let Some(relay) = &self.relay {
+            relay.set_hanging(false);
+        }
+        match &self.server {
+            Some(server) => server.mute(false),
+            None => {
+                self.back_at = None;
+                self.start_server().await?;
+            }
+        }
+        self.tick().await;
+        Ok(())
+    }
+
+    fn with_relay(&self, act: impl FnOnce(&Relay)) -> Result<(), SimulatorError> {
+        act(self.relay.as_ref().ok_or(SimulatorError::NoRelay)?);
+        Ok(())
+    }
+
+    fn public_listener(&self) -> std::io::Result<TcpListener> {
+        TcpListener::from_std(self.listener.try_clone()?)
+    }
+
+    async fn start_server(&mut self) -> Result<(), SimulatorError> {
+        let fail = |error: std::io::Error| SimulatorError::Server {
+            machine: self.config.name.clone(),
+            reason: error.to_string(),
+        };
+        let listener = match &self.relay {
+            Some(_) => TcpListener::bind(SocketAddr::new(self.host, 0)).await,
+            None => self.public_listener(),
+        };
+        let server = MachineServer::start(
+            &self.config,
+            &self.blueprint,
+            self.layout,
+            listener.map_err(fail)?,
+            self.public_port,
+            &self.pki_directory,
+        )
+        .await?;
+        *self.node_ids.write() = server.node_ids();
+        self.engine.forget();
+        self.engine.update(&server);
+        if let Some(relay) = &self.relay {
+            relay.set_target(Some(server.address()));
+        }
+        self.server = Some(server);
+        Ok(())
+    }
+
+    async fn stop_server(&mut self) {
+        // First the network, so that no client hears a goodbye.
+        if let Some(relay) = &self.relay {
+            relay.set_target(None);
+            relay.drop_connections();
+        }
+        if let Some(server) = self.server.take() {
+            server.stop().await;
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The machines.
+
+mod bank;
+mod conveyor;
+mod metal;
+mod robot;
+
+use crate::{MachineConfig, MachineKind, blueprint::Blueprint};
+
+/// What a configured machine looks like and how it runs.
+#[must_use]
+pub fn blueprint(config: &MachineConfig) -> Blueprint {
+    match config.kind {
+        MachineKind::MillingCell => metal::milling_cell(config),
+        MachineKind::Press => metal::press(config),
+        MachineKind::Conveyor => conveyor::conveyor(config),
+        MachineKind::Robot => robot::robot(config),
+        MachineKind::Bank => bank::bank(config),
+    }
+}

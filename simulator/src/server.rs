@@ -1,0 +1,222 @@
+//! The OPC UA server of a machine, made from its blueprint.
+
+mod layout;
+mod nodes;
+
+use std::{
+    collections::HashMap,
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::Ordering},
+    time::Duration,
+};
+
+use asi_model::values::{BuiltInType, DataValue, NodeId};
+use opcua_stack::{
+    NamespaceTable, limits,
+    opcua::{
+        crypto::SecurityPolicy,
+        nodes::NodeType,
+        server::{
+            ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle, ServerUserToken,
+            address_space::AddressSpace,
+            node_manager::{
+                ServerContext,
+                memory::{InMemoryNodeManager, InMemoryNodeManagerBuilder},
+            },
+        },
+        types::{
+            AttributeId, DataEncoding, DataValue as StackValue, MessageSecurityMode, NodeId as StackId, NumericRange,
+            TimestampsToReturn,
+        },
+    },
+    values::{node_id_from_stack, to_stack},
+};
+use tokio::{net::TcpListener, task::JoinHandle};
+
+use crate::{Layout, MachineConfig, SecurityConfig, SimulatorError, blueprint::Blueprint};
+
+use nodes::MachineNodes;
+
+/// How long a server gets to end by itself.
+const GOODBYE_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// A running server.
+pub(crate) struct MachineServer {
+    handle: ServerHandle,
+    task: JoinHandle<()>,
+    address: SocketAddr,
+    nodes: Arc<InMemoryNodeManager<MachineNodes>>,
+    table: NamespaceTable,
+    variables: HashMap<String, Variable>,
+}
+
+/// A variable on a server.
+#[derive(Clone)]
+struct Variable {
+    id: StackId,
+    built_in: BuiltInType,
+}
+
+impl MachineServer {
+    /// Builds and starts a server; it is reachable when this returns. Clients are told `public_port`.
+    pub(crate) async fn start(
+        config: &MachineConfig,
+        blueprint: &Arc<Blueprint>,
+        layout: Layout,
+        listener: TcpListener,
+        public_port: u16,
+        pki_directory: &Path,
+    ) -> Result<Self, SimulatorError> {
+        let fail = |reason: String| SimulatorError::Server { machine: config.name.clone(), reason };
+        let address = listener.local_addr().map_err(|error| fail(error.to_string()))?;
+        let assembled = {
+            let (config, blueprint, pki) = (config.clone(), Arc::clone(blueprint), pki_directory.join(&config.name));
+            // Making a key takes seconds without optimisation.
+            tokio::task::spawn_blocking(move || assemble(&config, blueprint, layout, address, public_port, pki)).await
+        };
+        let (server, handle) = assembled.map_err(|error| fail(error.to_string()))?.map_err(fail)?;
+        let nodes = handle.node_managers().get_of_type::<InMemoryNodeManager<MachineNodes>>();
+        let nodes = nodes.ok_or_else(|| fail("the server has no machine".into()))?;
+        let (table, variables) = (nodes.inner().table().clone(), nodes.inner().variables().clone());
+        let task = tokio::spawn(async move {
+            if let Err(error) = server.run_with(listener).await {
+                tracing::error!(%error, "The server of a machine ended.");
+            }
+        });
+        // The server says its own port to clients as soon as it runs; theirs is another one behind a relay.
+        while handle.info().port.load(Ordering::Relaxed) == 0 && !task.is_finished() {
+            tokio::task::yield_now().await;
+        }
+        handle.info().port.store(public_port, Ordering::Relaxed);
+        Ok(Self { handle, task, address, nodes, table, variables })
+    }
+
+    /// Where it listens itself.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The present identity of each variable.
+    pub(crate) fn node_ids(&self) -> HashMap<String, NodeId> {
+        self.variables
+            .iter()
+            .map(|(key, variable)| (key.clone(), node_id_from_stack(&variable.id, &self.table)))
+            .collect()
+    }
+
+    /// The built-in type of a variable.
+    pub(crate) fn built_in(&self, key: &str) -> Option<BuiltInType> {
+        self.variables.get(key).map(|variable| variable.built_in)
+    }
+
+    /// What a variable has now.
+    pub(crate) fn value(&self, key: &str) -> Option<DataValue> {
+        let variable = self.variables.get(key)?;
+        let space = self.nodes.address_space().read();
+        let value = match space.find(&variable.id)? {
+            NodeType::Variable(node) => {
+                node.value(TimestampsToReturn::Both, &NumericRange::None, &DataEncoding::Binary, 0.0)
+            }
+            _ => return None,
+        };
+        Some(opcua_stack::values::from_stack(value, &self.table))
+    }
+
+    /// Stores values and tells the subscriptions.
+    pub(crate) fn publish<'a>(&self, values: impl IntoIterator<Item = (&'a str, DataValue)>) {
+        let values: Vec<(StackId, StackValue)> = values
+            .into_iter()
+            .filter_map(|(key, value)| {
+                let id = self.variables.get(key)?.id.clone();
+                match to_stack(&value, &self.table) {
+                    Ok(value) => Some((id, value)),
+                    Err(error) => {
+                        tracing::error!(variable = key, %error, "A machine's value cannot be shown.");
+                        None
+                    }
+                }
+            })
+            .collect();
+        let mut space = self.nodes.address_space().write();
+        for (id, value) in &values {
+            if let Some(NodeType::Variable(node)) = space.find_mut(id) {
+                node.set_data_value(value.clone());
+            }
+        }
+        // Told under the lock, so that a new item gets either its first value or the notification, in order.
+        let muted = self.nodes.inner().muted();
+        let mut notifier = self.handle.subscriptions().data_notifier();
+        for (id, value) in values {
+            let Some(mut batch) = notifier.notify_for(&id, AttributeId::Value) else { continue };
+            for (handle, _) in batch.entries().filter(|(handle, _)| handle.monitored_item_id > muted) {
+                batch.data_value_to_item(value.clone(), handle);
+            }
+        }
+    }
+
+    /// From now on existing monitored items are told nothing; or all are told again.
+    pub(crate) fn mute(&self, is_muted: bool) {
+        self.nodes.inner().mute(is_muted);
+    }
+
+    /// Ends the server. Where the connections were cut before, no client hears a goodbye.
+    pub(crate) async fn stop(mut self) {
+        self.handle.cancel();
+        if tokio::time::timeout(GOODBYE_TIMEOUT, &mut self.task).await.is_err() {
+            self.task.abort();
+            let _ = self.task.await;
+        }
+    }
+}
+
+fn assemble(
+    config: &MachineConfig,
+    blueprint: Arc<Blueprint>,
+    layout: Layout,
+    address: SocketAddr,
+    public_port: u16,
+    pki_directory: PathBuf,
+) -> Result<(Server, ServerHandle), String> {
+    let name = config.name.clone();
+    let builder = limits::raise_server(ServerBuilder::new())
+        .application_name(format!("{name} (simulated)"))
+        .application_uri(format!("urn:verbund:simulator:server:{name}"))
+        .product_uri("urn:verbund:simulator")
+        .host(address.ip().to_string())
+        .port(public_port)
+        .discovery_urls(vec!["/".to_owned()])
+        .pki_dir(pki_directory)
+        .certificate_path("own/cert.der")
+        .private_key_path("private/private.pem")
+        .create_sample_keypair(config.security.protected)
+        .trust_client_certs(config.security.trusts_all_clients);
+    let nodes = InMemoryNodeManagerBuilder::new(move |context: ServerContext, space: &mut AddressSpace| {
+        MachineNodes::build(&blueprint, layout, &name, &context, space)
+    });
+    secure(builder, &config.security).with_node_manager(nodes).build()
+}
+
+fn secure(mut builder: ServerBuilder, security: &SecurityConfig) -> ServerBuilder {
+    let mut users = Vec::new();
+    if security.anonymous {
+        users.push(ANONYMOUS_USER_TOKEN_ID.to_owned());
+    }
+    for user in &security.users {
+        builder = builder.add_user_token(&user.name, ServerUserToken::user_pass(&user.name, &user.password));
+        users.push(user.name.clone());
+    }
+    if security.unprotected {
+        builder = builder.add_endpoint("none", ServerEndpoint::new_none("/", &users));
+    }
+    if security.protected {
+        for (id, policy) in [
+            ("basic256sha256", SecurityPolicy::Basic256Sha256),
+            ("aes256sha256rsapss", SecurityPolicy::Aes256Sha256RsaPss),
+        ] {
+            let endpoint = ServerEndpoint::new("/", policy, MessageSecurityMode::SignAndEncrypt, &users);
+            builder = builder.add_endpoint(id, endpoint);
+        }
+    }
+    builder
+}
