@@ -1,15 +1,23 @@
 //! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, tells how it stands.
 
+mod backoff;
 mod config;
+mod cursor;
+mod incoming;
+mod outgoing;
+mod shared;
 mod state;
+mod supervisor;
 
 use std::sync::Arc;
 
 use time::OffsetDateTime;
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-use crate::{address::LogicalAddress, inbox::Inbox, spool::SpoolStore};
+use crate::{address::LogicalAddress, inbox::Inbox, spool::SpoolStore, transport};
+use shared::Shared;
+use supervisor::Supervisor;
 
 pub use config::{BrokerUrl, ClientIdentity, InvalidBrokerUrl, LinkConfig, LinkLimits, Login, Roots, TlsConfig};
 pub use state::{LinkPhase, LinkState};
@@ -30,24 +38,13 @@ pub enum LinkError {
 
 /// The link; [`run`](Self::run) it.
 pub struct Link {
-    config: LinkConfig,
-    store: Arc<dyn SpoolStore>,
-    inbox: Arc<dyn Inbox>,
-    shared: Arc<Shared>,
+    supervisor: Supervisor,
 }
 
 /// Speaks to a running [`Link`].
 #[derive(Clone)]
 pub struct LinkHandle {
     shared: Arc<Shared>,
-}
-
-pub(crate) struct Shared {
-    state: watch::Sender<LinkState>,
-    consumed: watch::Sender<Vec<LogicalAddress>>,
-    wake: Notify,
-    rewind: Notify,
-    reconnect: Notify,
 }
 
 impl Link {
@@ -61,22 +58,15 @@ impl Link {
         inbox: Arc<dyn Inbox>,
     ) -> Result<(Self, LinkHandle), LinkError> {
         let broker = config.brokers.first().ok_or(LinkError::NoBroker)?.to_string();
-        let shared = Arc::new(Shared {
-            state: watch::Sender::new(LinkState::initial(broker, OffsetDateTime::now_utc())),
-            consumed: watch::Sender::new(config.consumed.clone()),
-            wake: Notify::new(),
-            rewind: Notify::new(),
-            reconnect: Notify::new(),
-        });
+        let transport = transport::new(&config)?;
+        let shared = Arc::new(Shared::new(broker, config.consumed.clone()));
         let handle = LinkHandle { shared: Arc::clone(&shared) };
-        Ok((Self { config, store, inbox, shared }, handle))
+        Ok((Self { supervisor: Supervisor { config, transport, store, inbox, shared } }, handle))
     }
 
     /// Runs until `shutdown`; then finishes what is in flight within a short time and closes the connection.
     pub async fn run(self, shutdown: CancellationToken) {
-        let Self { config: _, store: _, inbox: _, shared } = self;
-        shutdown.cancelled().await;
-        shared.state.send_modify(|state| state.enter(LinkPhase::Stopped, None, OffsetDateTime::now_utc()));
+        self.supervisor.run(shutdown).await;
     }
 }
 

@@ -13,7 +13,6 @@ pub struct BrokerProfile {
     consume: Template,
     produce: Template,
     capability: Option<String>,
-    settles_modified: bool,
 }
 
 /// A place on a concrete broker: an AMQP terminus.
@@ -52,26 +51,26 @@ impl BrokerProfile {
     /// The broker embedded in the platform: addresses are queues of the same name.
     #[must_use]
     pub fn embedded() -> Self {
-        Self::built_in("embedded", "{address}", "{address}", None, true)
+        Self::built_in("embedded", "{address}", "{address}", None)
     }
 
     /// RabbitMQ 3.x with its AMQP 1.0 plugin. Reads `/amq/queue/<address>`; writes through the topic exchange `verbund`,
-    /// whose routing keys per user keep factories apart. Its plugin does not understand the modified outcome.
+    /// whose routing keys per user keep factories apart.
     #[must_use]
     pub fn rabbitmq_3() -> Self {
-        Self::built_in("rabbitmq-3", "/amq/queue/{address}", "/exchange/verbund/{address}", None, false)
+        Self::built_in("rabbitmq-3", "/amq/queue/{address}", "/exchange/verbund/{address}", None)
     }
 
     /// RabbitMQ 4.x with native AMQP 1.0 and its second address format.
     #[must_use]
     pub fn rabbitmq_4() -> Self {
-        Self::built_in("rabbitmq-4", "/queues/{address:percent}", "/exchanges/verbund/{address:percent}", None, true)
+        Self::built_in("rabbitmq-4", "/queues/{address:percent}", "/exchanges/verbund/{address:percent}", None)
     }
 
     /// ActiveMQ Classic and Artemis (anycast): queues of the same name, asked for by capability.
     #[must_use]
     pub fn activemq() -> Self {
-        Self::built_in("activemq", "{address}", "{address}", Some("queue"), true)
+        Self::built_in("activemq", "{address}", "{address}", Some("queue"))
     }
 
     /// A profile of one's own.
@@ -89,7 +88,6 @@ impl BrokerProfile {
             consume: Template::parse(consume.into())?,
             produce: Template::parse(produce.into())?,
             capability,
-            settles_modified: false,
         })
     }
 
@@ -125,19 +123,12 @@ impl BrokerProfile {
         Terminus { address: self.produce.fill(address), capability: self.capability.clone() }
     }
 
-    /// Whether the broker understands the modified outcome.
-    #[must_use]
-    pub const fn settles_modified(&self) -> bool {
-        self.settles_modified
-    }
-
-    fn built_in(name: &str, consume: &str, produce: &str, capability: Option<&str>, settles_modified: bool) -> Self {
+    fn built_in(name: &str, consume: &str, produce: &str, capability: Option<&str>) -> Self {
         Self {
             name: name.to_owned(),
             consume: Template(consume.to_owned()),
             produce: Template(produce.to_owned()),
             capability: capability.map(str::to_owned),
-            settles_modified,
         }
     }
 }

@@ -10,10 +10,18 @@
 //! - Only ids of waiting messages are held in memory, and of bodies as many as a bounded cache takes.
 
 pub mod address;
+mod cache;
 pub mod config;
+mod connection;
+mod core;
 pub mod credentials;
 mod error;
 mod handle;
+mod link;
+mod listener;
+mod message;
+mod queue;
+mod store;
 
 pub use address::{AddressPattern, InvalidPattern, InvalidQueueName, QueueName};
 pub use config::{BrokerConfig, BrokerLimits, Listener, QueueOptions, TlsIdentity};

@@ -1,0 +1,100 @@
+//! What the link's tasks and its handles share.
+
+use std::{
+    collections::BTreeMap,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use parking_lot::Mutex;
+use time::OffsetDateTime;
+use tokio::sync::{Notify, watch};
+
+use super::state::{LinkPhase, LinkState};
+use crate::{address::LogicalAddress, spool::Backlog};
+
+pub(crate) struct Shared {
+    pub state: watch::Sender<LinkState>,
+    pub consumed: watch::Sender<Vec<LogicalAddress>>,
+    pub wake: Notify,
+    pub rewind: Notify,
+    pub reconnect: Notify,
+    hindrances: Mutex<BTreeMap<String, String>>,
+    has_data_flowed: AtomicBool,
+}
+
+impl Shared {
+    pub(crate) fn new(broker: String, consumed: Vec<LogicalAddress>) -> Self {
+        Self {
+            state: watch::Sender::new(LinkState::initial(broker, OffsetDateTime::now_utc())),
+            consumed: watch::Sender::new(consumed),
+            wake: Notify::new(),
+            rewind: Notify::new(),
+            reconnect: Notify::new(),
+            hindrances: Mutex::default(),
+            has_data_flowed: AtomicBool::new(false),
+        }
+    }
+
+    pub(crate) fn enter(&self, phase: LinkPhase, broker: &str, reason: Option<String>) {
+        metrics::gauge!("link_up").set(if phase == LinkPhase::Up { 1.0 } else { 0.0 });
+        if phase == LinkPhase::Up {
+            metrics::counter!("link_connects_total").increment(1);
+            self.hindrances.lock().clear();
+            self.has_data_flowed.store(false, Ordering::Relaxed);
+        }
+        self.state.send_modify(|state| {
+            if phase == LinkPhase::Up {
+                state.connects += 1;
+            }
+            broker.clone_into(&mut state.broker);
+            state.enter(phase, reason, OffsetDateTime::now_utc());
+        });
+    }
+
+    pub(crate) fn accepted(&self, at: OffsetDateTime) {
+        self.has_data_flowed.store(true, Ordering::Relaxed);
+        self.state.send_modify(|state| state.last_accepted_at = Some(at));
+    }
+
+    pub(crate) fn received(&self, at: OffsetDateTime) {
+        self.has_data_flowed.store(true, Ordering::Relaxed);
+        self.state.send_modify(|state| state.last_received_at = Some(at));
+    }
+
+    /// Whether anything was sent or received since the connection is up.
+    pub(crate) fn has_data_flowed(&self) -> bool {
+        self.has_data_flowed.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set_backlog(&self, backlog: Backlog) {
+        #[allow(clippy::cast_precision_loss)]
+        metrics::gauge!("link_backlog").set(backlog.waiting as f64);
+        self.state.send_if_modified(|state| {
+            let is_new = state.backlog != backlog;
+            state.backlog = backlog;
+            is_new
+        });
+    }
+
+    /// Notes what hinders the link though it is up, or that it does so no more.
+    pub(crate) fn hinder(&self, what: &str, reason: Option<String>) {
+        let told = {
+            let mut hindrances = self.hindrances.lock();
+            match reason {
+                Some(reason) => hindrances.insert(what.to_owned(), reason),
+                None => hindrances.remove(what),
+            };
+            hindrances.iter().next().map(|(what, reason)| match hindrances.len() {
+                1 => format!("{what}: {reason}"),
+                n => format!("{what}: {reason} (and {} more)", n - 1),
+            })
+        };
+        self.state.send_if_modified(|state| {
+            let is_new = state.is_up() && state.reason != told;
+            if is_new {
+                state.reason = told;
+            }
+            is_new
+        });
+    }
+}

@@ -1,0 +1,133 @@
+//! Connects, serves, and begins anew whatever happens.
+
+use std::{sync::Arc, time::Duration};
+
+use time::OffsetDateTime;
+use tokio_util::sync::CancellationToken;
+use tracing::{info, warn};
+
+use super::{
+    LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase,
+};
+use crate::{
+    inbox::Inbox,
+    spool::SpoolStore,
+    transport::{Connection, ConnectionFault, Transport},
+};
+
+/// How long the inbox may take to finish what it holds when the connection ends.
+const INBOX_GRACE: Duration = Duration::from_secs(30);
+
+pub(super) struct Supervisor {
+    pub config: LinkConfig,
+    pub transport: Box<dyn Transport>,
+    pub store: Arc<dyn SpoolStore>,
+    pub inbox: Arc<dyn Inbox>,
+    pub shared: Arc<Shared>,
+}
+
+impl Supervisor {
+    pub(super) async fn run(self, shutdown: CancellationToken) {
+        let limits = self.config.limits;
+        let mut backoff = Backoff::new(limits.backoff_min, limits.backoff_max, limits.backoff_permanent);
+        let mut attempts = 0;
+        while !shutdown.is_cancelled() {
+            let broker = &self.config.brokers[attempts % self.config.brokers.len()];
+            attempts += 1;
+            let name = broker.to_string();
+            self.shared.enter(LinkPhase::Connecting, &name, self.shared.state.borrow().reason.clone());
+            let connecting = tokio::select! {
+                () = shutdown.cancelled() => break,
+                connected = self.transport.connect(broker) => connected,
+            };
+            let fault = match connecting {
+                Ok(connection) => {
+                    info!(broker = name, "the link is up");
+                    self.shared.enter(LinkPhase::Up, &name, None);
+                    let up_since = tokio::time::Instant::now();
+                    let fault = self.serve(Arc::from(connection), &shutdown).await;
+                    if self.shared.has_data_flowed() || up_since.elapsed() > limits.backoff_max {
+                        backoff.reset();
+                        // The same broker first: it worked.
+                        attempts -= 1;
+                    }
+                    fault
+                }
+                Err(fault) => fault,
+            };
+            if shutdown.is_cancelled() {
+                break;
+            }
+            self.pause(&name, fault, &mut backoff, &shutdown).await;
+        }
+        let broker = self.shared.state.borrow().broker.clone();
+        self.shared.enter(LinkPhase::Stopped, &broker, None);
+    }
+
+    async fn pause(&self, broker: &str, fault: ConnectionFault, backoff: &mut Backoff, shutdown: &CancellationToken) {
+        let pause = backoff.after_failure(fault.is_permanent, rand::random());
+        let pause_ms = u64::try_from(pause.as_millis()).unwrap_or(u64::MAX);
+        warn!(broker, reason = fault.reason, permanent = fault.is_permanent, pause_ms, "the link is down");
+        metrics::counter!("link_failures_total", "kind" => if fault.is_permanent { "permanent" } else { "passing" })
+            .increment(1);
+        let phase = LinkPhase::Down { retry_at: OffsetDateTime::now_utc() + pause, is_permanent: fault.is_permanent };
+        self.shared.enter(phase, broker, Some(fault.reason));
+        if let Ok(backlog) = self.store.backlog().await {
+            self.shared.set_backlog(backlog);
+        }
+        tokio::select! {
+            () = shutdown.cancelled() => {}
+            () = self.shared.reconnect.notified() => {}
+            () = tokio::time::sleep(pause) => {}
+        }
+    }
+
+    /// Sends and receives until the connection is lost or the link is shut down.
+    async fn serve(&self, connection: Arc<dyn Connection>, shutdown: &CancellationToken) -> ConnectionFault {
+        let stop = shutdown.child_token();
+        let (stalls, mut stalled) = tokio::sync::mpsc::channel(1);
+        let consumers = Consumers {
+            connection: Arc::clone(&connection),
+            inbox: Arc::clone(&self.inbox),
+            shared: Arc::clone(&self.shared),
+            profile: self.config.profile.clone(),
+            limits: self.config.limits,
+            stalls: stalls.clone(),
+            stop: stop.clone(),
+        };
+        let pump = Pump::new(
+            Arc::clone(&connection),
+            Arc::clone(&self.store),
+            Arc::clone(&self.shared),
+            self.config.profile.clone(),
+            self.config.limits,
+            stalls,
+        );
+        let mut consuming = tokio::spawn(consumers.run());
+        let mut pumping = tokio::spawn(pump.run(stop.clone()));
+        let fault = tokio::select! {
+            fault = connection.lost() => fault,
+            Some(reason) = stalled.recv() => ConnectionFault::passing(reason),
+            () = shutdown.cancelled() => ConnectionFault::passing("shut down"),
+            // Both run until they are stopped; else they have panicked.
+            _ = &mut consuming => ConnectionFault::passing("receiving failed unexpectedly"),
+            _ = &mut pumping => ConnectionFault::passing("sending failed unexpectedly"),
+        };
+        stop.cancel();
+        // Senders first: their outcomes resolve only when they are dropped.
+        finish(pumping, INBOX_GRACE).await;
+        finish(consuming, INBOX_GRACE).await;
+        connection.close().await;
+        fault
+    }
+}
+
+async fn finish(mut task: tokio::task::JoinHandle<()>, grace: Duration) {
+    if task.is_finished() {
+        return;
+    }
+    if tokio::time::timeout(grace, &mut task).await.is_err() {
+        warn!("a part of the link did not stop in time; it is dropped");
+        task.abort();
+    }
+}

@@ -1,0 +1,220 @@
+//! AMQP 1.0 over fe2o3-amqp. Nothing of that library leaves this module.
+//!
+//! What its users must know, and what is done about it here: in-flight outcomes hang when a connection dies, until the
+//! sender is dropped (lanes drop theirs with the connection); an attach error at some brokers ends the whole session
+//! (one session per lane); buffers are generous by default (set); and it has no reconnection (ours is the supervisor).
+
+mod codec;
+mod lanes;
+
+use async_trait::async_trait;
+use fe2o3_amqp::{
+    Session,
+    connection::{Connection as AmqpConnection, ConnectionHandle, OpenError},
+    sasl_profile::SaslProfile,
+    session::SessionHandle,
+    types::{
+        definitions::{self, AmqpError, ConnectionError, ErrorCondition},
+        sasl::SaslCode,
+    },
+};
+use tokio::{
+    sync::{mpsc, oneshot, watch},
+    time::timeout,
+};
+
+use super::{
+    Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport,
+    dial::{Dialler, Stream},
+    tls,
+};
+use crate::{
+    inbox::Rejection,
+    link::{BrokerUrl, LinkConfig, LinkError, LinkLimits, Login},
+    profile::Terminus,
+};
+
+/// Frames are cut to this size, so that one large message does not block the others.
+const FRAME_BYTES_MAX: u32 = 64 * 1024;
+/// Frames that may wait between the tasks of a connection.
+const FRAMES_BUFFERED: usize = 256;
+/// Lanes that may wait to be opened.
+const OPENINGS_MAX: usize = 64;
+/// How long a close may take.
+const CLOSE_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
+
+/// Connects to AMQP 1.0 brokers.
+pub(crate) struct AmqpTransport {
+    dialler: Dialler,
+    login: Login,
+    container_id: String,
+    limits: LinkLimits,
+}
+
+impl AmqpTransport {
+    /// Reads the TLS settings where one of the brokers wants TLS.
+    pub(crate) fn new(config: &LinkConfig) -> Result<Self, LinkError> {
+        let is_encrypted = config.brokers.iter().any(BrokerUrl::is_encrypted);
+        let client = is_encrypted.then(|| tls::client_config(&config.tls)).transpose()?;
+        Ok(Self {
+            dialler: Dialler { client, tls: config.tls.clone(), stall_timeout: config.limits.stall_timeout },
+            login: config.login.clone(),
+            container_id: config.container_id.clone(),
+            limits: config.limits,
+        })
+    }
+
+    async fn open(&self, broker: &BrokerUrl, stream: Box<dyn Stream>) -> Result<ConnectionHandle<()>, ConnectionFault> {
+        let idle_ms = u32::try_from(self.limits.idle_timeout.as_millis()).unwrap_or(u32::MAX);
+        AmqpConnection::builder()
+            .container_id(self.container_id.as_str())
+            .hostname(broker.host())
+            .max_frame_size(FRAME_BYTES_MAX)
+            .idle_time_out(idle_ms)
+            .buffer_size(FRAMES_BUFFERED)
+            .sasl_profile(SaslProfile::Plain {
+                username: self.login.user_name.clone(),
+                password: self.login.password.to_string(),
+            })
+            .open_with_stream(stream)
+            .await
+            .map_err(open_fault)
+    }
+}
+
+#[async_trait]
+impl Transport for AmqpTransport {
+    async fn connect(&self, broker: &BrokerUrl) -> Result<Box<dyn Connection>, ConnectionFault> {
+        let connecting = async {
+            let stream = self.dialler.dial(broker).await?;
+            self.open(broker, stream).await
+        };
+        let handle = timeout(self.limits.connect_timeout, connecting)
+            .await
+            .map_err(|_| ConnectionFault::passing(format!("{broker} did not answer in time")))??;
+        let (openings, requests) = mpsc::channel(OPENINGS_MAX);
+        let (lost, loss) = watch::channel(None);
+        let (close, closing) = watch::channel(false);
+        tokio::spawn(keep(handle, requests, closing, lost));
+        Ok(Box::new(Opened { openings, loss, close, limits: self.limits }))
+    }
+}
+
+type Opening = oneshot::Sender<Result<SessionHandle<()>, LaneFault>>;
+
+/// A connection whose handle is kept by a task of its own, because opening sessions needs it exclusively.
+struct Opened {
+    openings: mpsc::Sender<Opening>,
+    loss: watch::Receiver<Option<ConnectionFault>>,
+    close: watch::Sender<bool>,
+    limits: LinkLimits,
+}
+
+impl Opened {
+    async fn session(&self) -> Result<SessionHandle<()>, LaneFault> {
+        let broken = || LaneFault::Broken("the connection is lost".to_owned());
+        let (reply, answer) = oneshot::channel();
+        self.openings.send(reply).await.map_err(|_| broken())?;
+        timeout(self.limits.connect_timeout, answer)
+            .await
+            .map_err(|_| LaneFault::Stalled("the broker did not begin a session in time".to_owned()))?
+            .map_err(|_| broken())?
+    }
+}
+
+#[async_trait]
+impl Connection for Opened {
+    async fn outgoing(&self, terminus: &Terminus) -> Result<Box<dyn Outgoing>, LaneFault> {
+        let session = self.session().await?;
+        Ok(Box::new(lanes::AmqpOutgoing::attach(session, terminus, &self.limits).await?))
+    }
+
+    async fn incoming(&self, terminus: &Terminus) -> Result<Box<dyn Incoming>, LaneFault> {
+        let session = self.session().await?;
+        Ok(Box::new(lanes::AmqpIncoming::attach(session, terminus, &self.limits).await?))
+    }
+
+    async fn lost(&self) -> ConnectionFault {
+        let mut loss = self.loss.clone();
+        let lost = loss.wait_for(Option::is_some).await;
+        lost.ok()
+            .and_then(|fault| fault.clone())
+            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+    }
+
+    async fn close(&self) {
+        self.close.send_replace(true);
+        let _ = timeout(CLOSE_TIMEOUT * 2, self.lost()).await;
+    }
+}
+
+/// Begins sessions and watches the connection until it is lost or closed.
+async fn keep(
+    mut handle: ConnectionHandle<()>,
+    mut requests: mpsc::Receiver<Opening>,
+    mut closing: watch::Receiver<bool>,
+    lost: watch::Sender<Option<ConnectionFault>>,
+) {
+    let fault = loop {
+        tokio::select! {
+            ended = handle.on_close() => break end_fault(ended),
+            // Also when nobody has the connection any more.
+            _ = closing.changed() => {
+                // Some brokers answer a close in a way the library calls an error; either way it is over.
+                let _ = timeout(CLOSE_TIMEOUT, handle.close()).await;
+                break ConnectionFault::passing("closed by this side");
+            }
+            Some(reply) = requests.recv() => {
+                let session = Session::builder().buffer_size(FRAMES_BUFFERED).begin(&mut handle).await;
+                let session = session.map_err(|e| LaneFault::Broken(format!("the broker refused a session: {e}")));
+                // A caller that has given up drops the session, which ends it.
+                let _ = reply.send(session);
+            }
+        }
+    };
+    lost.send_replace(Some(fault));
+}
+
+fn open_fault(error: OpenError) -> ConnectionFault {
+    match error {
+        OpenError::SaslError { code: SaslCode::Auth, .. } => {
+            ConnectionFault::permanent("the broker refused the user or password")
+        }
+        OpenError::SaslError { code, .. } => {
+            ConnectionFault::passing(format!("the broker could not check the credentials: {code:?}"))
+        }
+        OpenError::RemoteClosedWithError(error) => closed_fault(&error),
+        OpenError::ProtocolHeaderMismatch(_) => {
+            ConnectionFault::permanent("the peer does not speak AMQP 1.0 with SASL; is the port right?")
+        }
+        other => ConnectionFault::passing(format!("the connection could not be opened: {other}")),
+    }
+}
+
+fn end_fault(ended: Result<(), fe2o3_amqp::connection::Error>) -> ConnectionFault {
+    match ended {
+        Ok(()) => ConnectionFault::passing("the broker closed the connection"),
+        Err(fe2o3_amqp::connection::Error::RemoteClosedWithError(error)) => closed_fault(&error),
+        Err(error) => ConnectionFault::passing(format!("the connection was lost: {error}")),
+    }
+}
+
+fn closed_fault(error: &definitions::Error) -> ConnectionFault {
+    let reason = format!("the broker closed the connection: {}", rejection(error));
+    match error.condition {
+        ErrorCondition::AmqpError(AmqpError::UnauthorizedAccess | AmqpError::NotAllowed) => {
+            ConnectionFault::permanent(reason)
+        }
+        ErrorCondition::ConnectionError(ConnectionError::Redirect) => ConnectionFault::permanent(reason),
+        _ => ConnectionFault::passing(reason),
+    }
+}
+
+/// An AMQP error in our words.
+fn rejection(error: &definitions::Error) -> Rejection {
+    Rejection {
+        code: codec::condition_text(&error.condition),
+        reason: error.description.clone().unwrap_or_else(|| "the broker gave no reason".to_owned()),
+    }
+}
+

@@ -1,0 +1,200 @@
+//! Envelopes as AMQP 1.0 messages and back. Bodies of foreign senders are taken in any form that is bytes or text.
+
+use std::time::Duration;
+
+use asi_model::MessageId;
+use bytes::Bytes;
+use fe2o3_amqp::types::{
+    definitions::ErrorCondition,
+    messaging::{
+        self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey,
+    },
+    primitives::{Binary, SimpleValue, Symbol, Timestamp, Value},
+};
+use time::OffsetDateTime;
+
+use crate::{
+    envelope::{ContentEncoding, Envelope},
+    inbox::{Delivery, Rejection},
+};
+
+/// The application property that marks the backlog after an outage.
+const REPLAY: &str = "replay";
+/// The annotation by which a broker vouches for the sender.
+const PRINCIPAL: &str = "x-opt-principal";
+
+/// The message to send.
+pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Data> {
+    let left = envelope.expires_at().map(|at| at - now);
+    let header = Header {
+        durable: true,
+        ttl: left.map(|left| u32::try_from(left.whole_milliseconds().max(0)).unwrap_or(u32::MAX)),
+        ..Header::default()
+    };
+    let text_id = |id: &MessageId| messaging::MessageId::String(id.as_str().to_owned());
+    let properties = Properties {
+        message_id: envelope.message_id.as_ref().map(text_id),
+        correlation_id: envelope.correlation_id.as_ref().map(text_id),
+        subject: Some(envelope.subject.clone()),
+        content_type: Some(Symbol::from(envelope.content_type.as_str())),
+        content_encoding: envelope.content_encoding.map(|encoding| Symbol::from(encoding.as_str())),
+        creation_time: envelope.creation_time.map(timestamp),
+        absolute_expiry_time: envelope.expires_at().map(timestamp),
+        ..Properties::default()
+    };
+    let application_properties = envelope.replay.then(|| {
+        let mut properties = ApplicationProperties::default();
+        properties.0.insert(REPLAY.to_owned(), SimpleValue::Bool(true));
+        properties
+    });
+    Message {
+        header: Some(header),
+        delivery_annotations: None,
+        message_annotations: None,
+        properties: Some(properties),
+        application_properties,
+        body: Data(Binary::from(envelope.body.to_vec())),
+        footer: None,
+    }
+}
+
+/// The delivery for the inbox, or why the message cannot be one.
+pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) -> Result<Delivery, Rejection> {
+    let Message { header, message_annotations, properties, application_properties, body, .. } = message;
+    let header = header.unwrap_or_default();
+    let properties = properties.unwrap_or_default();
+    let content_encoding = match properties.content_encoding.as_ref().map(Symbol::as_str) {
+        None | Some("" | "identity") => None,
+        Some("gzip") => Some(ContentEncoding::Gzip),
+        Some(other) => return Err(unsupported(format!("the content encoding {other:?} is not supported"))),
+    };
+    let body = match body {
+        Body::Data(sections) => {
+            let mut sections: Vec<Data> = sections.into_iter().collect();
+            match sections.len() {
+                1 => sections.remove(0).0.into_vec(),
+                _ => sections.into_iter().flat_map(|data| data.0.into_vec()).collect(),
+            }
+        }
+        Body::Value(value) => match value.0 {
+            Value::String(text) => text.into_bytes(),
+            Value::Binary(bytes) => bytes.into_vec(),
+            Value::Null => Vec::new(),
+            _ => return Err(unsupported("the body is neither bytes nor text".to_owned())),
+        },
+        Body::Empty => Vec::new(),
+        Body::Sequence(_) => return Err(unsupported("the body is a sequence; send one data section".to_owned())),
+    };
+    let principal = message_annotations.as_ref().and_then(|annotations| {
+        match annotations.0.get(&OwnedKey::Symbol(Symbol::from(PRINCIPAL))) {
+            Some(Value::String(name)) => Some(name.clone()),
+            _ => None,
+        }
+    });
+    let replay = application_properties
+        .as_ref()
+        .and_then(|properties| properties.0.get(REPLAY))
+        .is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
+    let envelope = Envelope {
+        message_id: properties.message_id.as_ref().and_then(text_of_id),
+        subject: properties.subject.unwrap_or_default(),
+        content_type: properties.content_type.map(|t| t.0).unwrap_or_default(),
+        content_encoding,
+        correlation_id: properties.correlation_id.as_ref().and_then(text_of_id),
+        creation_time: properties.creation_time.as_ref().and_then(moment),
+        ttl: header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))),
+        replay,
+        body: Bytes::from(body),
+    };
+    Ok(Delivery {
+        envelope,
+        principal,
+        is_redelivered: header.delivery_count > 0 || !header.first_acquirer,
+        delivery_count: header.delivery_count,
+        received_at: now,
+    })
+}
+
+fn unsupported(reason: String) -> Rejection {
+    Rejection { code: "amqp:not-implemented".to_owned(), reason }
+}
+
+fn text_of_id(id: &messaging::MessageId) -> Option<MessageId> {
+    let text = match id {
+        messaging::MessageId::String(text) => text.clone(),
+        messaging::MessageId::Ulong(number) => number.to_string(),
+        messaging::MessageId::Uuid(id) => uuid::Uuid::from_bytes(*id.as_inner()).to_string(),
+        messaging::MessageId::Binary(bytes) => {
+            bytes.iter().fold(String::with_capacity(bytes.len() * 2), |text, byte| format!("{text}{byte:02x}"))
+        }
+    };
+    MessageId::new(text).ok()
+}
+
+fn timestamp(at: OffsetDateTime) -> Timestamp {
+    let ms = at.unix_timestamp_nanos() / 1_000_000;
+    Timestamp::from_milliseconds(i64::try_from(ms).unwrap_or(i64::MAX))
+}
+
+fn moment(at: &Timestamp) -> Option<OffsetDateTime> {
+    OffsetDateTime::from_unix_timestamp_nanos(i128::from(at.milliseconds()) * 1_000_000).ok()
+}
+
+/// An error condition as it stands on the wire.
+pub(super) fn condition_text(condition: &ErrorCondition) -> String {
+    serde_amqp::to_vec(condition)
+        .ok()
+        .and_then(|bytes| serde_amqp::from_slice::<Symbol>(&bytes).ok())
+        .map_or_else(|| format!("{condition:?}"), |symbol| symbol.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use fe2o3_amqp::types::messaging::{AmqpValue, Batch};
+
+    use super::*;
+
+    fn received(body: Body<Value>) -> Message<Body<Value>> {
+        Message::from(body)
+    }
+
+    #[test]
+    fn an_envelope_survives_the_way() {
+        let now = OffsetDateTime::from_unix_timestamp(1_555_607_910).expect("a time");
+        let mut envelope = Envelope::new(MessageId::new("m1").expect("an id"), "comment", "{}");
+        envelope.correlation_id = Some(MessageId::new("m0").expect("an id"));
+        envelope.creation_time = Some(now);
+        envelope.ttl = Some(Duration::from_secs(60));
+        envelope.replay = true;
+        let sent = to_message(&envelope, now);
+        let arrived = sent.map_body(|data| Body::Data(Batch::new(vec![data])));
+        let delivery = to_delivery(arrived, now).expect("a delivery");
+        assert_eq!(delivery.envelope, envelope);
+        assert!(delivery.is_redelivered, "the first acquirer is marked by the broker");
+    }
+
+    #[test]
+    fn foreign_bodies_are_taken_as_bytes() {
+        let now = OffsetDateTime::UNIX_EPOCH;
+        for (body, expected) in [
+            (Body::Value(AmqpValue(Value::String("{}".into()))), "{}"),
+            (Body::Value(AmqpValue(Value::Binary(Binary::from(b"{}".to_vec())))), "{}"),
+            (Body::Data(Batch::new(vec![Data::from(b"{".as_slice()), Data::from(b"}".as_slice())])), "{}"),
+            (Body::Empty, ""),
+        ] {
+            let delivery = to_delivery(received(body), now).expect("a delivery");
+            assert_eq!(delivery.envelope.body, expected);
+            assert_eq!(delivery.envelope.message_id, None);
+        }
+        let number = received(Body::Value(AmqpValue(Value::Int(1))));
+        assert_eq!(to_delivery(number, now).expect_err("a number").code, "amqp:not-implemented");
+    }
+
+    #[test]
+    fn conditions_keep_their_wire_names() {
+        use fe2o3_amqp::types::definitions::{AmqpError, LinkError};
+        assert_eq!(condition_text(&AmqpError::UnauthorizedAccess.into()), "amqp:unauthorized-access");
+        assert_eq!(condition_text(&LinkError::MessageSizeExceeded.into()), "amqp:link:message-size-exceeded");
+        assert_eq!(condition_text(&ErrorCondition::Custom(Symbol::from("own"))), "own");
+    }
+}

@@ -1,0 +1,68 @@
+//! Bodies of messages that will probably be delivered soon. Bounded by bytes; what does not fit is read when needed.
+
+use std::{collections::HashMap, sync::Arc};
+
+use parking_lot::Mutex;
+
+use crate::message::AnyMessage;
+
+pub(crate) struct BodyCache {
+    bytes_max: u64,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    bytes: u64,
+    messages: HashMap<i64, (u64, Arc<AnyMessage>)>,
+}
+
+impl BodyCache {
+    pub(crate) fn new(bytes_max: u64) -> Self {
+        Self { bytes_max, state: Mutex::default() }
+    }
+
+    /// Keeps a message while there is room.
+    pub(crate) fn insert(&self, id: i64, bytes: u64, message: Arc<AnyMessage>) {
+        let mut state = self.state.lock();
+        if state.bytes + bytes <= self.bytes_max && state.messages.insert(id, (bytes, message)).is_none() {
+            state.bytes += bytes;
+        }
+    }
+
+    pub(crate) fn get(&self, id: i64) -> Option<Arc<AnyMessage>> {
+        self.state.lock().messages.get(&id).map(|(_, message)| Arc::clone(message))
+    }
+
+    pub(crate) fn contains(&self, id: i64) -> bool {
+        self.state.lock().messages.contains_key(&id)
+    }
+
+    pub(crate) fn remove(&self, id: i64) {
+        let mut state = self.state.lock();
+        if let Some((bytes, _)) = state.messages.remove(&id) {
+            state.bytes = state.bytes.saturating_sub(bytes);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fe2o3_amqp_types::messaging::{Body, Message};
+
+    use super::*;
+
+    #[test]
+    fn the_cache_stops_at_its_bound() {
+        let cache = BodyCache::new(25);
+        let message = Arc::new(Message::from(Body::Empty));
+        for id in 1..=3 {
+            cache.insert(id, 10, Arc::clone(&message));
+        }
+        assert!(cache.contains(1) && cache.contains(2) && !cache.contains(3));
+        cache.remove(1);
+        cache.remove(1);
+        cache.insert(3, 10, message);
+        assert!(cache.get(3).is_some());
+    }
+}

@@ -1,0 +1,266 @@
+//! What all connections share: queues, the writer, the cache of bodies, who is connected.
+
+use std::{
+    collections::HashMap,
+    net::SocketAddr,
+    sync::{
+        Arc,
+        atomic::{AtomicI64, AtomicU64, Ordering},
+    },
+};
+
+use parking_lot::Mutex;
+use sqlx::sqlite::SqlitePool;
+use time::OffsetDateTime;
+use tokio_util::sync::CancellationToken;
+use tracing::warn;
+
+use crate::{
+    address::QueueName,
+    cache::BodyCache,
+    config::{BrokerConfig, QueueOptions},
+    credentials::Credentials,
+    error::BrokerError,
+    handle::{ConnectionStatus, QueueStatus},
+    message::{AnyMessage, Features},
+    queue::{Entry, Queue},
+    store::{self, Command, Letter, WriterHandle},
+};
+
+/// Bodies read at once when one is not in the cache.
+const READ_AHEAD: usize = 64;
+
+/// Why a message is set aside without a receiver having said so.
+pub(crate) const TOO_MANY_DELIVERIES: &str = "verbund:too-many-deliveries";
+
+pub(crate) struct Core {
+    pub config: BrokerConfig,
+    pub credentials: Arc<dyn Credentials>,
+    pub writer: WriterHandle,
+    pub cache: BodyCache,
+    pub dead_letters: Arc<Queue>,
+    readers: SqlitePool,
+    queues: Mutex<HashMap<QueueName, Arc<Queue>>>,
+    next_queue_id: AtomicI64,
+    next_message_id: AtomicI64,
+    connections: Mutex<HashMap<u64, Connected>>,
+    next_connection: AtomicU64,
+}
+
+struct Connected {
+    status: ConnectionStatus,
+    cut: CancellationToken,
+}
+
+/// A peer's entry among the connections; dropping it takes it out.
+pub(crate) struct Registration {
+    core: Arc<Core>,
+    id: u64,
+    /// Cancelled to cut the connection.
+    pub cut: CancellationToken,
+}
+
+impl Core {
+    pub(crate) fn new(
+        config: BrokerConfig,
+        credentials: Arc<dyn Credentials>,
+        writer: WriterHandle,
+        readers: SqlitePool,
+        queues: HashMap<QueueName, Arc<Queue>>,
+        dead_letters: Arc<Queue>,
+        next_message_id: i64,
+    ) -> Self {
+        let next_queue_id = queues.values().map(|q| q.id).max().unwrap_or(0) + 1;
+        Self {
+            cache: BodyCache::new(config.limits.cache_bytes_max),
+            config,
+            credentials,
+            writer,
+            dead_letters,
+            readers,
+            queues: Mutex::new(queues),
+            next_queue_id: AtomicI64::new(next_queue_id),
+            next_message_id: AtomicI64::new(next_message_id),
+            connections: Mutex::new(HashMap::new()),
+            next_connection: AtomicU64::new(0),
+        }
+    }
+
+    pub(crate) fn queue(&self, name: &QueueName) -> Option<Arc<Queue>> {
+        self.queues.lock().get(name).cloned()
+    }
+
+    pub(crate) fn queues(&self) -> Vec<Arc<Queue>> {
+        self.queues.lock().values().cloned().collect()
+    }
+
+    pub(crate) fn statuses(&self) -> Vec<QueueStatus> {
+        let mut all: Vec<_> = self.queues().iter().map(|q| q.status()).collect();
+        all.sort_by(|a, b| a.queue.cmp(&b.queue));
+        all
+    }
+
+    /// Makes a queue or gives it new bounds, durably.
+    pub(crate) async fn declare(&self, name: &QueueName, options: QueueOptions) -> Result<Arc<Queue>, BrokerError> {
+        let (id, is_new) = match self.queue(name) {
+            Some(queue) => (queue.id, false),
+            None => {
+                let limit = self.config.limits.queues_max;
+                if self.queues.lock().len() >= limit {
+                    return Err(BrokerError::TooManyQueues { limit });
+                }
+                (self.next_queue_id.fetch_add(1, Ordering::Relaxed), true)
+            }
+        };
+        let command = |done| Command::DeclareQueue { id, name: name.to_string(), options, done };
+        let answer = self.writer.ask(command).await.ok_or(BrokerError::Stopped)?;
+        if let Err(source) = answer {
+            // Somebody may have made the same queue at the same moment.
+            return match self.queue(name) {
+                Some(queue) if is_new => Ok(queue),
+                _ => Err(BrokerError::Store { action: "declare a queue", source }),
+            };
+        }
+        let queue = {
+            let mut queues = self.queues.lock();
+            Arc::clone(queues.entry(name.clone()).or_insert_with(|| Arc::new(Queue::new(id, name.clone(), options))))
+        };
+        queue.set_options(options);
+        Ok(queue)
+    }
+
+    pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
+        let queue = self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
+        let answer = self.writer.ask(|done| Command::DeleteQueue { id: queue.id, done }).await;
+        answer
+            .ok_or(BrokerError::Stopped)?
+            .map_err(|source| BrokerError::Store { action: "delete a queue", source })?;
+        self.queues.lock().remove(name);
+        Ok(queue.delete())
+    }
+
+    pub(crate) fn next_message_id(&self) -> i64 {
+        self.next_message_id.fetch_add(1, Ordering::Relaxed)
+    }
+
+    pub(crate) const fn readers(&self) -> &SqlitePool {
+        &self.readers
+    }
+
+    /// The body of a leased message, from the cache or with some that will be wanted next from the file.
+    pub(crate) async fn body(&self, queue: &Queue, entry: &Entry) -> Result<Option<Arc<AnyMessage>>, sqlx::Error> {
+        if let Some(message) = self.cache.get(entry.id) {
+            return Ok(Some(message));
+        }
+        let mut ids = queue.upcoming(entry.id, READ_AHEAD);
+        ids.retain(|id| !self.cache.contains(*id));
+        ids.push(entry.id);
+        let mut wanted = None;
+        for (id, bytes, message) in store::bodies(&self.readers, &ids).await? {
+            let Some(message) = message else { continue };
+            let message = Arc::new(message);
+            if id == entry.id {
+                wanted = Some(Arc::clone(&message));
+            }
+            self.cache.insert(id, bytes, message);
+        }
+        Ok(wanted)
+    }
+
+    /// A leased message is done with.
+    pub(crate) async fn remove(&self, queue: &Queue, entry: &Entry) {
+        self.cache.remove(entry.id);
+        queue.settle(entry);
+        self.write(Command::Remove(entry.id)).await;
+    }
+
+    /// A receiver failed on a leased message: it comes again, or moves to the dead letters when that happened too often.
+    pub(crate) async fn fail(&self, queue: &Arc<Queue>, mut entry: Entry, message: &AnyMessage) {
+        entry.delivery_count = entry.delivery_count.saturating_add(1);
+        let limit = queue.options().deliveries_max;
+        if entry.delivery_count >= limit && queue.id != self.dead_letters.id {
+            let reason = format!("delivered {} times without success", entry.delivery_count);
+            self.bury(queue, entry, message, TOO_MANY_DELIVERIES.to_owned(), reason).await;
+        } else {
+            self.write(Command::Count { id: entry.id, delivery_count: entry.delivery_count }).await;
+            queue.requeue(Entry { is_redelivered: true, ..entry });
+        }
+    }
+
+    /// A leased message moves to the dead letters; one that is already there goes.
+    pub(crate) async fn bury(
+        &self,
+        queue: &Arc<Queue>,
+        entry: Entry,
+        message: &AnyMessage,
+        code: String,
+        reason: String,
+    ) {
+        metrics::counter!("broker_messages_dead_lettered_total").increment(1);
+        if queue.id == self.dead_letters.id {
+            return self.remove(queue, &entry).await;
+        }
+        warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
+        self.cache.remove(entry.id);
+        let features = Features::of(message);
+        let letter = Letter { entry, origin: Arc::clone(queue), features, code, reason };
+        self.write(Command::Bury(Box::new(letter))).await;
+    }
+
+    /// Removes what has expired and what exceeds the bounds of the dead letters.
+    pub(crate) async fn sweep(&self, now_ms: i64) {
+        for queue in self.queues() {
+            for entry in queue.withdraw_expired(now_ms) {
+                metrics::counter!("broker_messages_expired_total").increment(1);
+                self.cache.remove(entry.id);
+                self.write(Command::Remove(entry.id)).await;
+            }
+        }
+        for entry in self.dead_letters.withdraw_beyond(self.config.limits.dead_letters_max) {
+            self.write(Command::Remove(entry.id)).await;
+        }
+    }
+
+    async fn write(&self, command: Command) {
+        if self.writer.send(command).await.is_err() {
+            // Only while the broker stops; what is not recorded is delivered again.
+            tracing::debug!("the broker's writer has stopped before a settlement was recorded");
+        }
+    }
+
+    /// Registers a signed-in peer; none when its user or the broker has too many connections.
+    pub(crate) fn register(
+        self: &Arc<Self>,
+        user_name: &str,
+        peer: SocketAddr,
+        cut: CancellationToken,
+    ) -> Option<Registration> {
+        let mut connections = self.connections.lock();
+        let of_user = connections.values().filter(|c| c.status.user_name == user_name).count();
+        if of_user >= self.config.limits.connections_per_user_max {
+            return None;
+        }
+        let id = self.next_connection.fetch_add(1, Ordering::Relaxed);
+        let status = ConnectionStatus { user_name: user_name.to_owned(), peer, since: OffsetDateTime::now_utc() };
+        connections.insert(id, Connected { status, cut: cut.clone() });
+        Some(Registration { core: Arc::clone(self), id, cut })
+    }
+
+    pub(crate) fn connections(&self) -> Vec<ConnectionStatus> {
+        let mut all: Vec<_> = self.connections.lock().iter().map(|(id, c)| (*id, c.status.clone())).collect();
+        all.sort_by_key(|(id, _)| *id);
+        all.into_iter().map(|(_, status)| status).collect()
+    }
+
+    pub(crate) fn disconnect(&self, user_name: &str) -> usize {
+        let connections = self.connections.lock();
+        let of_user = connections.values().filter(|c| c.status.user_name == user_name);
+        of_user.map(|c| c.cut.cancel()).count()
+    }
+}
+
+impl Drop for Registration {
+    fn drop(&mut self) {
+        self.core.connections.lock().remove(&self.id);
+    }
+}

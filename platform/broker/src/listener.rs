@@ -1,0 +1,142 @@
+//! Accepts TCP connections, within bounds.
+
+use std::{net::SocketAddr, sync::Arc, time::Duration};
+
+use rustls::ServerConfig;
+use rustls_pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject};
+use socket2::{SockRef, TcpKeepalive};
+use tokio::{
+    net::{TcpListener, TcpStream},
+    sync::Semaphore,
+    task::JoinSet,
+    time::MissedTickBehavior,
+};
+use tokio_rustls::TlsAcceptor;
+use tokio_util::sync::CancellationToken;
+use tracing::{info, warn};
+
+use crate::{
+    config::{Listener, TlsIdentity},
+    connection,
+    core::Core,
+    error::BrokerError,
+    message,
+};
+
+/// How often expired messages are looked for.
+const SWEEP_EVERY: Duration = Duration::from_secs(5);
+/// How long all connections together may take to close at shutdown.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(5);
+/// Pause after the system refused a connection, as for want of file descriptors.
+const ACCEPT_RETRY: Duration = Duration::from_millis(100);
+
+/// A listener that has its address.
+pub(crate) struct BoundListener {
+    listener: TcpListener,
+    address: SocketAddr,
+    tls: Option<TlsAcceptor>,
+}
+
+impl BoundListener {
+    pub(crate) const fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+pub(crate) async fn bind(listeners: &[Listener]) -> Result<Vec<BoundListener>, BrokerError> {
+    let mut bound = Vec::with_capacity(listeners.len());
+    for wanted in listeners {
+        let tls = wanted.tls.as_ref().map(tls_acceptor).transpose()?;
+        let failed = |source| BrokerError::Listen { address: wanted.address, source };
+        let listener = TcpListener::bind(wanted.address).await.map_err(failed)?;
+        let address = listener.local_addr().map_err(failed)?;
+        bound.push(BoundListener { listener, address, tls });
+    }
+    Ok(bound)
+}
+
+fn tls_acceptor(identity: &TlsIdentity) -> Result<TlsAcceptor, BrokerError> {
+    let failed = |reason: String| BrokerError::Tls { reason };
+    let chain: Vec<_> = CertificateDer::pem_slice_iter(&identity.certificates_pem)
+        .collect::<Result<_, _>>()
+        .map_err(|e| failed(format!("the certificate chain is not PEM: {e}")))?;
+    let key = PrivateKeyDer::from_pem_slice(&identity.key_pem)
+        .map_err(|e| failed(format!("the private key is not PEM: {e}")))?;
+    let config = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
+        .with_safe_default_protocol_versions()
+        .map_err(|e| failed(e.to_string()))?
+        .with_no_client_auth()
+        .with_single_cert(chain, key)
+        .map_err(|e| failed(e.to_string()))?;
+    Ok(TlsAcceptor::from(Arc::new(config)))
+}
+
+/// Serves all listeners and sweeps the queues until `shutdown`.
+pub(crate) async fn serve(core: Arc<Core>, listeners: Vec<BoundListener>, shutdown: CancellationToken) {
+    let places = Arc::new(Semaphore::new(core.config.limits.connections_max));
+    let mut accepting = JoinSet::new();
+    for bound in listeners {
+        info!(address = %bound.address, tls = bound.tls.is_some(), "the broker listens");
+        accepting.spawn(accept(Arc::clone(&core), bound, Arc::clone(&places), shutdown.clone()));
+    }
+    let mut sweep = tokio::time::interval(SWEEP_EVERY);
+    sweep.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            () = shutdown.cancelled() => break,
+            _ = sweep.tick() => core.sweep(message::now_ms()).await,
+        }
+    }
+    let closing = async { while accepting.join_next().await.is_some() {} };
+    if tokio::time::timeout(SHUTDOWN_TIMEOUT, closing).await.is_err() {
+        warn!("some peers did not leave in time; they are dropped");
+    }
+}
+
+async fn accept(core: Arc<Core>, bound: BoundListener, places: Arc<Semaphore>, shutdown: CancellationToken) {
+    let mut connections = JoinSet::new();
+    loop {
+        let accepted = tokio::select! {
+            () = shutdown.cancelled() => break,
+            Some(ended) = connections.join_next() => {
+                if let Err(error) = ended && error.is_panic() {
+                    metrics::counter!("broker_connection_panics_total").increment(1);
+                }
+                continue;
+            }
+            accepted = bound.listener.accept() => accepted,
+        };
+        let (tcp, peer) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) => {
+                warn!(%error, "a connection could not be accepted");
+                tokio::time::sleep(ACCEPT_RETRY).await;
+                continue;
+            }
+        };
+        let Ok(place) = Arc::clone(&places).try_acquire_owned() else {
+            metrics::counter!("broker_connections_refused_total").increment(1);
+            continue;
+        };
+        if let Err(error) = tune(&tcp, core.config.limits.stall_timeout) {
+            warn!(%peer, %error, "a connection's socket options could not be set");
+        }
+        let (core, tls, shutdown) = (Arc::clone(&core), bound.tls.clone(), shutdown.clone());
+        connections.spawn(async move {
+            connection::serve(core, tcp, peer, tls, shutdown).await;
+            drop(place);
+        });
+    }
+    while connections.join_next().await.is_some() {}
+}
+
+/// Makes a dead peer show: by keep-alive when idle, by unacknowledged bytes when busy.
+fn tune(tcp: &TcpStream, stall_timeout: Duration) -> std::io::Result<()> {
+    tcp.set_nodelay(true)?;
+    let socket = SockRef::from(tcp);
+    let probe = (stall_timeout / 4).max(Duration::from_secs(1));
+    socket.set_tcp_keepalive(&TcpKeepalive::new().with_time(probe * 2).with_interval(probe).with_retries(2))?;
+    #[cfg(target_os = "linux")]
+    socket.set_tcp_user_timeout(Some(stall_timeout))?;
+    Ok(())
+}

@@ -1,0 +1,426 @@
+//! A queue in memory: which messages are ready, which consumer gets the next one. Holds ids, never bodies.
+
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+};
+
+use parking_lot::Mutex;
+use tokio::sync::Notify;
+
+use crate::{address::QueueName, config::QueueOptions, handle::QueueStatus};
+
+/// What the queue knows of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Entry {
+    /// Its number; greater means later.
+    pub id: i64,
+    /// Its stored size.
+    pub bytes: u64,
+    /// When it expires, in Unix milliseconds.
+    pub expires_at_ms: Option<i64>,
+    /// How often a receiver failed on it.
+    pub delivery_count: u32,
+    /// Whether somebody may have received it before.
+    pub is_redelivered: bool,
+}
+
+/// Why a queue takes no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    Full,
+    Deleted,
+}
+
+/// A queue.
+#[derive(Debug)]
+pub(crate) struct Queue {
+    pub id: i64,
+    pub name: QueueName,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    options: QueueOptions,
+    ready: BTreeMap<i64, Entry>,
+    leased: u64,
+    /// Messages that publishers are about to add, ready ones and leased ones.
+    messages: u64,
+    bytes: u64,
+    consumers: VecDeque<Consumer>,
+    waiting: VecDeque<u64>,
+    holding: VecDeque<Consumer>,
+    next_consumer: u64,
+    is_deleted: bool,
+}
+
+#[derive(Debug, Clone)]
+struct Consumer {
+    id: u64,
+    wake: Arc<Notify>,
+    give_way: Arc<Notify>,
+}
+
+impl Queue {
+    pub(crate) fn new(id: i64, name: QueueName, options: QueueOptions) -> Self {
+        let state = State {
+            options,
+            ready: BTreeMap::new(),
+            leased: 0,
+            messages: 0,
+            bytes: 0,
+            consumers: VecDeque::new(),
+            waiting: VecDeque::new(),
+            holding: VecDeque::new(),
+            next_consumer: 0,
+            is_deleted: false,
+        };
+        Self { id, name, state: Mutex::new(state) }
+    }
+
+    pub(crate) fn options(&self) -> QueueOptions {
+        self.state.lock().options
+    }
+
+    pub(crate) fn set_options(&self, options: QueueOptions) {
+        let mut state = self.state.lock();
+        state.options = options;
+        state.wake_next();
+    }
+
+    /// Takes room for a message that a publisher has sent.
+    pub(crate) fn reserve(&self, bytes: u64) -> Result<(), Refusal> {
+        let mut state = self.state.lock();
+        if state.is_deleted {
+            return Err(Refusal::Deleted);
+        }
+        if state.messages + 1 > state.options.messages_max || state.bytes + bytes > state.options.bytes_max {
+            return Err(Refusal::Full);
+        }
+        state.messages += 1;
+        state.bytes += bytes;
+        Ok(())
+    }
+
+    /// Gives back the room of a message that was not, or is no longer, stored.
+    pub(crate) fn give_back(&self, bytes: u64) {
+        let mut state = self.state.lock();
+        state.messages = state.messages.saturating_sub(1);
+        state.bytes = state.bytes.saturating_sub(bytes);
+    }
+
+    /// Adds stored messages whose room was reserved.
+    pub(crate) fn add(&self, entries: impl IntoIterator<Item = Entry>) {
+        let mut state = self.state.lock();
+        for entry in entries {
+            state.ready.insert(entry.id, entry);
+            state.wake_next();
+        }
+    }
+
+    /// Adds stored messages that need no reservation: loaded at the start, or moved here.
+    pub(crate) fn adopt(&self, entry: Entry) {
+        let mut state = self.state.lock();
+        state.messages += 1;
+        state.bytes += entry.bytes;
+        state.ready.insert(entry.id, entry);
+        state.wake_next();
+    }
+
+    /// Takes a ready message away, as for moving it elsewhere.
+    pub(crate) fn withdraw(&self, id: i64) -> Option<Entry> {
+        let mut state = self.state.lock();
+        let entry = state.ready.remove(&id)?;
+        state.forget(&entry);
+        Some(entry)
+    }
+
+    /// Takes the ready messages away that have expired.
+    pub(crate) fn withdraw_expired(&self, now_ms: i64) -> Vec<Entry> {
+        let mut state = self.state.lock();
+        let expired: Vec<_> =
+            state.ready.values().filter(|e| e.expires_at_ms.is_some_and(|at| at <= now_ms)).copied().collect();
+        for entry in &expired {
+            state.ready.remove(&entry.id);
+            state.forget(entry);
+        }
+        expired
+    }
+
+    /// Takes the oldest ready messages away that exceed a number.
+    pub(crate) fn withdraw_beyond(&self, messages_max: u64) -> Vec<Entry> {
+        let mut state = self.state.lock();
+        let mut gone = Vec::new();
+        while state.ready.len() as u64 > messages_max {
+            let Some((_, entry)) = state.ready.pop_first() else { break };
+            state.forget(&entry);
+            gone.push(entry);
+        }
+        gone
+    }
+
+    /// The ids of ready messages from `first` on: those that will probably be delivered next.
+    pub(crate) fn upcoming(&self, first: i64, limit: usize) -> Vec<i64> {
+        self.state.lock().ready.range(first..).take(limit).map(|(id, _)| *id).collect()
+    }
+
+    /// A leased message is settled for good.
+    pub(crate) fn settle(&self, entry: &Entry) {
+        let mut state = self.state.lock();
+        state.leased = state.leased.saturating_sub(1);
+        state.forget(entry);
+    }
+
+    /// A leased message is ready again, in its old place.
+    pub(crate) fn requeue(&self, entry: Entry) {
+        let mut state = self.state.lock();
+        state.leased = state.leased.saturating_sub(1);
+        state.ready.insert(entry.id, entry);
+        state.wake_next();
+    }
+
+    /// Ends the queue; its consumers and publishers learn it. Returns how many messages it had.
+    pub(crate) fn delete(&self) -> u64 {
+        let mut state = self.state.lock();
+        state.is_deleted = true;
+        state.ready.clear();
+        for consumer in &state.consumers {
+            consumer.wake.notify_one();
+        }
+        state.messages
+    }
+
+    pub(crate) fn status(&self) -> QueueStatus {
+        let state = self.state.lock();
+        QueueStatus {
+            queue: self.name.clone(),
+            ready: state.ready.len() as u64,
+            unsettled: state.leased,
+            bytes: state.bytes,
+            consumers: state.consumers.len() as u64,
+        }
+    }
+}
+
+impl State {
+    fn forget(&mut self, entry: &Entry) {
+        self.messages = self.messages.saturating_sub(1);
+        self.bytes = self.bytes.saturating_sub(entry.bytes);
+    }
+
+    fn may_receive(&self, consumer: u64) -> bool {
+        !self.options.is_single_active_consumer || self.consumers.front().is_some_and(|c| c.id == consumer)
+    }
+
+    /// Wakes the consumer that waits longest, when there is something for it.
+    fn wake_next(&mut self) {
+        if self.ready.is_empty() {
+            return;
+        }
+        let Some(at) = self.waiting.iter().position(|id| self.may_receive(*id)) else { return };
+        let Some(id) = self.waiting.remove(at) else { return };
+        if let Some(consumer) = self.consumers.iter().find(|c| c.id == id) {
+            consumer.wake.notify_one();
+        }
+    }
+}
+
+/// What a consumer may get.
+#[derive(Debug)]
+pub(crate) enum Next {
+    /// A message, leased to the consumer.
+    Lease(Entry),
+    /// The queue is gone.
+    Deleted,
+}
+
+/// A consumer's place at a queue; dropping it leaves.
+#[derive(Debug)]
+pub(crate) struct Subscription {
+    queue: Arc<Queue>,
+    consumer: Consumer,
+}
+
+impl Subscription {
+    pub(crate) fn new(queue: Arc<Queue>) -> Self {
+        let consumer = {
+            let mut state = queue.state.lock();
+            state.next_consumer += 1;
+            let consumer = Consumer {
+                id: state.next_consumer,
+                wake: Arc::new(Notify::new()),
+                give_way: Arc::new(Notify::new()),
+            };
+            state.consumers.push_back(consumer.clone());
+            consumer
+        };
+        Self { queue, consumer }
+    }
+
+    /// Waits for the next message. Safe to cancel.
+    pub(crate) async fn next(&self) -> Next {
+        loop {
+            if let Some(next) = self.try_next() {
+                return next;
+            }
+            self.consumer.wake.notified().await;
+        }
+    }
+
+    /// Tells that this consumer takes nothing at the moment, so that another is woken in its place.
+    pub(crate) fn pause(&self) {
+        let mut state = self.queue.state.lock();
+        state.waiting.retain(|id| *id != self.consumer.id);
+        state.wake_next();
+    }
+
+    /// Waits until another consumer wants the message that this one holds without being able to send it. To be called
+    /// between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
+    pub(crate) async fn wanted_elsewhere(&self) {
+        self.consumer.give_way.notified().await;
+    }
+
+    /// Tells that this consumer holds a message that it may not be able to send.
+    pub(crate) fn hold(&self) {
+        let mut state = self.queue.state.lock();
+        if state.ready.is_empty() && state.waiting.iter().any(|id| *id != self.consumer.id && state.may_receive(*id)) {
+            self.consumer.give_way.notify_one();
+        }
+        state.holding.push_back(self.consumer.clone());
+    }
+
+    /// The message is sent or given back.
+    pub(crate) fn release_hold(&self) {
+        self.queue.state.lock().holding.retain(|c| c.id != self.consumer.id);
+    }
+
+    fn try_next(&self) -> Option<Next> {
+        let mut state = self.queue.state.lock();
+        let me = self.consumer.id;
+        state.waiting.retain(|id| *id != me);
+        if state.is_deleted {
+            return Some(Next::Deleted);
+        }
+        if state.may_receive(me) {
+            if let Some((_, entry)) = state.ready.pop_first() {
+                state.leased += 1;
+                state.wake_next();
+                return Some(Next::Lease(entry));
+            }
+            if let Some(holder) = state.holding.iter().find(|c| c.id != me) {
+                holder.give_way.notify_one();
+            }
+        }
+        state.waiting.push_back(me);
+        None
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        let mut state = self.queue.state.lock();
+        let me = self.consumer.id;
+        state.consumers.retain(|c| c.id != me);
+        state.waiting.retain(|id| *id != me);
+        state.holding.retain(|c| c.id != me);
+        state.wake_next();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures::FutureExt;
+
+    use super::*;
+
+    fn entry(id: i64) -> Entry {
+        Entry { id, bytes: 10, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
+    }
+
+    fn queue(options: QueueOptions) -> Arc<Queue> {
+        Arc::new(Queue::new(1, "q".parse().expect("a name"), options))
+    }
+
+    fn now(subscription: &Subscription) -> Option<i64> {
+        match subscription.next().now_or_never()? {
+            Next::Lease(entry) => Some(entry.id),
+            Next::Deleted => None,
+        }
+    }
+
+    #[test]
+    fn consumers_compete_in_order() {
+        let queue = queue(QueueOptions::default());
+        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
+        assert_eq!(now(&a), None);
+        for id in 1..=3 {
+            queue.adopt(entry(id));
+        }
+        assert_eq!((now(&a), now(&b), now(&a), now(&b)), (Some(1), Some(2), Some(3), None));
+        queue.requeue(entry(2));
+        assert_eq!(now(&b), Some(2));
+        assert_eq!((queue.status().ready, queue.status().unsettled), (0, 3));
+        queue.settle(&entry(1));
+        assert_eq!((queue.status().bytes, queue.status().unsettled), (20, 2));
+    }
+
+    #[test]
+    fn only_the_active_consumer_receives() {
+        let queue = queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
+        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
+        queue.adopt(entry(1));
+        queue.adopt(entry(2));
+        assert_eq!((now(&b), now(&a)), (None, Some(1)));
+        drop(a);
+        assert_eq!(now(&b), Some(2));
+    }
+
+    #[test]
+    fn a_holder_gives_way_to_a_hungry_consumer() {
+        let queue = queue(QueueOptions::default());
+        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
+        queue.adopt(entry(1));
+        assert_eq!(now(&a), Some(1));
+        a.hold();
+        assert!(a.wanted_elsewhere().now_or_never().is_none());
+        assert_eq!(now(&b), None);
+        assert!(a.wanted_elsewhere().now_or_never().is_some());
+        a.release_hold();
+        queue.requeue(entry(1));
+        assert_eq!(now(&b), Some(1));
+    }
+
+    #[test]
+    fn a_paused_consumer_leaves_its_wake_to_another() {
+        let queue = queue(QueueOptions::default());
+        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
+        assert_eq!((now(&a), now(&b)), (None, None));
+        queue.adopt(entry(1));
+        a.pause();
+        assert!(b.consumer.wake.notified().now_or_never().is_some());
+    }
+
+    #[test]
+    fn bounds_hold() {
+        let queue = queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
+        assert_eq!(queue.reserve(20), Ok(()));
+        assert_eq!(queue.reserve(10), Err(Refusal::Full));
+        assert_eq!(queue.reserve(5), Ok(()));
+        assert_eq!(queue.reserve(0), Err(Refusal::Full));
+        queue.give_back(20);
+        assert_eq!(queue.reserve(0), Ok(()));
+        queue.delete();
+        assert_eq!(queue.reserve(0), Err(Refusal::Deleted));
+    }
+
+    #[test]
+    fn what_has_expired_goes() {
+        let queue = queue(QueueOptions::default());
+        queue.adopt(entry(1));
+        queue.adopt(Entry { expires_at_ms: Some(5), ..entry(2) });
+        assert_eq!(queue.withdraw_expired(4), []);
+        assert_eq!(queue.withdraw_expired(5).len(), 1);
+        assert_eq!(queue.status().ready, 1);
+    }
+}

@@ -1,0 +1,99 @@
+//! The broker's database: one SQLite file with full synchronisation, one writer that commits in groups, a few readers.
+
+mod admin;
+mod reader;
+mod writer;
+
+use std::{path::Path, time::Duration};
+
+use sqlx::{
+    ConnectOptions, SqliteConnection,
+    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous},
+};
+
+pub(crate) use admin::{dead_letter_body, dead_letters};
+pub(crate) use reader::{bodies, load};
+pub(crate) use writer::{Command, Letter, NewMessage, WriteFailed, Writer, WriterHandle};
+
+/// Version 1. Message ids are given by the broker and grow; they are the order of a queue.
+const SCHEMA: &str = "
+BEGIN;
+CREATE TABLE queues (
+    id INTEGER PRIMARY KEY,
+    name TEXT NOT NULL UNIQUE,
+    messages_max INTEGER NOT NULL,
+    bytes_max INTEGER NOT NULL,
+    deliveries_max INTEGER NOT NULL,
+    is_single_active_consumer INTEGER NOT NULL
+) STRICT;
+CREATE TABLE messages (
+    id INTEGER PRIMARY KEY,
+    queue_id INTEGER NOT NULL,
+    bytes INTEGER NOT NULL,
+    expires_at_ms INTEGER,
+    delivery_count INTEGER NOT NULL DEFAULT 0,
+    body BLOB NOT NULL
+) STRICT;
+CREATE TABLE dead_letters (
+    message_id INTEGER PRIMARY KEY,
+    origin TEXT NOT NULL,
+    wire_id TEXT,
+    subject TEXT,
+    principal TEXT,
+    code TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    at_ms INTEGER NOT NULL,
+    bytes INTEGER NOT NULL
+) STRICT;
+PRAGMA user_version = 1;
+COMMIT;
+";
+
+fn options(path: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .busy_timeout(Duration::from_secs(10))
+        .pragma("journal_size_limit", "67108864")
+        .disable_statement_logging()
+}
+
+/// Opens the file for writing and brings it up to date.
+pub(crate) async fn open_writer(path: &Path) -> Result<SqliteConnection, sqlx::Error> {
+    let mut connection = options(path).connect().await?;
+    let version: i64 = sqlx::query_scalar("PRAGMA user_version").fetch_one(&mut connection).await?;
+    match version {
+        0 => {
+            sqlx::raw_sql(SCHEMA).execute(&mut connection).await?;
+        }
+        1 => {}
+        newer => {
+            return Err(sqlx::Error::Configuration(
+                format!("the file was written by a newer broker (schema version {newer})").into(),
+            ));
+        }
+    }
+    Ok(connection)
+}
+
+/// Opens the file for reading.
+pub(crate) async fn open_readers(path: &Path) -> Result<SqlitePool, sqlx::Error> {
+    SqlitePoolOptions::new().max_connections(4).connect_with(options(path).read_only(true).create_if_missing(false)).await
+}
+
+/// Makes the queue of the dead letters, once.
+pub(crate) async fn ensure_dead_letters(connection: &mut SqliteConnection, name: &str) -> Result<(), sqlx::Error> {
+    sqlx::query(
+        "INSERT OR IGNORE INTO queues (name, messages_max, bytes_max, deliveries_max, is_single_active_consumer) \
+         VALUES (?, ?, ?, ?, 0)",
+    )
+    .bind(name)
+    .bind(i64::MAX)
+    .bind(i64::MAX)
+    .bind(i64::from(u32::MAX))
+    .execute(connection)
+    .await?;
+    Ok(())
+}

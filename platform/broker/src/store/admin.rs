@@ -1,0 +1,47 @@
+//! Dead letters, as people look at them.
+
+use sqlx::{Row, SqlitePool};
+use time::OffsetDateTime;
+
+use crate::{handle::DeadLetter, message};
+
+/// Dead letters with a greater number, oldest first.
+pub(crate) async fn dead_letters(pool: &SqlitePool, after: i64, limit: u32) -> Result<Vec<DeadLetter>, sqlx::Error> {
+    let rows = sqlx::query(
+        "SELECT message_id, origin, wire_id, subject, principal, code, reason, at_ms, bytes \
+         FROM dead_letters WHERE message_id > ? ORDER BY message_id LIMIT ?",
+    )
+    .bind(after)
+    .bind(limit)
+    .fetch_all(pool)
+    .await?;
+    rows.into_iter()
+        .map(|row| {
+            let origin: String = row.try_get(1)?;
+            let at_ms: i64 = row.try_get(7)?;
+            Ok(DeadLetter {
+                id: row.try_get(0)?,
+                queue: origin.parse().map_err(|e| sqlx::Error::Decode(Box::new(e)))?,
+                message_id: row.try_get(2)?,
+                subject: row.try_get(3)?,
+                principal: row.try_get(4)?,
+                code: row.try_get(5)?,
+                reason: row.try_get(6)?,
+                at: OffsetDateTime::from_unix_timestamp_nanos(i128::from(at_ms) * 1_000_000)
+                    .map_err(|e| sqlx::Error::Decode(Box::new(e)))?,
+                bytes: row.try_get::<i64, _>(8)?.unsigned_abs(),
+            })
+        })
+        .collect()
+}
+
+/// The body of a dead letter.
+pub(crate) async fn dead_letter_body(pool: &SqlitePool, id: i64) -> Result<Option<Vec<u8>>, sqlx::Error> {
+    let body: Option<Vec<u8>> = sqlx::query_scalar(
+        "SELECT body FROM messages JOIN dead_letters ON dead_letters.message_id = messages.id WHERE messages.id = ?",
+    )
+    .bind(id)
+    .fetch_optional(pool)
+    .await?;
+    Ok(body.map(|bytes| message::decode(&bytes).map(message::body_bytes).unwrap_or_default()))
+}

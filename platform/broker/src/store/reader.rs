@@ -1,0 +1,87 @@
+//! What is read: everything but the bodies at the start, bodies by id later.
+
+use sqlx::{Row, SqlitePool};
+
+use crate::{
+    address::QueueName,
+    config::QueueOptions,
+    message::{self, AnyMessage},
+    queue::Entry,
+};
+
+/// A queue as it was stored.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    pub id: i64,
+    pub name: QueueName,
+    pub options: QueueOptions,
+    pub entries: Vec<Entry>,
+}
+
+/// Reads all queues and what is in them, without bodies.
+pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> {
+    let rows = sqlx::query(
+        "SELECT id, name, messages_max, bytes_max, deliveries_max, is_single_active_consumer FROM queues ORDER BY id",
+    )
+    .fetch_all(pool)
+    .await?;
+    let mut queues = Vec::with_capacity(rows.len());
+    for row in rows {
+        let name: String = row.try_get(1)?;
+        let name = name.parse().map_err(|e| sqlx::Error::Decode(Box::new(e)))?;
+        let options = QueueOptions {
+            messages_max: row.try_get::<i64, _>(2)?.unsigned_abs(),
+            bytes_max: row.try_get::<i64, _>(3)?.unsigned_abs(),
+            deliveries_max: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
+            is_single_active_consumer: row.try_get::<i64, _>(5)? != 0,
+        };
+        queues.push(Loaded { id: row.try_get(0)?, name, options, entries: Vec::new() });
+    }
+    let mut rows = sqlx::query("SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id")
+        .fetch(pool);
+    let by_id: std::collections::HashMap<i64, usize> = queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
+    while let Some(row) = futures::TryStreamExt::try_next(&mut rows).await? {
+        let Some(at) = by_id.get(&row.try_get::<i64, _>(1)?) else { continue };
+        queues[*at].entries.push(Entry {
+            id: row.try_get(0)?,
+            bytes: row.try_get::<i64, _>(2)?.unsigned_abs(),
+            expires_at_ms: row.try_get(3)?,
+            delivery_count: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
+            // Whether it was on its way when the broker stopped is not recorded.
+            is_redelivered: true,
+        });
+    }
+    drop(rows);
+    Ok(queues)
+}
+
+/// Reads messages by id; those that are gone are missing in the answer, those that cannot be decoded are none.
+pub(crate) async fn bodies(
+    pool: &SqlitePool,
+    ids: &[i64],
+) -> Result<Vec<(i64, u64, Option<AnyMessage>)>, sqlx::Error> {
+    let rows = sqlx::query("SELECT id, bytes, body FROM messages WHERE id IN (SELECT value FROM json_each(?))")
+        .bind(json_list(ids))
+        .fetch_all(pool)
+        .await?;
+    rows.into_iter()
+        .map(|row| {
+            let body: Vec<u8> = row.try_get(2)?;
+            Ok((row.try_get(0)?, row.try_get::<i64, _>(1)?.unsigned_abs(), message::decode(&body).ok()))
+        })
+        .collect()
+}
+
+/// Numbers as a JSON array, which SQLite takes as one parameter of any length.
+pub(super) fn json_list(ids: &[i64]) -> String {
+    let mut text = String::with_capacity(ids.len() * 8 + 2);
+    text.push('[');
+    for (at, id) in ids.iter().enumerate() {
+        if at > 0 {
+            text.push(',');
+        }
+        text.push_str(&id.to_string());
+    }
+    text.push(']');
+    text
+}

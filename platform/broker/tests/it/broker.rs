@@ -1,0 +1,174 @@
+//! What the broker promises to any client.
+
+use std::time::Duration;
+
+use broker::{BrokerUser, QueueOptions};
+use messaging::{LinkPhase, Settlement, spool::memory::AcceptedReports};
+
+use crate::support::{SECRET, TestBroker, TestLink, envelope, eventually, pattern, queue};
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn consumers_compete_and_leave_what_they_did_not_settle() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    let slow = TestLink::start_with(&broker.url(), "platform", &["factory.f1.ingress"], AcceptedReports::Leave, |config| {
+        config.limits.credit = 10;
+    });
+    slow.up().await;
+    *slow.inbox.delay.lock() = Duration::from_millis(300);
+    for n in 0..100 {
+        sender.send("factory.f1.ingress", envelope(format!("m{n}"), "{}"));
+    }
+    let quick = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    eventually("both together get all", || {
+        let mut ids = slow.inbox.ids();
+        ids.extend(quick.inbox.ids());
+        ids.sort();
+        ids.dedup();
+        ids.len() == 100
+    })
+    .await;
+    assert!(!quick.inbox.ids().is_empty());
+    slow.stop().await;
+    eventually("the queue is empty", || {
+        broker.handle.queue(&queue("factory.f1.ingress")).is_some_and(|q| q.ready + q.unsettled == 0)
+    })
+    .await;
+    quick.stop().await;
+    sender.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_single_active_consumer_hands_over() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let options = QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() };
+    broker.handle.declare_queue(&queue("factory.f1.ingress"), options).await.expect("declared");
+    let first = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    let consumers = |n| broker.handle.queue(&queue("factory.f1.ingress")).is_some_and(|q| q.consumers == n);
+    eventually("the first consumes", || consumers(1)).await;
+    let second = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    eventually("the second waits", || consumers(2)).await;
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    for n in 0..50 {
+        sender.send("factory.f1.ingress", envelope(format!("m{n}"), "{}"));
+    }
+    eventually("the first gets all", || first.inbox.ids().len() == 50).await;
+    assert!(second.inbox.ids().is_empty());
+    first.stop().await;
+    sender.send("factory.f1.ingress", envelope("next", "{}"));
+    eventually("the second takes over", || second.inbox.ids() == ["next"]).await;
+    second.stop().await;
+    sender.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_full_queue_refuses_until_there_is_room() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let options = QueueOptions { messages_max: 10, ..QueueOptions::default() };
+    broker.handle.declare_queue(&queue("factory.f1.ingress"), options).await.expect("declared");
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    for n in 0..25 {
+        sender.send("factory.f1.ingress", envelope(format!("m{n:02}"), "{}"));
+    }
+    eventually("the queue fills", || broker.ready("factory.f1.ingress") == 10).await;
+    eventually("the link tells why", || sender.reason().contains("amqp:resource-limit-exceeded")).await;
+    assert!(sender.spool.parked().is_empty());
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    eventually("all arrive", || receiver.inbox.ids().len() == 25).await;
+    assert_eq!(receiver.inbox.ids(), (0..25).map(|n| format!("m{n:02}")).collect::<Vec<_>>(), "in order");
+    eventually("nothing hinders any more", || sender.reason().is_empty()).await;
+    sender.stop().await;
+    receiver.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_nobody_fetches_in_time_expires() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    let mut short = envelope("short", "{}");
+    short.creation_time = Some(time::OffsetDateTime::now_utc());
+    short.ttl = Some(Duration::from_millis(400));
+    sender.send("factory.f1.ingress", short);
+    sender.send("factory.f1.ingress", envelope("long", "{}"));
+    eventually("both are stored", || sender.spool.waiting() == 0).await;
+    eventually("the sweep removes one", || broker.ready("factory.f1.ingress") == 1).await;
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    eventually("the other arrives", || receiver.inbox.ids() == ["long"]).await;
+    receiver.stop().await;
+    sender.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_revoked_user_is_cut_and_stays_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let link = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
+    link.up().await;
+    eventually("it is listed", || broker.handle.connections().iter().any(|c| c.user_name == "f1")).await;
+    broker.users.remove("f1");
+    assert_eq!(broker.handle.disconnect_user("f1"), 1);
+    let state = link.handle.state();
+    eventually("it is refused for good", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
+    assert!(broker.handle.connections().is_empty());
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_user_has_a_bounded_number_of_connections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| config.limits.connections_per_user_max = 1).await;
+    let first = TestLink::start(&broker.url(), "f1", &[]);
+    first.up().await;
+    let second = TestLink::start(&broker.url(), "f1", &[]);
+    eventually("the second is told", || second.reason().contains("too many connections")).await;
+    second.stop().await;
+    first.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_deleted_queue_ends_its_links_and_only_declared_names_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    broker.declare("tool.t1.reports").await;
+    broker.users.put("t1", BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("tool.t1.reports")));
+    let tool = TestLink::start(&broker.url(), "t1", &["tool.t1.reports"]);
+    eventually("it consumes", || broker.handle.queue(&queue("tool.t1.reports")).is_some_and(|q| q.consumers == 1)).await;
+    broker.handle.delete_queue(&queue("tool.t1.reports")).await.expect("deleted");
+    eventually("the tool is told", || tool.reason().contains("amqp:")).await;
+    eventually("the name is unknown", || tool.reason().contains("amqp:not-found")).await;
+    tool.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_large_backlog_is_not_held_in_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let small_cache = |config: &mut broker::BrokerConfig| config.limits.cache_bytes_max = 50_000;
+    let broker = TestBroker::start_with(folder.path(), small_cache).await;
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    let body = vec![b'x'; 5000];
+    for n in 0..500 {
+        sender.send("factory.f1.ingress", envelope(format!("m{n}"), body.clone()));
+    }
+    eventually("all are stored", || sender.spool.waiting() == 0).await;
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    receiver.inbox.answer("m7", Settlement::Release);
+    eventually("all arrive", || receiver.inbox.ids().len() == 501).await;
+    assert!(receiver.inbox.received.lock().iter().all(|(_, d)| d.envelope.body == body));
+    receiver.stop().await;
+    sender.stop().await;
+    broker.stop().await;
+}

@@ -1,0 +1,311 @@
+//! What the link promises.
+
+use std::{sync::atomic::Ordering, time::Duration};
+
+use messaging::{
+    BrokerProfile, LinkPhase, Roots, RowId, Settlement,
+    spool::memory::AcceptedReports,
+};
+
+use crate::{
+    proxy::Proxy,
+    support::{TestBroker, TestLink, address, certificate, envelope, eventually},
+};
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn messages_travel_both_ways_with_their_headers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let platform = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    let factory = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
+
+    let mut request = envelope("m1", r#"{"messageType":"comment"}"#);
+    request.ttl = Some(Duration::from_secs(3600));
+    request.creation_time = Some(time::OffsetDateTime::now_utc());
+    request.correlation_id = Some("m0".parse().expect("an id"));
+    platform.send("factory.f1.requests", request.clone());
+    factory.send("factory.f1.ingress", envelope("a1", "{}").compressed());
+
+    eventually("both arrive", || factory.inbox.ids() == ["m1"] && platform.inbox.ids() == ["a1"]).await;
+    let (at, delivery) = factory.inbox.received.lock()[0].clone();
+    assert_eq!(at, address("factory.f1.requests"));
+    assert_eq!(delivery.principal.as_deref(), Some("platform"));
+    assert_eq!((delivery.envelope.message_id, delivery.envelope.correlation_id), (request.message_id, request.correlation_id));
+    assert_eq!(delivery.envelope.body, request.body);
+    assert!(!delivery.is_redelivered);
+    assert!(delivery.envelope.ttl.is_some_and(|ttl| ttl > Duration::from_secs(3590)));
+    assert_eq!(platform.inbox.received.lock()[0].1.principal.as_deref(), Some("f1"));
+
+    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
+    let state = platform.handle.state().borrow().clone();
+    assert!(state.last_accepted_at.is_some() && state.last_received_at.is_some() && state.reason.is_none());
+    assert_eq!(state.connects, 1);
+    platform.stop().await;
+    factory.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_bad_password_is_told_and_not_hammered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let proxy = Proxy::to(broker.port()).await;
+    broker.users.remove("f1");
+    let link = TestLink::start(&proxy.url(), "f1", &[]);
+    let state = link.handle.state();
+    eventually("the refusal is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
+    assert!(link.reason().contains("refused the user or password"), "{}", link.reason());
+    assert_eq!(proxy.connections.load(Ordering::SeqCst), 1);
+
+    // Mended, and somebody asks for it at once.
+    broker.users.put("f1", broker::BrokerUser::with_secret(crate::support::SECRET.as_bytes()));
+    link.handle.reconnect_now();
+    link.up().await;
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_refused_address_is_told_and_does_not_hinder_the_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let link = TestLink::start(&broker.url(), "f1", &["factory.f2.requests", "factory.f1.requests"]);
+    link.send("factory.f2.ingress", envelope("forged", "{}"));
+    link.send("factory.f1.ingress", envelope("mine", "{}"));
+    eventually("its own address works", || broker.ready("factory.f1.ingress") == 1).await;
+    eventually("the refusal is told", || link.reason().contains("amqp:unauthorized-access")).await;
+    assert!(link.handle.state().borrow().is_up());
+    assert_eq!(link.spool.waiting(), 1, "what is refused stays");
+    assert!(broker.handle.queue(&crate::support::queue("factory.f2.ingress")).is_none());
+
+    let platform = TestLink::start(&broker.url(), "platform", &[]);
+    platform.send("factory.f1.requests", envelope("r1", "{}"));
+    eventually("its own requests arrive", || link.inbox.ids() == ["r1"]).await;
+    platform.stop().await;
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_broker_restart_loses_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let proxy_port = broker.port();
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    for n in 0..200 {
+        sender.send("factory.f1.ingress", envelope(format!("m{n}"), "{}"));
+    }
+    eventually("all are stored", || broker.ready("factory.f1.ingress") == 200 && sender.spool.waiting() == 0).await;
+    broker.stop().await;
+    sender.send("factory.f1.ingress", envelope("late", "{}"));
+    let state = sender.handle.state();
+    eventually("the loss is told", || matches!(state.borrow().phase, LinkPhase::Down { .. })).await;
+
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.listeners[0].address.set_port(proxy_port);
+    })
+    .await;
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    eventually("all arrive", || receiver.inbox.ids().len() == 201).await;
+    let mut expected: Vec<_> = (0..200).map(|n| format!("m{n}")).collect();
+    expected.push("late".to_owned());
+    assert_eq!(receiver.inbox.ids(), expected, "in their order");
+    assert!(sender.handle.state().borrow().connects >= 2);
+    eventually("the queue is empty", || broker.ready("factory.f1.ingress") == 0).await;
+    sender.stop().await;
+    receiver.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_cut_connection_may_repeat_but_never_lose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let proxy = Proxy::to(broker.port()).await;
+    let sender = TestLink::start(&proxy.url(), "f1", &[]);
+    let receiver = TestLink::start(&proxy.url(), "platform", &["factory.f1.ingress"]);
+    let total = 3000;
+    for n in 0..total {
+        sender.send("factory.f1.ingress", envelope(format!("m{n}"), vec![b'x'; 500]));
+        if n % 500 == 250 {
+            let seen = receiver.inbox.ids().len();
+            eventually("some more pass", || receiver.inbox.ids().len() > seen || sender.spool.waiting() == 0).await;
+            proxy.cut();
+        }
+    }
+    eventually("all arrive", || {
+        let mut ids = receiver.inbox.ids();
+        ids.sort();
+        ids.dedup();
+        ids.len() == total
+    })
+    .await;
+    eventually("nothing is left", || sender.spool.waiting() == 0 && broker.ready("factory.f1.ingress") == 0).await;
+    assert!(sender.handle.state().borrow().connects > 1);
+    sender.stop().await;
+    receiver.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stall_is_noticed_idle_and_busy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    for is_busy in [false, true] {
+        let proxy = Proxy::to(broker.port()).await;
+        let link = TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::Leave, |config| {
+            config.limits.idle_timeout = Duration::from_secs(2);
+            config.limits.outcome_timeout = Duration::from_secs(2);
+        });
+        link.up().await;
+        proxy.stall(true);
+        if is_busy {
+            // More than the sockets' buffers take, so that the writer blocks.
+            for n in 0..400 {
+                link.send("factory.f1.ingress", envelope(format!("m{n}"), vec![b'x'; 100_000]));
+            }
+        }
+        let state = link.handle.state();
+        eventually("the stall is noticed", || matches!(state.borrow().phase, LinkPhase::Down { .. })).await;
+        proxy.stall(false);
+        link.up().await;
+        if is_busy {
+            eventually("everything is sent after all", || link.spool.waiting() == 0).await;
+        }
+        link.stop().await;
+    }
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_oversize_message_is_set_aside_with_the_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| config.limits.message_bytes_max = 10_000).await;
+    let link = TestLink::start(&broker.url(), "f1", &[]);
+    link.send("factory.f1.ingress", envelope("small", "{}"));
+    link.send("factory.f1.ingress", envelope("large", vec![b'x'; 20_000]));
+    link.send("factory.f1.ingress", envelope("next", "{}"));
+    eventually("the others pass", || broker.ready("factory.f1.ingress") == 2).await;
+    eventually("the large one is set aside", || link.spool.parked().len() == 1).await;
+    let (row, rejection) = link.spool.parked().remove(0);
+    assert_eq!((row, rejection.code.as_str()), (RowId(2), "amqp:link:message-size-exceeded"));
+    assert!(rejection.reason.contains("10000"), "{}", rejection.reason);
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn answers_of_the_inbox_are_honoured() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    receiver.inbox.answer("poison", Settlement::reject("verbund:rubbish", "it is not JSON"));
+    receiver.inbox.answer("later", Settlement::Release);
+    let sender = TestLink::start(&broker.url(), "f1", &[]);
+    for id in ["poison", "later", "good"] {
+        sender.send("factory.f1.ingress", envelope(id, "{}"));
+    }
+    eventually("the released one comes again", || {
+        receiver.inbox.ids().iter().filter(|id| *id == "later").count() == 2
+    })
+    .await;
+    assert!(receiver.inbox.received.lock().iter().any(|(_, d)| d.is_redelivered));
+    eventually("the rejected one is a dead letter", || broker.ready("dead-letters") == 1).await;
+    let letters = broker.handle.dead_letters(0, 10).await.expect("dead letters");
+    assert_eq!((letters[0].code.as_str(), letters[0].reason.as_str()), ("verbund:rubbish", "it is not JSON"));
+    assert_eq!((letters[0].message_id.as_deref(), letters[0].principal.as_deref()), (Some("poison"), Some("f1")));
+    assert_eq!(letters[0].queue.as_str(), "factory.f1.ingress");
+    assert_eq!(broker.handle.dead_letter_body(letters[0].id).await.expect("read").as_deref(), Some(b"{}".as_slice()));
+    assert_eq!(broker.handle.replay_dead_letters(&[letters[0].id]).await.expect("replayed"), 1);
+    eventually("the replayed one comes again", || {
+        receiver.inbox.ids().iter().filter(|id| *id == "poison").count() == 2
+    })
+    .await;
+    eventually("nothing is left", || broker.ready("dead-letters") + broker.ready("factory.f1.ingress") == 0).await;
+    assert!(broker.handle.dead_letters(0, 10).await.expect("dead letters").is_empty());
+    sender.stop().await;
+    receiver.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn after_an_outage_live_goes_first_and_the_backlog_is_marked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    receiver.up().await;
+    let proxy = Proxy::to(1).await;
+    let sender = TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::WaitForReceipt, |config| {
+        config.brokers.push(broker.url().parse().expect("a url"));
+        config.limits.backoff_min = Duration::from_millis(300);
+    });
+    // Written while the first address does not answer.
+    for n in 1..=20 {
+        sender.spool.push_report(address("factory.f1.ingress"), envelope(format!("m{n}"), "{}"), 7);
+    }
+    eventually("the backlog arrives over the second address", || receiver.inbox.ids().len() == 20).await;
+    let received = receiver.inbox.received.lock().clone();
+    assert_eq!(receiver.inbox.ids()[0], "m20", "the newest first");
+    assert!(!received[0].1.envelope.replay);
+    assert!(received[1..].iter().all(|(_, d)| d.envelope.replay));
+    let replayed: Vec<_> = receiver.inbox.ids()[1..].to_vec();
+    assert_eq!(replayed, (1..=19).map(|n| format!("m{n}")).collect::<Vec<_>>());
+    eventually("reports wait for their receipt", || sender.spool.sent() == 20).await;
+
+    // The platform's receipt misses one.
+    sender.spool.make_wait(&[RowId(5)]);
+    sender.handle.rewind();
+    eventually("it is sent again", || receiver.inbox.ids().last().is_some_and(|id| id == "m5")).await;
+    sender.stop().await;
+    receiver.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn tls_is_checked_against_the_configured_roots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (identity, root) = certificate();
+    let (_, stranger) = certificate();
+    let broker = TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity)).await;
+    let url = format!("amqps://localhost:{}", broker.port());
+    let trusting = TestLink::start_with(&url, "f1", &[], AcceptedReports::Leave, |config| {
+        config.tls.roots = Roots::Pem(root);
+        config.profile = BrokerProfile::embedded();
+    });
+    trusting.send("factory.f1.ingress", envelope("m1", "{}"));
+    eventually("it arrives", || broker.ready("factory.f1.ingress") == 1).await;
+
+    let wary = TestLink::start_with(&url, "f1", &[], AcceptedReports::Leave, |config| {
+        config.tls.roots = Roots::Pem(stranger);
+    });
+    let state = wary.handle.state();
+    eventually("the distrust is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })).await;
+    assert!(wary.reason().contains("certificate"), "{}", wary.reason());
+    wary.stop().await;
+    trusting.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn addresses_come_and_go_while_the_link_is_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let link = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    for name in ["factory.f1.ingress", "factory.f2.ingress"] {
+        link.send(name, envelope(name, "{}"));
+    }
+    eventually("the first arrives", || link.inbox.ids() == ["factory.f1.ingress"]).await;
+    link.handle.set_consumed(vec![address("factory.f1.ingress"), address("factory.f2.ingress")]);
+    eventually("the second arrives", || link.inbox.ids().len() == 2).await;
+    link.handle.set_consumed(vec![address("factory.f2.ingress")]);
+    eventually("the first has no consumer", || {
+        broker.handle.queue(&crate::support::queue("factory.f1.ingress")).is_some_and(|q| q.consumers == 0)
+    })
+    .await;
+    assert_eq!(link.handle.state().borrow().connects, 1);
+    link.stop().await;
+    broker.stop().await;
+}
