@@ -254,7 +254,8 @@ impl Pump {
         let record = |outcome| {
             let _ = outcomes.send(RowOutcome { id, outcome, at });
         };
-        let count = |outcome: &'static str| metrics::counter!("link_messages_sent_total", "outcome" => outcome).increment(1);
+        let count =
+            |outcome: &'static str| metrics::counter!("link_messages_sent_total", "outcome" => outcome).increment(1);
         match outcome {
             Outcome::Accepted => {
                 count("accepted");
@@ -383,11 +384,7 @@ impl Pump {
     }
 
     /// Takes in the outcomes that still come, then drops the lanes.
-    async fn finish(
-        mut self,
-        mut arrived: mpsc::Receiver<LaneEvent>,
-        outcomes: mpsc::UnboundedSender<RowOutcome>,
-    ) {
+    async fn finish(mut self, mut arrived: mpsc::Receiver<LaneEvent>, outcomes: mpsc::UnboundedSender<RowOutcome>) {
         let deadline = Instant::now() + STOP_GRACE;
         while !self.under_way.is_empty() {
             match tokio::time::timeout_at(deadline, arrived.recv()).await {

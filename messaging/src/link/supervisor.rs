@@ -6,9 +6,7 @@ use time::OffsetDateTime;
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
-use super::{
-    LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase,
-};
+use super::{LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase};
 use crate::{
     inbox::Inbox,
     spool::SpoolStore,
@@ -35,7 +33,9 @@ impl Supervisor {
             let broker = &self.config.brokers[attempts % self.config.brokers.len()];
             attempts += 1;
             let name = broker.to_string();
-            self.shared.enter(LinkPhase::Connecting, &name, self.shared.state.borrow().reason.clone());
+            // Not within the call: the borrow would lock the state against the change.
+            let reason = self.shared.state.borrow().reason.clone();
+            self.shared.enter(LinkPhase::Connecting, &name, reason);
             let connecting = tokio::select! {
                 () = shutdown.cancelled() => break,
                 connected = self.transport.connect(broker) => connected,

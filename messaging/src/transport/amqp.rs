@@ -137,9 +137,7 @@ impl Connection for Opened {
     async fn lost(&self) -> ConnectionFault {
         let mut loss = self.loss.clone();
         let lost = loss.wait_for(Option::is_some).await;
-        lost.ok()
-            .and_then(|fault| fault.clone())
-            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+        lost.ok().and_then(|fault| fault.clone()).unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
     }
 
     async fn close(&self) {
@@ -217,4 +215,3 @@ fn rejection(error: &definitions::Error) -> Rejection {
         reason: error.description.clone().unwrap_or_else(|| "the broker gave no reason".to_owned()),
     }
 }
-

@@ -66,7 +66,9 @@ fn tls_fault(error: io::Error) -> ConnectionFault {
     let reason = format!("TLS failed: {error}");
     match cause {
         Some(
-            rustls::Error::InvalidCertificate(_) | rustls::Error::AlertReceived(_) | rustls::Error::NoCertificatesPresented,
+            rustls::Error::InvalidCertificate(_)
+            | rustls::Error::AlertReceived(_)
+            | rustls::Error::NoCertificatesPresented,
         ) => ConnectionFault::permanent(reason),
         _ => ConnectionFault::passing(reason),
     }

@@ -192,7 +192,9 @@ async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSession
             metrics::counter!("broker_links_refused_total").increment(1);
             links.spawn(async move {
                 let closed = match endpoint {
-                    LinkEndpoint::Receiver(receiver) => timeout(CLOSE_TIMEOUT, receiver.close_with_error(refusal)).await,
+                    LinkEndpoint::Receiver(receiver) => {
+                        timeout(CLOSE_TIMEOUT, receiver.close_with_error(refusal)).await
+                    }
                     LinkEndpoint::Sender(sender) => timeout(CLOSE_TIMEOUT, sender.close_with_error(refusal)).await,
                 };
                 if let Ok(Err(error)) = closed {
@@ -235,7 +237,8 @@ impl Identity {
         }
         let response = init.initial_response.as_ref().map(|r| r.as_slice()).unwrap_or_default();
         let mut parts = response.split(|byte| *byte == 0);
-        let (Some(acting_as), Some(name), Some(secret), None) = (parts.next(), parts.next(), parts.next(), parts.next())
+        let (Some(acting_as), Some(name), Some(secret), None) =
+            (parts.next(), parts.next(), parts.next(), parts.next())
         else {
             return SaslCode::Auth;
         };

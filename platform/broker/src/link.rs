@@ -11,13 +11,7 @@ use fe2o3_amqp::types::{
     performatives::Attach,
 };
 
-use crate::{
-    address::QueueName,
-    connection::error,
-    core::Core,
-    error::BrokerError,
-    queue::Queue,
-};
+use crate::{address::QueueName, connection::error, core::Core, error::BrokerError, queue::Queue};
 
 pub(crate) use dispatch::dispatch;
 pub(crate) use ingest::ingest;

@@ -247,11 +247,8 @@ impl Subscription {
         let consumer = {
             let mut state = queue.state.lock();
             state.next_consumer += 1;
-            let consumer = Consumer {
-                id: state.next_consumer,
-                wake: Arc::new(Notify::new()),
-                give_way: Arc::new(Notify::new()),
-            };
+            let consumer =
+                Consumer { id: state.next_consumer, wake: Arc::new(Notify::new()), give_way: Arc::new(Notify::new()) };
             state.consumers.push_back(consumer.clone());
             consumer
         };

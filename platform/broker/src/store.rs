@@ -80,7 +80,10 @@ pub(crate) async fn open_writer(path: &Path) -> Result<SqliteConnection, sqlx::E
 
 /// Opens the file for reading.
 pub(crate) async fn open_readers(path: &Path) -> Result<SqlitePool, sqlx::Error> {
-    SqlitePoolOptions::new().max_connections(4).connect_with(options(path).read_only(true).create_if_missing(false)).await
+    SqlitePoolOptions::new()
+        .max_connections(4)
+        .connect_with(options(path).read_only(true).create_if_missing(false))
+        .await
 }
 
 /// Makes the queue of the dead letters, once.

@@ -6,9 +6,7 @@ use asi_model::MessageId;
 use bytes::Bytes;
 use fe2o3_amqp::types::{
     definitions::ErrorCondition,
-    messaging::{
-        self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey,
-    },
+    messaging::{self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey},
     primitives::{Binary, SimpleValue, Symbol, Timestamp, Value},
 };
 use time::OffsetDateTime;

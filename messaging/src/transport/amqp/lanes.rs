@@ -6,8 +6,8 @@ use async_trait::async_trait;
 use fe2o3_amqp::{
     Receiver, Sendable, Sender,
     link::{
-        LinkStateError, ReceiverAttachError, RecvError, SendError, SenderAttachError, SessionStopReason, delivery::DeliveryInfo,
-        receiver::CreditMode,
+        LinkStateError, ReceiverAttachError, RecvError, SendError, SenderAttachError, SessionStopReason,
+        delivery::DeliveryInfo, receiver::CreditMode,
     },
     session::SessionHandle,
     types::{
@@ -121,7 +121,7 @@ impl AmqpIncoming {
         mut session: SessionHandle<()>,
         terminus: &Terminus,
         limits: &LinkLimits,
-        ) -> Result<Self, LaneFault> {
+    ) -> Result<Self, LaneFault> {
         let source = Source {
             address: Some(terminus.address.clone()),
             capabilities: capabilities(terminus),
@@ -167,7 +167,11 @@ impl AmqpIncoming {
         };
         let (info, refusal) = refused;
         metrics::counter!("link_messages_rejected_total", "reason" => "form").increment(1);
-        tracing::warn!(code = refusal.code, reason = refusal.reason, "a message has a form that cannot be read; it is rejected");
+        tracing::warn!(
+            code = refusal.code,
+            reason = refusal.reason,
+            "a message has a form that cannot be read; it is rejected"
+        );
         self.receiver.reject(info, amqp_error(&refusal)).await.map_err(settle_fault)?;
         Ok(None)
     }

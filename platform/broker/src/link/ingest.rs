@@ -139,7 +139,10 @@ async fn store(
     match queue.reserve(bytes) {
         Ok(()) => {}
         Err(Refusal::Full) => {
-            return refuse("full", error(AmqpError::ResourceLimitExceeded, format!("the queue {} is full", queue.name)));
+            return refuse(
+                "full",
+                error(AmqpError::ResourceLimitExceeded, format!("the queue {} is full", queue.name)),
+            );
         }
         Err(Refusal::Deleted) => {
             return refuse("deleted", error(AmqpError::ResourceDeleted, "the queue was deleted"));

@@ -37,8 +37,8 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
         };
         queues.push(Loaded { id: row.try_get(0)?, name, options, entries: Vec::new() });
     }
-    let mut rows = sqlx::query("SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id")
-        .fetch(pool);
+    let mut rows =
+        sqlx::query("SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id").fetch(pool);
     let by_id: std::collections::HashMap<i64, usize> = queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
     while let Some(row) = futures::TryStreamExt::try_next(&mut rows).await? {
         let Some(at) = by_id.get(&row.try_get::<i64, _>(1)?) else { continue };
@@ -56,10 +56,7 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
 }
 
 /// Reads messages by id; those that are gone are missing in the answer, those that cannot be decoded are none.
-pub(crate) async fn bodies(
-    pool: &SqlitePool,
-    ids: &[i64],
-) -> Result<Vec<(i64, u64, Option<AnyMessage>)>, sqlx::Error> {
+pub(crate) async fn bodies(pool: &SqlitePool, ids: &[i64]) -> Result<Vec<(i64, u64, Option<AnyMessage>)>, sqlx::Error> {
     let rows = sqlx::query("SELECT id, bytes, body FROM messages WHERE id IN (SELECT value FROM json_each(?))")
         .bind(json_list(ids))
         .fetch_all(pool)

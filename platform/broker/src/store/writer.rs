@@ -289,12 +289,11 @@ async fn declare(
 }
 
 async fn bury(connection: &mut SqliteConnection, letter: &Letter, dead_letters: i64) -> Result<(), sqlx::Error> {
-    let moved =
-        sqlx::query("UPDATE messages SET queue_id = ?, delivery_count = 0, expires_at_ms = NULL WHERE id = ?")
-            .bind(dead_letters)
-            .bind(letter.entry.id)
-            .execute(&mut *connection)
-            .await?;
+    let moved = sqlx::query("UPDATE messages SET queue_id = ?, delivery_count = 0, expires_at_ms = NULL WHERE id = ?")
+        .bind(dead_letters)
+        .bind(letter.entry.id)
+        .execute(&mut *connection)
+        .await?;
     if moved.rows_affected() == 0 {
         return Ok(());
     }

@@ -12,9 +12,10 @@ async fn consumers_compete_and_leave_what_they_did_not_settle() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;
     let sender = TestLink::start(&broker.url(), "f1", &[]);
-    let slow = TestLink::start_with(&broker.url(), "platform", &["factory.f1.ingress"], AcceptedReports::Leave, |config| {
-        config.limits.credit = 10;
-    });
+    let slow =
+        TestLink::start_with(&broker.url(), "platform", &["factory.f1.ingress"], AcceptedReports::Leave, |config| {
+            config.limits.credit = 10;
+        });
     slow.up().await;
     *slow.inbox.delay.lock() = Duration::from_millis(300);
     for n in 0..100 {
@@ -116,10 +117,8 @@ async fn a_revoked_user_is_cut_and_stays_out() {
     broker.users.remove("f1");
     assert_eq!(broker.handle.disconnect_user("f1"), 1);
     let state = link.handle.state();
-    eventually("it is refused for good", || {
-        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
-    })
-    .await;
+    eventually("it is refused for good", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
+        .await;
     assert!(broker.handle.connections().is_empty());
     link.stop().await;
     broker.stop().await;
@@ -145,7 +144,8 @@ async fn a_deleted_queue_ends_its_links_and_only_declared_names_come_back() {
     broker.declare("tool.t1.reports").await;
     broker.users.put("t1", BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("tool.t1.reports")));
     let tool = TestLink::start(&broker.url(), "t1", &["tool.t1.reports"]);
-    eventually("it consumes", || broker.handle.queue(&queue("tool.t1.reports")).is_some_and(|q| q.consumers == 1)).await;
+    eventually("it consumes", || broker.handle.queue(&queue("tool.t1.reports")).is_some_and(|q| q.consumers == 1))
+        .await;
     broker.handle.delete_queue(&queue("tool.t1.reports")).await.expect("deleted");
     eventually("the tool is told", || tool.reason().contains("amqp:")).await;
     eventually("the name is unknown", || tool.reason().contains("amqp:not-found")).await;

@@ -2,10 +2,7 @@
 
 use std::{sync::atomic::Ordering, time::Duration};
 
-use messaging::{
-    BrokerProfile, LinkPhase, Roots, RowId, Settlement,
-    spool::memory::AcceptedReports,
-};
+use messaging::{BrokerProfile, LinkPhase, Roots, RowId, Settlement, spool::memory::AcceptedReports};
 
 use crate::{
     proxy::Proxy,
@@ -30,7 +27,10 @@ async fn messages_travel_both_ways_with_their_headers() {
     let (at, delivery) = factory.inbox.received.lock()[0].clone();
     assert_eq!(at, address("factory.f1.requests"));
     assert_eq!(delivery.principal.as_deref(), Some("platform"));
-    assert_eq!((delivery.envelope.message_id, delivery.envelope.correlation_id), (request.message_id, request.correlation_id));
+    assert_eq!(
+        (delivery.envelope.message_id, delivery.envelope.correlation_id),
+        (request.message_id, request.correlation_id)
+    );
     assert_eq!(delivery.envelope.body, request.body);
     assert!(!delivery.is_redelivered);
     assert!(delivery.envelope.ttl.is_some_and(|ttl| ttl > Duration::from_secs(3590)));
@@ -53,10 +53,8 @@ async fn a_bad_password_is_told_and_not_hammered() {
     broker.users.remove("f1");
     let link = TestLink::start(&proxy.url(), "f1", &[]);
     let state = link.handle.state();
-    eventually("the refusal is told", || {
-        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
-    })
-    .await;
+    eventually("the refusal is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
+        .await;
     assert!(link.reason().contains("refused the user or password"), "{}", link.reason());
     assert_eq!(proxy.connections.load(Ordering::SeqCst), 1);
 
@@ -208,10 +206,8 @@ async fn answers_of_the_inbox_are_honoured() {
     for id in ["poison", "later", "good"] {
         sender.send("factory.f1.ingress", envelope(id, "{}"));
     }
-    eventually("the released one comes again", || {
-        receiver.inbox.ids().iter().filter(|id| *id == "later").count() == 2
-    })
-    .await;
+    eventually("the released one comes again", || receiver.inbox.ids().iter().filter(|id| *id == "later").count() == 2)
+        .await;
     assert!(receiver.inbox.received.lock().iter().any(|(_, d)| d.is_redelivered));
     eventually("the rejected one is a dead letter", || broker.ready("dead-letters") == 1).await;
     let letters = broker.handle.dead_letters(0, 10).await.expect("dead letters");
@@ -282,7 +278,8 @@ async fn tls_is_checked_against_the_configured_roots() {
         config.tls.roots = Roots::Pem(stranger);
     });
     let state = wary.handle.state();
-    eventually("the distrust is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })).await;
+    eventually("the distrust is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
+        .await;
     assert!(wary.reason().contains("certificate"), "{}", wary.reason());
     wary.stop().await;
     trusting.stop().await;

@@ -79,7 +79,10 @@ impl TestBroker {
         config.auto_created = vec![pattern("factory.*.ingress"), pattern("factory.*.requests")];
         change(&mut config);
         let users = Arc::new(CredentialTable::new());
-        users.put("platform", BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("#")).may_produce(pattern("#")));
+        users.put(
+            "platform",
+            BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("#")).may_produce(pattern("#")),
+        );
         users.put(
             "f1",
             BrokerUser::with_secret(SECRET.as_bytes())
@@ -193,7 +196,10 @@ pub struct RecordingInbox {
 impl RecordingInbox {
     pub fn ids(&self) -> Vec<String> {
         let received = self.received.lock();
-        received.iter().map(|(_, d)| d.envelope.message_id.as_ref().map_or(String::new(), ToString::to_string)).collect()
+        received
+            .iter()
+            .map(|(_, d)| d.envelope.message_id.as_ref().map_or(String::new(), ToString::to_string))
+            .collect()
     }
 
     pub fn answer(&self, id: &str, settlement: Settlement) {
@@ -224,7 +230,9 @@ impl Inbox for RecordingInbox {
 pub fn certificate() -> (TlsIdentity, bytes::Bytes) {
     let certified = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
     let pem = bytes::Bytes::from(certified.cert.pem());
-    let identity =
-        TlsIdentity { certificates_pem: pem.clone(), key_pem: bytes::Bytes::from(certified.signing_key.serialize_pem()) };
+    let identity = TlsIdentity {
+        certificates_pem: pem.clone(),
+        key_pem: bytes::Bytes::from(certified.signing_key.serialize_pem()),
+    };
     (identity, pem)
 }
