@@ -101,6 +101,23 @@ async fn a_revision_touches_only_what_differs() {
     twin.stop().await;
 }
 
+#[tokio::test]
+async fn a_changed_status_alone_is_heard() {
+    let twin = TestTwin::start().await;
+    twin.handle.apply(document(message("net", 1)));
+    let client = twin.client("vera").await;
+    let id = field_id("net", "progressStatus");
+    let mut changes = client.subscribe(&[instance(&id)]).await;
+    assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadWaitingForInitialData);
+    let refused = FieldRecord { mapping_state: asi_model::messages::MappingState::Refused, ..FieldRecord::default() };
+    twin.handle.publish_decision(&field("net", "progressStatus"), refused);
+    assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadNotSupported);
+    twin.handle.remove(&"net".parse().unwrap());
+    assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadNodeIdUnknown);
+    client.close().await;
+    twin.stop().await;
+}
+
 /// Subscribes to the fields of an event type at the Server object.
 async fn events(client: &Client, of: ObjectTypeId, fields: &[&str]) -> mpsc::UnboundedReceiver<Vec<Variant>> {
     let (sender, receiver) = mpsc::unbounded_channel();

@@ -4,6 +4,7 @@
 
 mod address_space;
 mod changes;
+mod foreign;
 mod harness;
 mod security;
 mod writes;

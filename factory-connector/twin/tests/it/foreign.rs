@@ -1,0 +1,212 @@
+//! Other people's OPC UA stacks against the twin: asyncua and node-opcua, encrypted and with a user.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Stdio,
+    time::Duration,
+};
+
+use asi_model::DataValue;
+use serde_json::{Value, json};
+use tokio::{
+    io::{AsyncBufReadExt, AsyncReadExt, BufReader},
+    process::{Child, Command},
+    sync::OnceCell,
+};
+
+use crate::harness::{TestTwin, document, external, field, field_id, message, now};
+
+/// How long one command may take; starting an interpreter on a busy machine is slow.
+const COMMAND_TIMEOUT: Duration = Duration::from_secs(90);
+/// How long installing the peers may take.
+const SETUP_TIMEOUT: Duration = Duration::from_secs(600);
+
+/// The two foreign clients; both have the same commands.
+#[derive(Debug, Clone, Copy)]
+enum Peer {
+    Asyncua,
+    NodeOpcua,
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// Installs the peers once; prints nothing and is quick when they are there.
+async fn installed() {
+    static INSTALLED: OnceCell<()> = OnceCell::const_new();
+    INSTALLED
+        .get_or_init(|| async {
+            let setup = Command::new("bash").arg(repository().join("tests/foreign/setup.sh")).status();
+            let status = tokio::time::timeout(SETUP_TIMEOUT, setup).await.expect("installing takes too long");
+            assert!(status.unwrap().success(), "tests/foreign/setup.sh installs asyncua and node-opcua");
+        })
+        .await;
+}
+
+/// One sign-in of a foreign client.
+struct Foreign<'a> {
+    peer: Peer,
+    twin: &'a TestTwin,
+    user: &'a str,
+    password: String,
+}
+
+impl<'a> Foreign<'a> {
+    fn new(peer: Peer, twin: &'a TestTwin, user: &'a str) -> Self {
+        Self { peer, twin, user, password: format!("{user}-secret") }
+    }
+
+    fn spawn(&self, arguments: &[&str]) -> Child {
+        let scripts = repository().join("tests/foreign/opcua");
+        let mut command = match self.peer {
+            Peer::Asyncua => {
+                let mut command = Command::new(repository().join("target/foreign/python/bin/python"));
+                command.arg(scripts.join("asyncua_client.py"));
+                command
+            }
+            Peer::NodeOpcua => {
+                let mut command = Command::new("node");
+                command.arg(scripts.join("node_client.js"));
+                command
+            }
+        };
+        let pki = self.twin.folder.path().join(format!("{:?}", self.peer));
+        command
+            .arg(self.twin.url.as_ref())
+            .args(["--user", self.user, "--password", &self.password, "--timeout", "60", "--pki"])
+            .arg(pki)
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .kill_on_drop(true)
+            .spawn()
+            .unwrap()
+    }
+
+    async fn run(&self, arguments: &[&str]) -> Value {
+        installed().await;
+        let child = self.spawn(arguments);
+        let output = tokio::time::timeout(COMMAND_TIMEOUT, child.wait_with_output()).await.unwrap().unwrap();
+        let complaints = String::from_utf8_lossy(&output.stderr).into_owned();
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{:?} said: {complaints}", self.peer))
+    }
+
+    /// Runs a command that listens; `when_ready` is done once it does.
+    async fn listen(&self, arguments: &[&str], when_ready: impl AsyncFnOnce()) -> Value {
+        installed().await;
+        let mut child = self.spawn(arguments);
+        let mut errors = BufReader::new(child.stderr.take().unwrap()).lines();
+        let listening = async {
+            while let Some(line) = errors.next_line().await.unwrap() {
+                if line == "ready" {
+                    return;
+                }
+            }
+            panic!("{:?} ended before it listened", self.peer);
+        };
+        tokio::time::timeout(COMMAND_TIMEOUT, listening).await.unwrap();
+        when_ready().await;
+        let mut result = Vec::new();
+        let mut stdout = child.stdout.take().unwrap();
+        tokio::time::timeout(COMMAND_TIMEOUT, stdout.read_to_end(&mut result)).await.unwrap().unwrap();
+        serde_json::from_slice(&result).unwrap()
+    }
+}
+
+fn nsu(identifier: &str) -> String {
+    format!("nsu=urn:verbund:cpt:FOR_MUC;s={identifier}")
+}
+
+/// Everything a foreign client does with the twin, one after the other.
+async fn works_with(peer: Peer) {
+    let twin = TestTwin::start().await;
+    twin.handle.apply(document(message("net", 1)));
+    twin.handle.publish_decision(&field("net", "progressStatus"), external());
+    let (engineer, operator, viewer) =
+        (Foreign::new(peer, &twin, "anna"), Foreign::new(peer, &twin, "otto"), Foreign::new(peer, &twin, "vera"));
+    let id = nsu(&field_id("net", "progressStatus"));
+
+    let found = viewer.run(&["browse", &nsu("net#OperationNetwork")]).await;
+    let names: Vec<&str> =
+        found["children"].as_array().unwrap().iter().map(|c| c["browseName"].as_str().unwrap()).collect();
+    for name in ["OperationNetworkId", "MakeFrame1", "InspectFrame1", "rel1"] {
+        assert!(names.contains(&name), "{found}");
+    }
+
+    assert_eq!(operator.run(&["write", &id, "UInt64", "5"]).await, json!({"ok": true, "status": "Good"}));
+    let read = viewer.run(&["read", &id]).await;
+    assert_eq!((&read["value"], &read["status"]), (&json!(5), &json!("Good")), "{read}");
+    let unit = viewer.run(&["read", &format!("{id}#EngineeringUnits")]).await;
+    assert_eq!(unit["status"], "Good", "{unit}");
+    let undecided = nsu(&field_id("net", "percent"));
+    assert_eq!(operator.run(&["write", &undecided, "Double", "5.0"]).await["status"], "BadNotWritable");
+    assert_eq!(viewer.run(&["write", &id, "UInt64", "6"]).await["status"], "BadUserAccessDenied");
+    assert_eq!(operator.run(&["write", &id, "Int32", "6"]).await["status"], "BadTypeMismatch");
+
+    let changes = viewer
+        .listen(&["subscribe", &id, "3"], async || {
+            for value in [8_u64, 9] {
+                twin.handle.publish_values(vec![(field("net", "progressStatus"), DataValue::good(value, now()))]);
+            }
+        })
+        .await;
+    let values: Vec<&Value> = changes["changes"].as_array().unwrap().iter().map(|c| &c["value"]).collect();
+    assert_eq!(values, [&json!(5), &json!(8), &json!(9)], "{changes}");
+
+    let (object, method) =
+        (nsu("net/op/MakeFrame1/req/ReqResponse1"), nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"));
+    let refusal = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
+    let call = ["call", &object, &method, refusal];
+    assert_eq!(operator.run(&call).await["status"], "BadUserAccessDenied");
+    assert_eq!(engineer.run(&call).await["status"], "Good");
+    let reason = viewer.run(&["read", &format!("{undecided}#DecisionReason")]).await;
+    assert_eq!(reason["value"], "not ours to tell");
+
+    let changed = viewer
+        .listen(&["events", "1", "GeneralModelChangeEvent"], async || {
+            twin.handle.apply(document(message("another", 1)));
+        })
+        .await;
+    let affected = changed["events"][0]["Changes"].as_array().unwrap_or_else(|| panic!("{changed}"));
+    assert!(affected.len() > 10, "{changed}");
+    let audited = viewer
+        .listen(&["events", "1", "AuditWriteUpdateEvent"], async || {
+            twin.client("otto").await.write(&field_id("net", "progressStatus"), 10_u64).await;
+        })
+        .await;
+    assert_eq!(audited["events"][0]["ClientUserId"], "otto", "{audited}");
+    assert_eq!(audited["events"][0]["Status"], true, "{audited}");
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn asyncua_browses_reads_writes_subscribes_calls_and_hears_events() {
+    works_with(Peer::Asyncua).await;
+}
+
+#[tokio::test]
+async fn node_opcua_browses_reads_writes_subscribes_calls_and_hears_events() {
+    works_with(Peer::NodeOpcua).await;
+}
+
+#[tokio::test]
+async fn foreign_clients_are_refused_with_the_right_status() {
+    let twin = TestTwin::start_with(|_| {}).await;
+    for peer in [Peer::Asyncua, Peer::NodeOpcua] {
+        let mut client = Foreign::new(peer, &twin, "vera");
+        let read = ["read", "i=2259"];
+        let untrusted = client.run(&read).await;
+        assert_eq!(untrusted["ok"], false, "{peer:?}: {untrusted}");
+        let list = twin.handle.trust_list().list().unwrap();
+        for certificate in list {
+            twin.handle.trust_list().trust(&certificate.thumbprint).unwrap();
+        }
+        let trusted = client.run(&read).await;
+        assert_eq!(trusted["ok"], true, "{peer:?}: {trusted}");
+        client.password = "wrong".to_owned();
+        let refused = client.run(&read).await;
+        assert_eq!(refused["status"], "BadIdentityTokenRejected", "{peer:?}: {refused}");
+    }
+    twin.stop().await;
+}
