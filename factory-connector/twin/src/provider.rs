@@ -7,8 +7,11 @@
 use std::ops::ControlFlow;
 
 use async_trait::async_trait;
-use opcua_stack::opcua::types::{
-    AttributeId, DataValue, ExtensionObject, LocalizedText, NodeClass, NodeId, QualifiedName, StatusCode, Variant,
+use opcua_stack::opcua::{
+    server::node_manager::MonitoredItemRef,
+    types::{
+        AttributeId, DataValue, ExtensionObject, LocalizedText, NodeClass, NodeId, QualifiedName, StatusCode, Variant,
+    },
 };
 
 use crate::access::{Role, TwinUser};
@@ -181,6 +184,10 @@ pub trait NodeProvider: Send + Sync + 'static {
     fn types(&self) -> Vec<(NodeId, NodeId, NodeClass)> {
         Vec::new()
     }
+
+    /// Tells newly registered monitored items the present values, in order with what is published otherwise: what
+    /// changed between their first read and their registration was notified to nobody.
+    fn tell_again(&self, _items: &[&MonitoredItemRef]) {}
 
     /// Writes an attribute. The answer may be delayed until the value is durable.
     async fn write(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode;

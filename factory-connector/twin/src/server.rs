@@ -29,7 +29,7 @@ use crate::{
     events::EventReporter,
     handle::TwinHandle,
     host::{HostManager, NodeHost},
-    security::{certificate, login::Login, trust::TrustList},
+    security::{certificate, connections::ConnectionLimits, login::Login, trust::TrustList},
 };
 
 /// How long closing the connections may take.
@@ -71,6 +71,7 @@ impl Twin {
             .port(port)
             .discovery_urls(vec![url.to_string()])
             .with_authenticator(Arc::new(login))
+            .with_connection_filter(Arc::new(ConnectionLimits::new(&config.limits)))
             .with_node_manager(HostBuilder(Arc::clone(&host)));
         let (server, handle) = builder.build().map_err(|reason| TwinError::Configuration { reason })?;
         let host = host.get().expect("building the server builds its node managers");

@@ -11,7 +11,7 @@ use async_trait::async_trait;
 use opcua_stack::{
     NamespaceTable,
     opcua::{
-        server::SubscriptionCache,
+        server::{SubscriptionCache, node_manager::MonitoredItemRef},
         types::{
             DataValue, Identifier, LocalizedText, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode,
             VariableTypeId, Variant,
@@ -463,6 +463,10 @@ impl NodeProvider for AsiProvider {
         let part = FOLDER_PARTS.iter().find(|part| part.is_standard && part.name == name);
         let target = part.map(|part| self.id(format!("{FOLDER_ID}#{}", part.name)));
         Some(target.map(|id| reference(ReferenceTypeId::HasProperty, true, id)).into_iter().collect())
+    }
+
+    fn tell_again(&self, items: &[&MonitoredItemRef]) {
+        self.tell_present_values(items);
     }
 
     async fn write(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode {

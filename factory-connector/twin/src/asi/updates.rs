@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use asi_model::{DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, messages::MappingState};
-use opcua_stack::opcua::types::{AttributeId, DataValue, DateTime as StackTime, StatusCode};
+use opcua_stack::opcua::{
+    server::node_manager::MonitoredItemRef,
+    types::{AttributeId, DataValue, DateTime as StackTime, StatusCode},
+};
 
 use super::{
     difference::{Difference, verb},
@@ -14,6 +17,7 @@ use super::{
 use crate::{
     document::{Applied, AsiDocument, FieldRecord},
     events::{AuditWrite, ModelChange, NodeChange},
+    provider::NodeProvider as _,
 };
 
 /// The attributes of which a removed node's monitored items are told.
@@ -158,6 +162,21 @@ impl AsiProvider {
             && let Some(value) = interface.part(place, "State").and_then(|part| interface.part_value(place, part))
         {
             told.push((format!("{}#State", interface.identifier(place)), value));
+        }
+    }
+
+    /// Tells items that were just registered the present values; what they were told already is no change to them.
+    pub(super) fn tell_present_values(&self, items: &[&MonitoredItemRef]) {
+        let _order = self.publishing.lock();
+        let mut notifier = self.subscriptions.data_notifier();
+        for item in items.iter().filter(|item| item.attribute() == AttributeId::Value) {
+            let present = self
+                .value(item.node_id())
+                .unwrap_or_else(|| DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() });
+            let value = DataValue { server_timestamp: Some(StackTime::now()), ..present };
+            if let Some(mut registered) = notifier.notify_for(item.node_id(), AttributeId::Value) {
+                registered.data_value_to_item(value, &item.handle());
+            }
         }
     }
 

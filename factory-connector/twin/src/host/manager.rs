@@ -10,8 +10,8 @@ use opcua_stack::opcua::{
         CreateMonitoredItem,
         diagnostics::NamespaceMetadata,
         node_manager::{
-            BrowseNode, BrowsePathItem, ExternalReferenceRequest, MethodCall, NodeManager, ReadNode, RequestContext,
-            ServerContext, WriteNode,
+            BrowseNode, BrowsePathItem, ExternalReferenceRequest, MethodCall, MonitoredItemRef, NodeManager, ReadNode,
+            RequestContext, ServerContext, WriteNode,
         },
     },
     types::{AttributeId, IdType, NodeClass, NodeId, StatusCode, TimestampsToReturn},
@@ -168,6 +168,20 @@ impl NodeManager for HostManager {
             }
         }
         Ok(())
+    }
+
+    async fn monitored_items_created(&self, _context: &RequestContext, items: &[&MonitoredItemRef]) {
+        let table = self.0.table.load_full();
+        for provider in &table.providers {
+            let own: Vec<&MonitoredItemRef> = items
+                .iter()
+                .copied()
+                .filter(|item| table.owner(item.node_id()).is_some_and(|owner| Arc::ptr_eq(owner, provider)))
+                .collect();
+            if !own.is_empty() {
+                provider.tell_again(&own);
+            }
+        }
     }
 
     async fn call(&self, context: &RequestContext, methods_to_call: &mut [&mut MethodCall]) -> Result<(), StatusCode> {

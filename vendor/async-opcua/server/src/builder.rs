@@ -9,6 +9,7 @@ use opcua_crypto::SecurityPolicy;
 use opcua_types::{BuildInfo, MessageSecurityMode, TypeLoader, TypeLoaderCollection};
 
 use super::{
+    admission::{CertificateValidator, ConnectionFilter},
     authenticator::AuthManager, node_manager::NodeManagerBuilder, Limits, Server, ServerConfig,
     ServerEndpoint, ServerHandle, ServerUserToken, ANONYMOUS_USER_TOKEN_ID,
 };
@@ -24,6 +25,8 @@ pub struct ServerBuilder {
     pub(crate) type_loaders: TypeLoaderCollection,
     pub(crate) token: CancellationToken,
     pub(crate) build_info: BuildInfo,
+    pub(crate) connection_filter: Option<Arc<dyn ConnectionFilter>>,
+    pub(crate) certificate_validator: Option<Arc<dyn CertificateValidator>>,
 }
 
 impl Default for ServerBuilder {
@@ -36,6 +39,8 @@ impl Default for ServerBuilder {
             type_tree_getter: None,
             build_info: BuildInfo::default(),
             type_loaders: TypeLoaderCollection::new(),
+            connection_filter: None,
+            certificate_validator: None,
         };
         #[cfg(feature = "generated-address-space")]
         {
@@ -262,6 +267,18 @@ impl ServerBuilder {
     /// If you remove the core node manager you must implement the core namespace yourself.
     pub fn without_node_managers(mut self) -> Self {
         self.node_managers.clear();
+        self
+    }
+
+    /// Set a filter that decides about each incoming connection.
+    pub fn with_connection_filter(mut self, filter: Arc<dyn ConnectionFilter>) -> Self {
+        self.connection_filter = Some(filter);
+        self
+    }
+
+    /// Set a validator for client certificates, used in place of the certificate store's own check.
+    pub fn with_certificate_validator(mut self, validator: Arc<dyn CertificateValidator>) -> Self {
+        self.certificate_validator = Some(validator);
         self
     }
 

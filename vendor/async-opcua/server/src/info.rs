@@ -91,6 +91,8 @@ pub struct ServerInfo {
     pub type_loaders: RwLock<TypeLoaderCollection>,
     /// Current server diagnostics.
     pub diagnostics: ServerDiagnostics,
+    /// Validator for client certificates, in place of the certificate store's own check.
+    pub certificate_validator: Option<Arc<dyn crate::CertificateValidator>>,
 }
 
 impl ServerInfo {

@@ -11,6 +11,7 @@
 //! See docs for the main `opcua` crate for details on usage.
 
 pub mod address_space;
+mod admission;
 pub mod authenticator;
 mod builder;
 mod config;
@@ -28,6 +29,7 @@ mod session;
 mod subscriptions;
 mod transport;
 
+pub use admission::{CertificateValidator, ConnectionFilter};
 pub use builder::ServerBuilder;
 pub use config::*;
 pub use identity_token::IdentityToken;

@@ -90,6 +90,8 @@ pub struct Server {
     /// Manager for reverse connections. This does nothing unless users register
     /// reverse connect targets.
     reverse_connect_manager: ReverseConnectionManager,
+    /// Decides about incoming connections.
+    connection_filter: Option<Arc<dyn crate::ConnectionFilter>>,
 }
 
 impl Server {
@@ -183,6 +185,7 @@ impl Server {
                 enabled: config.diagnostics,
                 ..Default::default()
             },
+            certificate_validator: builder.certificate_validator,
         };
 
         let certificate_store = Arc::new(RwLock::new(certificate_store));
@@ -249,6 +252,7 @@ impl Server {
                 session_notify,
                 status: status_wrapper.clone(),
                 reverse_connect_manager,
+                connection_filter: builder.connection_filter,
             },
             handle,
         ))
@@ -373,6 +377,15 @@ impl Server {
                 rs = listener.accept() => {
                     match rs {
                         Ok((socket, addr)) => {
+                            let permit = match &self.connection_filter {
+                                Some(filter) => match filter.admit(addr) {
+                                    Some(permit) => Some(permit),
+                                    None => continue,
+                                },
+                                None => None,
+                            };
+                            // Responses are written as a whole; waiting for more only delays them.
+                            let _ = socket.set_nodelay(true);
                             info!("Accept new connection from {addr} ({connection_counter})");
                             let conn = SessionStarter::new(
                                 TcpConnector::new(socket, TransportConfig {
@@ -391,6 +404,7 @@ impl Server {
 
                             let (send, recv) = tokio::sync::mpsc::channel(5);
                             let handle = tokio::spawn(async move {
+                                let _permit = permit;
                                 if let Err(payload) =
                                     std::panic::AssertUnwindSafe(conn.run(recv, |_| {}))
                                         .catch_unwind()
@@ -408,6 +422,8 @@ impl Server {
                         }
                         Err(e) => {
                             error!("Failed to accept client connection: {:?}", e);
+                            // Out of file handles, most likely: trying again at once would only burn CPU.
+                            tokio::time::sleep(Duration::from_millis(50)).await;
                         }
                     }
                 }

@@ -349,7 +349,10 @@ impl ParsedContentFilter {
             (Variant::Double(lhs), Variant::Double(rhs)) => Some(lhs.total_cmp(&rhs)),
             (Variant::Float(lhs), Variant::Float(rhs)) => Some(lhs.total_cmp(&rhs)),
             (Variant::Boolean(lhs), Variant::Boolean(rhs)) => Some(lhs.cmp(&rhs)),
-            _ => None,
+            (Variant::String(lhs), Variant::String(rhs)) => Some(lhs.as_ref().cmp(rhs.as_ref())),
+            (Variant::DateTime(lhs), Variant::DateTime(rhs)) => Some(lhs.cmp(&rhs)),
+            // Types without an order can still be equal: a NodeId in a list of event types, for one.
+            (lhs, rhs) => (lhs == rhs && !lhs.is_empty()).then_some(Ordering::Equal),
         }
     }
 

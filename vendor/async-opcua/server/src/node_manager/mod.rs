@@ -484,6 +484,12 @@ pub trait NodeManager: IntoAnyArc + Any {
         Err(StatusCode::BadServiceUnsupported)
     }
 
+    /// Called once monitored items are registered, so that every later notification reaches them. A node manager
+    /// that pushes values can compare what it gave as initial value with its present one here: what changed in
+    /// between was notified to nobody.
+    async fn monitored_items_created(&self, context: &RequestContext, items: &[&MonitoredItemRef]) {
+    }
+
     /// Modify monitored items. This method is purely informative for the node manager,
     /// to let it modify sampling intervals, apply a new filter, or similar.
     ///

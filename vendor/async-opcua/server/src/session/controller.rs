@@ -351,6 +351,9 @@ impl SessionController {
                 .instrument(span.clone())
                 .await;
                 let _h = span.enter();
+                if res.is_ok() {
+                    self.transport.set_authenticated();
+                }
                 self.process_service_result(res, request.request_header.request_handle, id)
             }
 

@@ -99,13 +99,18 @@ impl SessionManager {
 
         let client_certificate = if security_policy != SecurityPolicy::None {
             let cert = opcua_crypto::X509::from_byte_string(&request.client_certificate)?;
-            let store = trace_read_lock!(certificate_store);
-            store.validate_or_reject_application_instance_cert(
-                &cert,
-                security_policy,
-                None,
-                None,
-            )?;
+            match &self.info.certificate_validator {
+                Some(validator) => validator.validate(&cert, security_policy)?,
+                None => {
+                    let store = trace_read_lock!(certificate_store);
+                    store.validate_or_reject_application_instance_cert(
+                        &cert,
+                        security_policy,
+                        None,
+                        None,
+                    )?;
+                }
+            }
             Some(cert)
         } else {
             None

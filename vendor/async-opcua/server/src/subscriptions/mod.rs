@@ -91,6 +91,29 @@ struct SubscriptionCacheInner {
     monitored_items: HashMap<MonitoredItemKey, HashMap<MonitoredItemHandle, MonitoredItemEntry>>,
 }
 
+impl SubscriptionCacheInner {
+    /// Remove the lookup entries of deleted monitored items, and the keys that no item is left for.
+    fn forget_items<'a>(&mut self, items: impl IntoIterator<Item = &'a MonitoredItemRef>) {
+        for item in items {
+            let key = MonitoredItemKeyRef {
+                id: item.node_id().into(),
+                attribute_id: item.attribute(),
+            };
+            let Some(handles) = self.monitored_items.get_mut(&key) else {
+                continue;
+            };
+            handles.remove(&item.handle());
+            if handles.is_empty() {
+                self.monitored_items.remove(&key);
+            }
+        }
+        // Give memory back once most of it is unused.
+        if self.monitored_items.capacity() > 4 * self.monitored_items.len() + 1024 {
+            self.monitored_items.shrink_to_fit();
+        }
+    }
+}
+
 /// Structure storing all subscriptions and monitored items on the server.
 /// Used to notify users of changes.
 ///
@@ -133,26 +156,34 @@ impl SubscriptionCache {
         // be more efficient, and would be more responsive.
         let mut to_delete = Vec::new();
         let mut items_to_delete = Vec::new();
+        let mut removed_subscriptions = Vec::new();
         {
             let now = Utc::now();
             let now_instant = Instant::now();
             let lck = trace_read_lock!(self.inner);
             for (session_id, sub) in lck.session_subscriptions.iter() {
                 let mut sub_lck = sub.lock();
-                items_to_delete.push((
-                    sub_lck.session().clone(),
-                    sub_lck.tick(&now, now_instant, TickReason::TickTimerFired),
-                ));
+                sub_lck.tick(&now, now_instant, TickReason::TickTimerFired);
+                let (items, removed) = sub_lck.take_expired();
+                if !items.is_empty() {
+                    items_to_delete.push((sub_lck.session().clone(), items));
+                }
+                removed_subscriptions.extend(removed);
                 if sub_lck.is_ready_to_delete() {
                     to_delete.push(*session_id);
                 }
             }
         }
-        if !to_delete.is_empty() {
+        if !to_delete.is_empty() || !items_to_delete.is_empty() || !removed_subscriptions.is_empty()
+        {
             let mut lck = trace_write_lock!(self.inner);
             for id in to_delete {
                 lck.session_subscriptions.remove(&id);
             }
+            for id in removed_subscriptions {
+                lck.subscription_to_session.remove(&id);
+            }
+            lck.forget_items(items_to_delete.iter().flat_map(|(_, items)| items));
             context
                 .info
                 .diagnostics
@@ -547,17 +578,7 @@ impl SubscriptionCache {
         let mut cache_lck = cache.lock();
         let result = cache_lck.delete_monitored_items(subscription_id, items);
         if let Ok(res) = &result {
-            for (status, rf) in res {
-                if status.is_good() {
-                    let key = MonitoredItemKeyRef {
-                        id: rf.node_id().into(),
-                        attribute_id: rf.attribute(),
-                    };
-                    if let Some(it) = lck.monitored_items.get_mut(&key) {
-                        it.remove(&rf.handle());
-                    }
-                }
-            }
+            lck.forget_items(res.iter().filter(|r| r.0.is_good()).map(|r| &r.1));
         }
         result
     }
@@ -582,23 +603,12 @@ impl SubscriptionCache {
             .set_current_subscription_count(lck.subscription_to_session.len() as u32);
         let result = cache_lck.delete_subscriptions(ids);
 
-        for (status, item_res) in &result {
-            if !status.is_good() {
-                continue;
-            }
-
-            for rf in item_res {
-                if rf.attribute() == AttributeId::EventNotifier {
-                    let key = MonitoredItemKeyRef {
-                        id: rf.node_id().into(),
-                        attribute_id: rf.attribute(),
-                    };
-                    if let Some(it) = lck.monitored_items.get_mut(&key) {
-                        it.remove(&rf.handle());
-                    }
-                }
-            }
-        }
+        lck.forget_items(
+            result
+                .iter()
+                .filter(|r| r.0.is_good())
+                .flat_map(|(_, items)| items),
+        );
 
         Ok(result)
     }

@@ -7,7 +7,7 @@ use tracing::{error, warn};
 use super::MonitoredItemHandle;
 use crate::{info::ServerInfo, node_manager::ParsedReadValueId};
 use opcua_types::{
-    match_extension_object_owned, DataChangeFilter, DataValue, DateTime, EventFieldList,
+    match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, EventFieldList,
     EventFilter, EventFilterResult, ExtensionObject, MonitoredItemCreateRequest,
     MonitoredItemModifyRequest, MonitoredItemNotification, MonitoringMode, NumericRange,
     ParsedDataChangeFilter, StatusCode, TimestampsToReturn, Variant,
@@ -336,7 +336,9 @@ impl MonitoredItem {
             eu_range: request.eu_range,
         };
         let now = DateTime::now();
-        if let Some(val) = request.initial_value.as_ref() {
+        if request.item_to_monitor.attribute_id == AttributeId::EventNotifier {
+            // Events have no present value to begin with.
+        } else if let Some(val) = request.initial_value.as_ref() {
             v.notify_data_value(val.clone(), &now, true);
         } else {
             v.notify_data_value(
@@ -512,7 +514,8 @@ impl MonitoredItem {
                     self.filter_by_sampling_interval(last_dv, &value, from_subscription_tick),
                 ),
                 (Some(last_dv), FilterType::None) => (
-                    value.value != last_dv.value,
+                    // Without a filter the trigger is StatusValue (OPC 10000-4 §7.22.2).
+                    value.value != last_dv.value || value.status() != last_dv.status(),
                     self.filter_by_sampling_interval(last_dv, &value, from_subscription_tick),
                 ),
                 (None, _) => (true, true),

@@ -42,6 +42,11 @@ pub struct SessionSubscriptions {
     /// Configured limits on subscriptions.
     limits: SubscriptionLimits,
 
+    /// Monitored items of expired subscriptions, and subscriptions that are gone, which the subscription cache
+    /// has not forgotten yet.
+    expired_items: Vec<MonitoredItemRef>,
+    removed_subscriptions: Vec<u32>,
+
     /// Static reference to the session owning this, required to cleanly handle deletion.
     session: Arc<RwLock<Session>>,
     /// Static reference to the type-tree for the user owning this.
@@ -61,6 +66,8 @@ impl SessionSubscriptions {
             publish_request_queue: VecDeque::new(),
             retransmission_queue: VecDeque::new(),
             limits,
+            expired_items: Vec::new(),
+            removed_subscriptions: Vec::new(),
             session,
             type_tree_for_user,
         }
@@ -75,6 +82,14 @@ impl SessionSubscriptions {
 
     pub(super) fn is_ready_to_delete(&self) -> bool {
         self.subscriptions.is_empty() && self.publish_request_queue.is_empty()
+    }
+
+    /// Take the monitored items and subscriptions that expired since the last call.
+    pub(super) fn take_expired(&mut self) -> (Vec<MonitoredItemRef>, Vec<u32>) {
+        (
+            std::mem::take(&mut self.expired_items),
+            std::mem::take(&mut self.removed_subscriptions),
+        )
     }
 
     #[allow(clippy::result_large_err)]
@@ -561,7 +576,7 @@ impl SessionSubscriptions {
     ) {
         if self.publish_request_queue.len() >= self.max_publish_requests() {
             // Tick to trigger publish, maybe remove a request to make space for new one
-            let _ = self.tick(now, now_instant, TickReason::ReceivePublishRequest);
+            self.tick(now, now_instant, TickReason::ReceivePublishRequest);
         }
 
         if self.publish_request_queue.len() >= self.max_publish_requests() {
@@ -588,8 +603,7 @@ impl SessionSubscriptions {
         now: &DateTimeUtc,
         now_instant: Instant,
         tick_reason: TickReason,
-    ) -> Vec<MonitoredItemRef> {
-        let mut to_delete = Vec::new();
+    ) {
         if self.subscriptions.is_empty() {
             for pb in self.publish_request_queue.drain(..) {
                 let _ = pb.response.send(
@@ -597,7 +611,7 @@ impl SessionSubscriptions {
                         .into(),
                 );
             }
-            return to_delete;
+            return;
         }
 
         self.remove_expired_publish_requests(now_instant);
@@ -609,7 +623,8 @@ impl SessionSubscriptions {
                 .values()
                 .map(|v| (v.id(), v.priority()))
                 .collect();
-            subscription_priority.sort_by_key(|s1| s1.1);
+            // Higher values come first (OPC 10000-4, CreateSubscription).
+            subscription_priority.sort_by_key(|s1| std::cmp::Reverse(s1.1));
             subscription_priority.into_iter().map(|s| s.0)
         };
 
@@ -640,7 +655,7 @@ impl SessionSubscriptions {
             // If the subscription expired, make sure to collect any deleted monitored items.
 
             if matches!(res, TickResult::Expired) {
-                to_delete.extend(subscription.drain().map(|item| {
+                self.expired_items.extend(subscription.drain().map(|item| {
                     MonitoredItemRef::new(
                         MonitoredItemHandle {
                             subscription_id: sub_id,
@@ -654,6 +669,7 @@ impl SessionSubscriptions {
 
             if subscription.ready_to_remove() {
                 self.subscriptions.remove(&sub_id);
+                self.removed_subscriptions.push(sub_id);
                 self.retransmission_queue
                     .retain(|f| f.subscription_id != sub_id);
             }
@@ -695,8 +711,6 @@ impl SessionSubscriptions {
                 .into(),
             );
         }
-
-        to_delete
     }
 
     fn find_notification_message(

@@ -42,7 +42,13 @@ pub(crate) struct TcpTransport {
     pub(crate) client_protocol_version: u32,
     /// Last decoded sequence number
     sequence_numbers: SequenceNumberHandle,
+    /// Whether a session was activated on this connection. Until then messages may only have a few chunks.
+    is_authenticated: bool,
 }
+
+/// Longest message in chunks that a client may send before it has activated a session. All requests up to then are
+/// short, and anybody can send them.
+const UNAUTHENTICATED_MAX_CHUNK_COUNT: usize = 8;
 
 enum TransportState {
     Running,
@@ -258,9 +264,15 @@ impl TcpTransport {
             state: TransportState::Running,
             pending_chunks: Vec::new(),
             sequence_numbers: SequenceNumberHandle::new(true),
+            is_authenticated: false,
             client_protocol_version: 0,
             send_buffer,
         }
+    }
+
+    /// Note that a session was activated: the client may send messages up to the negotiated limits from now on.
+    pub(crate) fn set_authenticated(&mut self) {
+        self.is_authenticated = true;
     }
 
     /// Set the transport state to closing, once the final message is sent
@@ -391,12 +403,14 @@ impl TcpTransport {
                 } else {
                     let chunk = channel.verify_and_remove_security_server(chunk.data)?;
 
-                    if self.send_buffer.max_chunk_count > 0
-                        && self.pending_chunks.len() == self.send_buffer.max_chunk_count
-                    {
+                    let max_chunk_count = match self.send_buffer.max_chunk_count {
+                        max if self.is_authenticated => max,
+                        0 => UNAUTHENTICATED_MAX_CHUNK_COUNT,
+                        max => max.min(UNAUTHENTICATED_MAX_CHUNK_COUNT),
+                    };
+                    if max_chunk_count > 0 && self.pending_chunks.len() >= max_chunk_count {
                         return Err(Error::decoding(format!(
-                            "Message has more than {} chunks, exceeding negotiated limits",
-                            self.send_buffer.max_chunk_count
+                            "Message has more than {max_chunk_count} chunks, exceeding negotiated limits",
                         )));
                     }
                     let chunk_info = chunk.chunk_info(channel)?;

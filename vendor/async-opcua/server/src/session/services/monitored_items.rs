@@ -291,6 +291,42 @@ pub(crate) async fn create_monitored_items(
         }
     };
 
+    struct CreatedCb;
+    impl ServiceCbRef<MonitoredItemRef> for CreatedCb {
+        async fn call(
+            &self,
+            items: &[&MonitoredItemRef],
+            node_manager: &Arc<DynNodeManager>,
+            context: RequestContext,
+        ) {
+            node_manager
+                .monitored_items_created(&context, items)
+                .instrument(
+                    debug_span!("MonitoredItemsCreated", node_manager = %node_manager.name()),
+                )
+                .await;
+        }
+    }
+    let created: Vec<_> = items
+        .iter()
+        .filter(|i| i.status_code().is_good())
+        .map(|i| {
+            MonitoredItemRef::new(
+                i.handle(),
+                i.item_to_monitor().node_id.clone(),
+                i.item_to_monitor().attribute_id,
+            )
+        })
+        .collect();
+    invoke_service_concurrently(
+        context,
+        &created,
+        &node_managers,
+        CreatedCb,
+        |item, node_manager| node_manager.owns_node(item.node_id()),
+    )
+    .await;
+
     Response {
         message: CreateMonitoredItemsResponse {
             response_header: ResponseHeader::new_good(request.request_handle),
