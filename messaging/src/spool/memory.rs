@@ -110,9 +110,9 @@ impl MemorySpool {
 impl SpoolStore for MemorySpool {
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
         let rows = self.rows.lock();
-        let in_range = rows.1.values().filter(|r| {
+        let from = RowId(fetch.after.0 + 1);
+        let in_range = rows.1.range(from..).map(|(_, row)| row).filter(|r| {
             r.state == State::Waiting
-                && r.row.id > fetch.after
                 && fetch.through.is_none_or(|through| r.row.id <= through)
                 && r.writer.is_none() == (fetch.lane == Lane::Control)
         });

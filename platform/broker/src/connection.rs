@@ -104,6 +104,7 @@ async fn signed_in(
     info!(%peer, user = %user_name, "a peer signed in");
     metrics::gauge!("broker_connections").increment(1.0);
     let links = Arc::new(tokio::sync::Semaphore::new(core.config.limits.links_max));
+    let why_cut = Arc::new(OnceLock::new());
     let mut sessions = JoinSet::new();
     let is_cut = loop {
         tokio::select! {
@@ -118,7 +119,7 @@ async fn signed_in(
                     .build();
                 match timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_session(incoming, &mut connection)).await {
                     Ok(Ok(session)) => {
-                        let peer = Peer { core: Arc::clone(&core), user_name: Arc::clone(&user_name), links: Arc::clone(&links), cut: registration.cut.clone() };
+                        let peer = Peer { core: Arc::clone(&core), user_name: Arc::clone(&user_name), links: Arc::clone(&links), cut: registration.cut.clone(), why_cut: Arc::clone(&why_cut) };
                         sessions.spawn(serve_session(peer, session));
                     }
                     Ok(Err(error)) => debug!(%peer, user = %user_name, %error, "a session could not begin"),
@@ -129,7 +130,8 @@ async fn signed_in(
     };
     registration.cut.cancel();
     if is_cut {
-        let error = definitions::Error::new(ConnectionError::ConnectionForced, "closed by the broker".to_owned(), None);
+        let error = why_cut.get().cloned();
+        let error = error.unwrap_or_else(|| self::error(ConnectionError::ConnectionForced, "closed by the broker"));
         let _ = timeout(CLOSE_TIMEOUT, connection.close_with_error(error)).await;
     }
     // Links give back what they hold; that needs no peer.
@@ -146,6 +148,15 @@ struct Peer {
     user_name: Arc<str>,
     links: Arc<tokio::sync::Semaphore>,
     cut: CancellationToken,
+    why_cut: Arc<OnceLock<definitions::Error>>,
+}
+
+impl Peer {
+    /// Ends the whole connection.
+    fn give_up(&self, error: definitions::Error) {
+        let _ = self.why_cut.set(error);
+        self.cut.cancel();
+    }
 }
 
 async fn serve_session(peer: Peer, mut session: ListenerSessionHandle) {
@@ -173,8 +184,13 @@ async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSession
     let acceptor = LinkAcceptor::builder().max_message_size(peer.core.config.limits.message_bytes_max).build();
     let endpoint = match timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session)).await {
         Ok(Ok(endpoint)) => endpoint,
-        Ok(Err(error)) => return debug!(user = %peer.user_name, ?error, "a link could not be attached"),
-        Err(_) => return peer.cut.cancel(),
+        Ok(Err(problem)) => {
+            debug!(user = %peer.user_name, ?problem, "a link could not be attached");
+            // The library has not answered the peer, which would wait for ever.
+            let reason = "the link could not be attached; its name must be unique in the session, in both directions";
+            return peer.give_up(error(AmqpError::NotAllowed, reason));
+        }
+        Err(_) => return peer.give_up(error(AmqpError::InternalError, "the link could not be attached in time")),
     };
     match grant {
         Ok(Grant { queue }) => {

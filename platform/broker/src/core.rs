@@ -41,6 +41,7 @@ pub(crate) struct Core {
     pub dead_letters: Arc<Queue>,
     readers: SqlitePool,
     queues: Mutex<HashMap<QueueName, Arc<Queue>>>,
+    declaring: tokio::sync::Mutex<()>,
     next_queue_id: AtomicI64,
     next_message_id: AtomicI64,
     connections: Mutex<HashMap<u64, Connected>>,
@@ -79,6 +80,7 @@ impl Core {
             dead_letters,
             readers,
             queues: Mutex::new(queues),
+            declaring: tokio::sync::Mutex::new(()),
             next_queue_id: AtomicI64::new(next_queue_id),
             next_message_id: AtomicI64::new(next_message_id),
             connections: Mutex::new(HashMap::new()),
@@ -100,36 +102,45 @@ impl Core {
         all
     }
 
-    /// Makes a queue or gives it new bounds, durably.
+    /// Makes a queue or gives it new bounds, durably. One after the other, for two of the same name would fail a
+    /// transaction that others share.
     pub(crate) async fn declare(&self, name: &QueueName, options: QueueOptions) -> Result<Arc<Queue>, BrokerError> {
-        let (id, is_new) = match self.queue(name) {
-            Some(queue) => (queue.id, false),
-            None => {
-                let limit = self.config.limits.queues_max;
-                if self.queues.lock().len() >= limit {
-                    return Err(BrokerError::TooManyQueues { limit });
-                }
-                (self.next_queue_id.fetch_add(1, Ordering::Relaxed), true)
-            }
-        };
-        let command = |done| Command::DeclareQueue { id, name: name.to_string(), options, done };
-        let answer = self.writer.ask(command).await.ok_or(BrokerError::Stopped)?;
-        if let Err(source) = answer {
-            // Somebody may have made the same queue at the same moment.
-            return match self.queue(name) {
-                Some(queue) if is_new => Ok(queue),
-                _ => Err(BrokerError::Store { action: "declare a queue", source }),
-            };
+        let _turn = self.declaring.lock().await;
+        self.declare_in_turn(name, options).await
+    }
+
+    async fn declare_in_turn(&self, name: &QueueName, options: QueueOptions) -> Result<Arc<Queue>, BrokerError> {
+        let known = self.queue(name);
+        let limit = self.config.limits.queues_max;
+        if known.is_none() && self.queues.lock().len() >= limit {
+            return Err(BrokerError::TooManyQueues { limit });
         }
-        let queue = {
-            let mut queues = self.queues.lock();
-            Arc::clone(queues.entry(name.clone()).or_insert_with(|| Arc::new(Queue::new(id, name.clone(), options))))
-        };
+        let id = known.as_ref().map_or_else(|| self.next_queue_id.fetch_add(1, Ordering::Relaxed), |queue| queue.id);
+        let answer = self.writer.ask(|done| Command::DeclareQueue { id, name: name.to_string(), options, done }).await;
+        answer
+            .ok_or(BrokerError::Stopped)?
+            .map_err(|source| BrokerError::Store { action: "declare a queue", source })?;
+        let queue = known.unwrap_or_else(|| Arc::new(Queue::new(id, name.clone(), options)));
         queue.set_options(options);
+        self.queues.lock().insert(name.clone(), Arc::clone(&queue));
         Ok(queue)
     }
 
+    /// The queue, made with the given bounds when there is none.
+    pub(crate) async fn queue_or_declare(
+        &self,
+        name: &QueueName,
+        options: QueueOptions,
+    ) -> Result<Arc<Queue>, BrokerError> {
+        let _turn = self.declaring.lock().await;
+        match self.queue(name) {
+            Some(queue) => Ok(queue),
+            None => self.declare_in_turn(name, options).await,
+        }
+    }
+
     pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
+        let _turn = self.declaring.lock().await;
         let queue = self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
         let answer = self.writer.ask(|done| Command::DeleteQueue { id: queue.id, done }).await;
         answer

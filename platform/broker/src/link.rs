@@ -55,7 +55,7 @@ pub(crate) async fn grant(core: &Core, user_name: &str, attach: &Attach) -> Resu
     if !core.config.auto_created.iter().any(|pattern| pattern.matches(&queue)) {
         return Err(error(AmqpError::NotFound, format!("there is no queue {queue}")));
     }
-    match core.declare(&queue, core.config.queue_options).await {
+    match core.queue_or_declare(&queue, core.config.queue_options).await {
         Ok(queue) => Ok(Grant { queue }),
         Err(problem @ BrokerError::TooManyQueues { .. }) => {
             Err(error(AmqpError::ResourceLimitExceeded, problem.to_string()))

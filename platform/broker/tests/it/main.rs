@@ -1,6 +1,8 @@
 //! The link and the broker against each other, over real sockets and real files.
 
 mod broker;
+mod foreign;
 mod link;
+mod process;
 mod proxy;
 mod support;
