@@ -17,13 +17,16 @@ use utoipa::ToSchema;
 pub struct Problem {
     /// `urn:verbund:problem:<code>`.
     #[serde(rename = "type")]
-    pub problem_type: String,
+    #[schema(value_type = String)]
+    pub problem_type: Box<str>,
     /// The HTTP status in words.
-    pub title: String,
+    #[schema(value_type = String)]
+    pub title: Box<str>,
     /// The HTTP status.
     pub status: u16,
     /// A stable code, as `NOT_FOUND`.
-    pub code: String,
+    #[schema(value_type = String)]
+    pub code: Box<str>,
     /// What is wrong and what to do, for people.
     pub detail: String,
     /// Each single fault, where a document has several.
@@ -51,10 +54,10 @@ impl Problem {
     #[must_use]
     pub fn new(status: StatusCode, code: &str, detail: impl Into<String>) -> Self {
         Self {
-            problem_type: format!("urn:verbund:problem:{}", code.to_ascii_lowercase().replace('_', "-")),
-            title: status.canonical_reason().unwrap_or("Error").to_owned(),
+            problem_type: format!("urn:verbund:problem:{}", code.to_ascii_lowercase().replace('_', "-")).into(),
+            title: status.canonical_reason().unwrap_or("Error").into(),
             status: status.as_u16(),
-            code: code.to_owned(),
+            code: code.into(),
             detail: detail.into(),
             faults: Vec::new(),
             retry_after_seconds: None,

@@ -6,12 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use asi_model::{
-    OperationNetworkId,
-    instance::{FOLDER_ID, FOLDER_NAME, encode_segment},
-    messages::OperationNetworkMessage,
-    network::ReportField,
-};
+use asi_model::{OperationNetworkId, messages::OperationNetworkMessage, network::ReportField};
 use async_trait::async_trait;
 use opcua_stack::{
     NamespaceTable,
@@ -28,9 +23,9 @@ use parking_lot::{Mutex, RwLock};
 
 use super::{
     interface::Interface,
-    model::{self, FOLDER_PARTS, Part, PartKind, ValueType},
+    model::{self, FOLDER_PARTS, PartKind, PartModel, ValueModel},
     parts::{built_in_type_id, data_type_id},
-    place::{self, Place},
+    place::{self, FOLDER_ID, FOLDER_NAME, Place},
     types::folder_type,
 };
 use crate::{
@@ -84,7 +79,7 @@ pub(crate) struct AsiSurroundings {
 
 /// A node that was found.
 pub(super) enum Located {
-    Folder(Option<&'static Part>),
+    Folder(Option<&'static PartModel>),
     Node(At),
 }
 
@@ -92,8 +87,8 @@ pub(super) enum Located {
 pub(super) struct At {
     pub interface: Arc<Interface>,
     pub place: Place,
-    pub part: Option<&'static Part>,
-    pub below: Option<&'static Part>,
+    pub part: Option<&'static PartModel>,
+    pub below: Option<&'static PartModel>,
 }
 
 impl AsiProvider {
@@ -168,7 +163,7 @@ impl AsiProvider {
         DataValue { value: Some(version.into()), status: Some(StatusCode::Good), ..DataValue::default() }
     }
 
-    fn folder_node(&self, part: Option<&'static Part>) -> Node {
+    fn folder_node(&self, part: Option<&'static PartModel>) -> Node {
         match part {
             Some(part) => self.part_node(part, None),
             None => Node {
@@ -211,7 +206,7 @@ impl AsiProvider {
 
     fn organizes(&self, id: &OperationNetworkId) -> Reference {
         let mut identifier = String::new();
-        encode_segment(&mut identifier, id.as_str());
+        place::push_encoded(&mut identifier, id.as_str());
         reference(ReferenceTypeId::Organizes, true, self.id(identifier))
     }
 
@@ -267,8 +262,8 @@ impl AsiProvider {
         }
     }
 
-    fn part_node(&self, part: &Part, unit: Option<&str>) -> Node {
-        let variable = |value: ValueType| NodeKind::Variable {
+    fn part_node(&self, part: &PartModel, unit: Option<&str>) -> Node {
+        let variable = |value: ValueModel| NodeKind::Variable {
             data_type: data_type_id(value.data_type, self.types),
             value_rank: value.value_rank,
             is_writable: false,
@@ -280,7 +275,7 @@ impl AsiProvider {
             }
             PartKind::Component(value) => (variable(value), Some(VariableTypeId::BaseDataVariableType.into())),
             PartKind::Object(id) => (NodeKind::Object, Some(self.type_id(id))),
-            PartKind::Method(_) => (NodeKind::Method { callable_by: model::callable_by(part.name) }, None),
+            PartKind::Method(method) => (NodeKind::Method { callable_by: method.callable_by }, None),
         };
         Node {
             browse_name: QualifiedName::new(if part.is_standard { 0 } else { self.types }, part.name),
@@ -349,7 +344,7 @@ impl AsiProvider {
         }
     }
 
-    fn part_references(&self, at: &At, part: &'static Part) -> Vec<Reference> {
+    fn part_references(&self, at: &At, part: &'static PartModel) -> Vec<Reference> {
         let owner = at.interface.identifier(at.place);
         let own = format!("{owner}#{}", part.name);
         let mut references = Vec::new();
@@ -377,7 +372,7 @@ pub(super) fn reference(reference_type: ReferenceTypeId, is_forward: bool, targe
     Reference { reference_type: reference_type.into(), is_forward, target }
 }
 
-fn part_reference(part: &Part) -> ReferenceTypeId {
+fn part_reference(part: &PartModel) -> ReferenceTypeId {
     match part.kind {
         PartKind::Property(_) => ReferenceTypeId::HasProperty,
         _ => ReferenceTypeId::HasComponent,

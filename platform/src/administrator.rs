@@ -1,0 +1,98 @@
+//! The first administrator: there is always somebody who can sign in, and never with a password that others know.
+
+use std::path::PathBuf;
+
+use asi_model::{DateTime, OrganisationId};
+use daemon::{
+    Confidential,
+    web::session::{PasswordError, PasswordHash, PasswordPolicy, random_token},
+};
+
+use crate::{
+    certificates::{CertificateError, write},
+    config::PlatformConfig,
+    store::{Organisation, Role, Store, StoreError, User},
+};
+
+/// The administrator cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum AdministratorError {
+    /// The password is refused.
+    #[error("admin.password is refused")]
+    Password(#[from] PasswordError),
+    /// The password cannot be written down.
+    #[error("the password cannot be written down")]
+    Write(#[from] CertificateError),
+    /// The store failed.
+    #[error("the store failed")]
+    Store(#[from] StoreError),
+}
+
+/// Where a made-up password is written.
+#[must_use]
+pub fn password_path(config: &PlatformConfig) -> PathBuf {
+    config.data_directory.join("admin-password.txt")
+}
+
+/// Makes the configured administrator where it differs from the one stored, or one with a made-up password where there
+/// is no user at all.
+///
+/// # Errors
+/// [`AdministratorError`].
+pub async fn ensure(store: &Store, config: &PlatformConfig, now: DateTime) -> Result<(), AdministratorError> {
+    let admin = &config.admin;
+    let (count, known) = {
+        let mut work = store.read().await?;
+        (work.users().count().await?, work.users().lookup(&admin.user_name).await?)
+    };
+    let user = User {
+        user_name: admin.user_name.clone(),
+        role: Role::Administrator,
+        organisation_id: admin.organisation_id.clone(),
+    };
+    let password = match (&admin.password, count) {
+        // The configured password is the one in force; storing it anew would end everybody's sessions for nothing.
+        (Some(password), _) => {
+            if known.is_some_and(|(stored, hash)| stored == user && hash.is_of(password)) {
+                return Ok(());
+            }
+            password.clone()
+        }
+        (None, 0) => {
+            let made_up: Confidential<String> = random_token().into();
+            let path = password_path(config);
+            write(&path, format!("{}\n", made_up.expose()).as_bytes(), 0o600)?;
+            tracing::warn!(
+                path = %path.display(), user = admin.user_name,
+                "The first administrator has a made-up password; read it in this file, set another one, remove the file."
+            );
+            made_up
+        }
+        (None, _) => return Ok(()),
+    };
+    put(store, &user, &password, now).await
+}
+
+/// Adds or changes a user; an organisation that is not known yet is made.
+///
+/// # Errors
+/// [`AdministratorError`].
+pub async fn put(
+    store: &Store,
+    user: &User,
+    password: &Confidential<String>,
+    now: DateTime,
+) -> Result<(), AdministratorError> {
+    let hash = PasswordHash::of(password, PasswordPolicy::default())?;
+    let mut work = store.begin().await?;
+    if let Some(id) = &user.organisation_id {
+        let organisation = Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
+        work.organisations().add(&organisation).await?;
+    }
+    work.users().put(user, &hash, now).await?;
+    Ok(work.commit().await?)
+}
+
+fn name_of(id: &OrganisationId) -> String {
+    id.as_str().to_owned()
+}

@@ -1,0 +1,133 @@
+//! Collaborations.
+
+use asi_model::{CollaborationId, FactoryId, OrganisationId};
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::{
+    administrator_only,
+    page::Page,
+    problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
+};
+use crate::{
+    accounts::Principal,
+    application::Application,
+    store::{Collaboration, Scope, Work},
+};
+
+/// A collaboration to add.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NewCollaboration {
+    #[schema(value_type = String)]
+    collaboration_id: CollaborationId,
+    name: String,
+    /// The organisations that take part.
+    #[serde(default)]
+    #[schema(value_type = Vec<String>)]
+    members: Vec<OrganisationId>,
+    /// The factories that take part.
+    #[serde(default)]
+    #[schema(value_type = Vec<String>)]
+    factories: Vec<FactoryId>,
+}
+
+/// Lists the collaborations of the viewer's organisation; administrators see all.
+#[utoipa::path(get, path = "/collaborations", tag = "collaborations", security(("session" = [])),
+    responses((status = 200, body = Page<Collaboration>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<Collaboration>>, Problem> {
+    Ok(Json(Page::whole(app.store.read().await?.collaborations().list(&who.principal.scope()).await?)))
+}
+
+/// Adds a collaboration.
+#[utoipa::path(post, path = "/collaborations", tag = "collaborations", security(("session" = [])),
+    request_body = NewCollaboration, responses((status = 201, body = Collaboration), ChangeProblems))]
+pub async fn add(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiJson(new): ApiJson<NewCollaboration>,
+) -> Result<(StatusCode, Json<Collaboration>), Problem> {
+    administrator_only::check(&who)?;
+    let mut work = app.store.begin().await?;
+    for (index, member) in new.members.iter().enumerate() {
+        check_member(&mut work, member, &format!("/members/{index}")).await?;
+    }
+    for (index, factory) in new.factories.iter().enumerate() {
+        check_factory(&mut work, factory, &format!("/factories/{index}")).await?;
+    }
+    let collaboration = Collaboration {
+        collaboration_id: new.collaboration_id,
+        name: new.name,
+        created_at: app.clock.now(),
+        members: new.members,
+        factories: new.factories,
+    };
+    if !work.collaborations().add(&collaboration).await? {
+        return Err(taken("collaboration"));
+    }
+    work.commit().await?;
+    Ok((StatusCode::CREATED, Json(collaboration)))
+}
+
+/// Adds a member; nothing happens where it is one.
+#[utoipa::path(put, path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
+    security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path)),
+    responses((status = 200, body = Collaboration), ChangeProblems))]
+pub async fn add_member(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath((id, member)): ApiPath<(CollaborationId, OrganisationId)>,
+) -> Result<Json<Collaboration>, Problem> {
+    administrator_only::check(&who)?;
+    let mut work = app.store.begin().await?;
+    lookup(&mut work, &id).await?;
+    check_member(&mut work, &member, "").await?;
+    work.collaborations().add_member(&id, &member).await?;
+    let collaboration = lookup(&mut work, &id).await?;
+    work.commit().await?;
+    Ok(Json(collaboration))
+}
+
+/// Adds a factory; nothing happens where it takes part.
+#[utoipa::path(put, path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
+    security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path)),
+    responses((status = 200, body = Collaboration), ChangeProblems))]
+pub async fn add_factory(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath((id, factory)): ApiPath<(CollaborationId, FactoryId)>,
+) -> Result<Json<Collaboration>, Problem> {
+    administrator_only::check(&who)?;
+    let mut work = app.store.begin().await?;
+    lookup(&mut work, &id).await?;
+    check_factory(&mut work, &factory, "").await?;
+    work.collaborations().add_factory(&id, &factory).await?;
+    let collaboration = lookup(&mut work, &id).await?;
+    work.commit().await?;
+    Ok(Json(collaboration))
+}
+
+async fn lookup(work: &mut Work, id: &CollaborationId) -> Result<Collaboration, Problem> {
+    let found = work.collaborations().lookup(&Scope::Platform, id).await?;
+    found.ok_or_else(|| Problem::not_found(format_args!("collaboration {id}")))
+}
+
+async fn check_member(work: &mut Work, id: &OrganisationId, pointer: &str) -> Result<(), Problem> {
+    if work.organisations().exists(id).await? {
+        Ok(())
+    } else {
+        Err(unknown_reference(pointer, &format!("organisation {id}")))
+    }
+}
+
+async fn check_factory(work: &mut Work, id: &FactoryId, pointer: &str) -> Result<(), Problem> {
+    match work.factories().lookup(&Scope::Platform, id).await? {
+        Some(_) => Ok(()),
+        None => Err(unknown_reference(pointer, &format!("factory {id}"))),
+    }
+}

@@ -1,0 +1,150 @@
+//! Dead letters: of our own ingest, and of the embedded broker.
+
+use asi_model::DateTime;
+use axum::{Json, extract::State};
+use bytes::Bytes;
+use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use messaging::{ContentEncoding, Delivery, Envelope, Inbox, LogicalAddress, Settlement};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    administrator_only,
+    page::{Page, PageQuery},
+    problems::{ChangeProblems, ReadProblems},
+};
+use crate::{accounts::Principal, application::Application};
+
+/// A message that could not be used.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct DeadLetterView {
+    /// `ingest-<number>` or `broker-<number>`.
+    id: String,
+    /// Where it was sent to.
+    address: String,
+    message_id: Option<String>,
+    subject: Option<String>,
+    /// A stable code, as `FORGED_PUBLISHER`.
+    code: String,
+    /// Why, for people.
+    reason: String,
+    /// When it was set aside.
+    #[schema(value_type = String, format = DateTime)]
+    at: DateTime,
+    /// How large its body is.
+    bytes: u64,
+    /// When it was tried again, if it was.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    replayed_at: Option<DateTime>,
+}
+
+/// What trying again did.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Replayed {
+    /// Whether it was taken this time or waits in its queue again.
+    is_taken: bool,
+}
+
+/// Lists dead letters, newest first; those of the embedded broker come with the first page. For administrators.
+#[utoipa::path(get, path = "/dead-letters", tag = "dead letters", security(("session" = [])), params(PageQuery),
+    responses((status = 200, body = Page<DeadLetterView>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiQuery(page): ApiQuery<PageQuery>,
+) -> Result<Json<Page<DeadLetterView>>, Problem> {
+    administrator_only::check(&who)?;
+    let letters = app.store.read().await?.dead_letters().list(page.after(), page.limit()).await?;
+    let own = letters.into_iter().map(|letter| DeadLetterView {
+        id: format!("ingest-{}", letter.dead_letter_id),
+        address: letter.address,
+        message_id: letter.message_id,
+        subject: Some(letter.subject),
+        code: letter.code,
+        reason: letter.reason,
+        at: letter.received_at,
+        bytes: letter.bytes,
+        replayed_at: letter.replayed_at,
+    });
+    let mut view = Page::new(own.collect(), page.limit(), |letter| letter.id.trim_start_matches("ingest-").to_owned());
+    if page.cursor.is_none()
+        && let Some(broker) = app.reach.broker()
+    {
+        let letters = broker.dead_letters(0, page.limit()).await.map_err(|error| Problem::internal(&error))?;
+        view.items.extend(letters.into_iter().map(|letter| DeadLetterView {
+            id: format!("broker-{}", letter.id),
+            address: letter.queue.to_string(),
+            message_id: letter.message_id,
+            subject: letter.subject,
+            code: letter.code,
+            reason: letter.reason,
+            at: letter.at.into(),
+            bytes: letter.bytes,
+            replayed_at: None,
+        }));
+        view.items.sort_by_key(|letter| std::cmp::Reverse(letter.at));
+    }
+    Ok(Json(view))
+}
+
+/// Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes back to its queue.
+#[utoipa::path(post, path = "/dead-letters/{deadLetterId}/replay", tag = "dead letters", security(("session" = [])),
+    params(("deadLetterId" = String, Path)), responses((status = 200, body = Replayed), ChangeProblems))]
+pub async fn replay(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<String>,
+) -> Result<Json<Replayed>, Problem> {
+    administrator_only::check(&who)?;
+    let not_found = || Problem::not_found(format_args!("dead letter {id}"));
+    let (kind, number) = id.split_once('-').ok_or_else(not_found)?;
+    let is_taken = match (kind, app.reach.broker()) {
+        ("broker", Some(broker)) => {
+            let number = number.parse().map_err(|_| not_found())?;
+            let count = broker.replay_dead_letters(&[number]).await.map_err(|error| Problem::internal(&error))?;
+            if count == 0 {
+                return Err(not_found());
+            }
+            true
+        }
+        ("ingest", _) => replay_own(&app, number.parse().map_err(|_| not_found())?).await?.ok_or_else(not_found)?,
+        _ => return Err(not_found()),
+    };
+    Ok(Json(Replayed { is_taken }))
+}
+
+async fn replay_own(app: &Application, id: u64) -> Result<Option<bool>, Problem> {
+    let content = app.store.read().await?.dead_letters().content(id).await?;
+    let Some((address, message_id, subject, body, encoding)) = content else { return Ok(None) };
+    let Ok(address) = address.parse::<LogicalAddress>() else { return Ok(None) };
+    // It was seen before; without this it would be discarded as a repeat.
+    let mut work = app.store.begin().await?;
+    work.inbox().forget_one(&address.to_string(), message_id.as_deref().unwrap_or_default()).await?;
+    work.commit().await?;
+    let envelope = Envelope {
+        message_id: message_id.and_then(|id| id.parse().ok()),
+        subject,
+        content_type: "application/json".to_owned(),
+        content_encoding: encoding.filter(|name| name == "gzip").map(|_| ContentEncoding::Gzip),
+        correlation_id: None,
+        creation_time: None,
+        ttl: None,
+        replay: true,
+        body: Bytes::from(body),
+    };
+    let delivery = Delivery {
+        envelope,
+        principal: None,
+        is_redelivered: true,
+        delivery_count: 0,
+        received_at: app.clock.now().into(),
+    };
+    let settlements = app.ingest.receive(&address, vec![delivery]).await;
+    let is_taken = matches!(settlements.first(), Some(Settlement::Accept));
+    let mut work = app.store.begin().await?;
+    work.dead_letters().replayed(id, app.clock.now()).await?;
+    work.commit().await?;
+    Ok(Some(is_taken))
+}

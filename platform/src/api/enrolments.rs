@@ -1,0 +1,72 @@
+//! Enrolment: the one operation of a connector that has nothing but its token.
+
+use asi_model::FactoryId;
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::{
+    Confidential,
+    web::{ApiJson, Problem},
+};
+use messaging::BrokerProfile;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::problems::ChangeProblems;
+use crate::{application::Application, enrolment::enrol as use_token};
+
+/// A token from `POST /factories/{factoryId}/enrolment-tokens`.
+#[derive(Deserialize, ToSchema)]
+pub struct Enrol {
+    #[schema(value_type = String)]
+    token: Confidential<String>,
+}
+
+/// All a connector needs to reach the broker, shown this once.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Enrolment {
+    #[schema(value_type = String)]
+    factory_id: FactoryId,
+    /// The broker's address.
+    broker_url: String,
+    /// What logical addresses are called there.
+    #[schema(value_type = Object)]
+    profile: BrokerProfile,
+    /// The name to sign in with.
+    user_name: String,
+    /// The connector's own secret.
+    password: String,
+    /// The authority that vouches for the broker; absent where the system's roots do.
+    root_certificate_pem: Option<String>,
+}
+
+/// Uses a token up. Of a factory's credentials the newest two are alive.
+#[utoipa::path(post, path = "/enrolments", tag = "factories", request_body = Enrol,
+    responses((status = 201, body = Enrolment), ChangeProblems))]
+pub async fn enrol(
+    State(app): State<Application>,
+    ApiJson(body): ApiJson<Enrol>,
+) -> Result<(StatusCode, Json<Enrolment>), Problem> {
+    let Some((factory_id, credential)) = use_token(&app.store, &body.token, app.clock.now()).await? else {
+        metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
+        return Err(Problem::new(
+            StatusCode::FORBIDDEN,
+            "TOKEN_REFUSED",
+            "The token is unknown, used or too old; ask an administrator of the platform for a new one.",
+        ));
+    };
+    metrics::counter!("verbund_enrolments_total", "result" => "accepted").increment(1);
+    tracing::info!(factory.id = %factory_id, "A connector has enrolled.");
+    app.reach.reconcile(&app.store).await?;
+    let access = &app.broker_access;
+    Ok((
+        StatusCode::CREATED,
+        Json(Enrolment {
+            factory_id,
+            broker_url: access.url.clone(),
+            profile: access.profile.clone(),
+            user_name: credential.holder.user_name(),
+            password: credential.secret.expose().clone(),
+            root_certificate_pem: access.root_certificate_pem.clone(),
+        }),
+    ))
+}

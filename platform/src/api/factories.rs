@@ -1,0 +1,123 @@
+//! Factories and their enrolment.
+
+use std::time::Duration;
+
+use asi_model::{DateTime, FactoryId, OrganisationId};
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    administrator_only,
+    page::Page,
+    problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
+};
+use crate::{
+    accounts::Principal,
+    application::Application,
+    enrolment::make_token as make,
+    store::{Factory, Holder, Scope},
+};
+
+/// A factory to add.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NewFactory {
+    #[schema(value_type = String)]
+    factory_id: FactoryId,
+    #[schema(value_type = String)]
+    organisation_id: OrganisationId,
+    name: String,
+}
+
+/// A token to enrol with, shown this once.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct TokenView {
+    /// For `factory-connector enrol`; contains the platform's address.
+    token: String,
+    /// Until when it can be used.
+    #[schema(value_type = String, format = DateTime)]
+    expires_at: DateTime,
+}
+
+/// What a revocation did.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Revoked {
+    /// Credentials taken away.
+    credentials: u64,
+    /// Connections cut.
+    connections: usize,
+}
+
+/// Lists the factories of the viewer's organisation and of its collaborations; administrators see all.
+#[utoipa::path(get, path = "/factories", tag = "factories", security(("session" = [])),
+    responses((status = 200, body = Page<Factory>), ReadProblems))]
+pub async fn list(State(app): State<Application>, who: SignedIn<Principal>) -> Result<Json<Page<Factory>>, Problem> {
+    Ok(Json(Page::whole(app.store.read().await?.factories().list(&who.principal.scope()).await?)))
+}
+
+/// Adds a factory; its queues are made.
+#[utoipa::path(post, path = "/factories", tag = "factories", security(("session" = [])), request_body = NewFactory,
+    responses((status = 201, body = Factory), ChangeProblems))]
+pub async fn add(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiJson(new): ApiJson<NewFactory>,
+) -> Result<(StatusCode, Json<Factory>), Problem> {
+    administrator_only::check(&who)?;
+    let mut work = app.store.begin().await?;
+    if !work.organisations().exists(&new.organisation_id).await? {
+        return Err(unknown_reference("/organisationId", "such organisation"));
+    }
+    if !work.factories().add(&new.factory_id, &new.organisation_id, &new.name, app.clock.now()).await? {
+        return Err(taken("factory"));
+    }
+    let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
+    work.commit().await?;
+    app.reach.reconcile(&app.store).await?;
+    let factory = factory.ok_or_else(|| Problem::not_found("factory"))?;
+    Ok((StatusCode::CREATED, Json(factory)))
+}
+
+/// Makes a single-use token with which the factory's connector enrols.
+#[utoipa::path(post, path = "/factories/{factoryId}/enrolment-tokens", tag = "factories", security(("session" = [])),
+    params(("factoryId" = String, Path)), responses((status = 201, body = TokenView), ChangeProblems))]
+pub async fn make_token(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(factory): ApiPath<FactoryId>,
+) -> Result<(StatusCode, Json<TokenView>), Problem> {
+    administrator_only::check(&who)?;
+    let known = app.store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
+    known.ok_or_else(|| Problem::not_found(format_args!("factory {factory}")))?;
+    let lifetime = Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
+    let made = make(&app.store, &factory, &app.public_url, app.clock.now(), lifetime).await?;
+    Ok((StatusCode::CREATED, Json(TokenView { token: made.token.expose().clone(), expires_at: made.expires_at })))
+}
+
+/// Takes all credentials of the factory's connector away and cuts its connections.
+#[utoipa::path(delete, path = "/factories/{factoryId}/credentials", tag = "factories", security(("session" = [])),
+    params(("factoryId" = String, Path)), responses((status = 200, body = Revoked), ChangeProblems))]
+pub async fn revoke(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(factory): ApiPath<FactoryId>,
+) -> Result<Json<Revoked>, Problem> {
+    administrator_only::check(&who)?;
+    let known = app.store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
+    known.ok_or_else(|| Problem::not_found(format_args!("factory {factory}")))?;
+    Ok(Json(revoke_holder(&app, Holder::Factory(factory)).await?))
+}
+
+/// Takes a holder's credentials away and cuts its connections.
+pub async fn revoke_holder(app: &Application, holder: Holder) -> Result<Revoked, Problem> {
+    let mut work = app.store.begin().await?;
+    let credentials = work.credentials().revoke(&holder).await?;
+    work.commit().await?;
+    let connections = app.reach.revoked(&app.store, &holder).await?;
+    tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");
+    Ok(Revoked { credentials, connections })
+}

@@ -1,0 +1,35 @@
+//! Live news.
+
+use axum::{extract::State, http::HeaderMap, response::Response};
+use daemon::web::{ApiQuery, events::last_event_id, session::SignedIn};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::problems::ReadProblems;
+use crate::{accounts::Principal, application::Application};
+
+/// From where on.
+#[derive(Deserialize, IntoParams)]
+#[serde(rename_all = "camelCase")]
+#[into_params(parameter_in = Query)]
+pub struct Query {
+    /// As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view it shows.
+    last_event_id: Option<String>,
+}
+
+/// Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`, and `reset` where events
+/// were missed and the page must load afresh.
+#[utoipa::path(get, path = "/live", tag = "live", security(("session" = [])), params(Query),
+    responses((status = 200, content_type = "text/event-stream", body = String), ReadProblems))]
+pub async fn stream(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiQuery(query): ApiQuery<Query>,
+    headers: HeaderMap,
+) -> Response {
+    let after = last_event_id(&headers).map(str::to_owned).or(query.last_event_id);
+    let principal = who.principal;
+    app.live.stream(after.as_deref(), app.shutdown.clone(), move |news| {
+        news.shown_to(principal.organisation(), principal.is_administrator())
+    })
+}

@@ -1,0 +1,145 @@
+//! Operation networks.
+
+use asi_model::{CollaborationId, FactoryId, OperationNetworkId, validation::parse_network};
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, HeaderValue, header},
+};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use utoipa::ToSchema;
+
+use super::{
+    page::{Page, PageQuery},
+    problems::{ChangeProblems, ReadProblems, faulty},
+};
+use crate::{
+    accounts::Principal,
+    application::Application,
+    networks::{self, Author, NetworkView, Outcome, PutNetwork},
+    store::NetworkSummary,
+};
+
+/// A whole network to put in place.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PutBody {
+    #[schema(value_type = String)]
+    collaboration_id: CollaborationId,
+    /// The whole network (wire contract `operation-network`), each operation with `owningFactoryId`.
+    #[schema(value_type = Object)]
+    operation_network: Box<RawValue>,
+}
+
+/// What a change did.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Changed {
+    /// The revision in effect.
+    revision: u64,
+    /// False where nothing differed.
+    is_changed: bool,
+    /// The factories that were sent something.
+    #[schema(value_type = Vec<String>)]
+    sent_to: Vec<FactoryId>,
+}
+
+/// Lists the networks of the viewer's collaborations, by id.
+#[utoipa::path(get, path = "/operation-networks", tag = "networks", security(("session" = [])), params(PageQuery),
+    responses((status = 200, body = Page<NetworkSummary>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiQuery(page): ApiQuery<PageQuery>,
+) -> Result<Json<Page<NetworkSummary>>, Problem> {
+    let after = page.cursor.clone().unwrap_or_default();
+    let networks = app.store.read().await?.networks().list(&who.principal.scope(), &after, page.limit()).await?;
+    Ok(Json(Page::new(networks, page.limit(), |network| network.operation_network_id.to_string())))
+}
+
+/// Shows a network with its parts, progress and the fields that concern the viewer.
+#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), ReadProblems))]
+pub async fn show(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+) -> Result<(HeaderMap, Json<NetworkView>), Problem> {
+    // Asked before the view is read, so that whoever follows from this id may see a change twice but never misses one.
+    let last_event_id = app.live.newest_id();
+    let mut work = app.store.read().await?;
+    let view = networks::view(&mut work, &who.principal.scope(), &id, last_event_id).await?;
+    let view = view.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
+    let mut headers = HeaderMap::new();
+    if let Ok(tag) = HeaderValue::from_str(&format!("\"{}\"", view.revision)) {
+        headers.insert(header::ETAG, tag);
+    }
+    Ok((headers, Json(view)))
+}
+
+/// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the revision guards
+/// against overwriting somebody else's change. The same network again changes nothing.
+#[utoipa::path(put, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+    params(("operationNetworkId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = PutBody,
+    responses((status = 200, body = Changed), ChangeProblems))]
+pub async fn put(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+    headers: HeaderMap,
+    ApiJson(body): ApiJson<PutBody>,
+) -> Result<Json<Changed>, Problem> {
+    let network = parse_network(body.operation_network.get().as_bytes())
+        .map_err(|rejection| faulty(rejection.faults, "/operationNetwork"))?;
+    if network.operation_network_id != id {
+        return Err(Problem::bad_request("OTHER_ID", "The document's operationNetworkId differs from the path's."));
+    }
+    let change = PutNetwork {
+        collaboration_id: body.collaboration_id,
+        network,
+        expected_revision: expected_revision(&headers)?,
+    };
+    let author = Author::user(&who.principal, app.clock.now());
+    let mut work = app.store.begin().await?;
+    let outcome = networks::put(&mut work, change, &author, app.resend_after()).await.map_err(with_prefix)?;
+    work.commit().await?;
+    Ok(Json(told(&app, outcome)))
+}
+
+/// Withdraws a network: its nodes and mappings go at every factory.
+#[utoipa::path(delete, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+    params(("operationNetworkId" = String, Path)), responses((status = 200, body = Changed), ChangeProblems))]
+pub async fn withdraw(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+) -> Result<Json<Changed>, Problem> {
+    let author = Author::user(&who.principal, app.clock.now());
+    let mut work = app.store.begin().await?;
+    let outcome = networks::withdraw(&mut work, &id, &author, app.resend_after()).await?;
+    work.commit().await?;
+    Ok(Json(told(&app, outcome)))
+}
+
+/// After the commit: pages and link hear of it.
+pub(super) fn told(app: &Application, outcome: Outcome) -> Changed {
+    app.reach.wake_link();
+    app.live.publish(outcome.news);
+    Changed { revision: outcome.revision, is_changed: outcome.is_changed, sent_to: outcome.sent_to }
+}
+
+fn with_prefix(error: networks::ChangeError) -> Problem {
+    match error {
+        networks::ChangeError::Faulty(faults) => faulty(faults, "/operationNetwork"),
+        other => other.into(),
+    }
+}
+
+fn expected_revision(headers: &HeaderMap) -> Result<Option<u64>, Problem> {
+    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
+    let revision = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
+    let detail = "If-Match must be the revision in quotes, as \"3\".";
+    revision.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
+}

@@ -1,0 +1,52 @@
+//! Organisations.
+
+use asi_model::OrganisationId;
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiJson, Problem, session::SignedIn};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::{
+    administrator_only,
+    page::Page,
+    problems::{ChangeProblems, ReadProblems, taken},
+};
+use crate::{accounts::Principal, application::Application, store::Organisation};
+
+/// An organisation to add.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NewOrganisation {
+    #[schema(value_type = String)]
+    organisation_id: OrganisationId,
+    name: String,
+}
+
+/// Lists the organisations that the viewer shares a collaboration with; administrators see all.
+#[utoipa::path(get, path = "/organisations", tag = "organisations", security(("session" = [])),
+    responses((status = 200, body = Page<Organisation>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<Organisation>>, Problem> {
+    Ok(Json(Page::whole(app.store.read().await?.organisations().list(&who.principal.scope()).await?)))
+}
+
+/// Adds an organisation.
+#[utoipa::path(post, path = "/organisations", tag = "organisations", security(("session" = [])),
+    request_body = NewOrganisation, responses((status = 201, body = Organisation), ChangeProblems))]
+pub async fn add(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiJson(new): ApiJson<NewOrganisation>,
+) -> Result<(StatusCode, Json<Organisation>), Problem> {
+    administrator_only::check(&who)?;
+    let organisation =
+        Organisation { organisation_id: new.organisation_id, name: new.name, created_at: app.clock.now() };
+    let mut work = app.store.begin().await?;
+    if !work.organisations().add(&organisation).await? {
+        return Err(taken("organisation"));
+    }
+    work.commit().await?;
+    Ok((StatusCode::CREATED, Json(organisation)))
+}

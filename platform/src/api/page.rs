@@ -1,0 +1,56 @@
+//! Pages of long lists.
+
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+/// A page of a list.
+#[derive(Debug, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Page<T> {
+    /// The entries.
+    pub items: Vec<T>,
+    /// Where the next page begins; absent on the last one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_cursor: Option<String>,
+}
+
+/// Which page.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct PageQuery {
+    /// `nextCursor` of the page before; absent for the first page.
+    pub cursor: Option<String>,
+    /// Most entries wanted, 1 to 1000.
+    pub limit: Option<u32>,
+}
+
+impl PageQuery {
+    /// The number of entries, within bounds.
+    pub fn limit(&self) -> u32 {
+        limit(self.limit)
+    }
+
+    /// The cursor of lists ordered by number; whatever is no number begins anew.
+    pub fn after(&self) -> Option<u64> {
+        self.cursor.as_deref()?.parse().ok()
+    }
+}
+
+/// A wanted number of entries, within bounds.
+pub fn limit(wanted: Option<u32>) -> u32 {
+    wanted.unwrap_or(100).clamp(1, 1000)
+}
+
+impl<T> Page<T> {
+    /// A list that is never long, as one page.
+    pub const fn whole(items: Vec<T>) -> Self {
+        Self { items, next_cursor: None }
+    }
+
+    /// A page of at most `limit` entries; a full one has a successor.
+    pub fn new(items: Vec<T>, limit: u32, cursor: impl Fn(&T) -> String) -> Self {
+        let is_full = items.len() >= limit as usize;
+        let next_cursor = items.last().filter(|_| is_full).map(cursor);
+        Self { items, next_cursor }
+    }
+}

@@ -1,0 +1,131 @@
+//! Which problems operations answer with, and how the inner errors become them.
+
+use asi_model::messages::Fault;
+use daemon::web::{Problem, problem::ProblemFault};
+use utoipa::IntoResponses;
+
+use crate::{administrator::AdministratorError, networks::ChangeError, reach::ReachError, store::StoreError};
+
+/// The problems of reading.
+#[derive(IntoResponses)]
+#[allow(dead_code)]
+pub enum ReadProblems {
+    /// A parameter is wrong.
+    #[response(status = 400, content_type = "application/problem+json")]
+    BadRequest(Problem),
+    /// Nobody is signed in.
+    #[response(status = 401, content_type = "application/problem+json")]
+    Unauthorized(Problem),
+    /// The role does not allow it.
+    #[response(status = 403, content_type = "application/problem+json")]
+    Forbidden(Problem),
+    /// It does not exist, or the viewer has no part in it.
+    #[response(status = 404, content_type = "application/problem+json")]
+    NotFound(Problem),
+}
+
+/// The problems of changing.
+#[derive(IntoResponses)]
+#[allow(dead_code)]
+pub enum ChangeProblems {
+    /// The request cannot be understood.
+    #[response(status = 400, content_type = "application/problem+json")]
+    BadRequest(Problem),
+    /// Nobody is signed in.
+    #[response(status = 401, content_type = "application/problem+json")]
+    Unauthorized(Problem),
+    /// The role does not allow it, or the CSRF token is wrong.
+    #[response(status = 403, content_type = "application/problem+json")]
+    Forbidden(Problem),
+    /// It does not exist, or the viewer has no part in it.
+    #[response(status = 404, content_type = "application/problem+json")]
+    NotFound(Problem),
+    /// It does not fit the present state.
+    #[response(status = 409, content_type = "application/problem+json")]
+    Conflict(Problem),
+    /// Understood, but wrong in its meaning; each fault with its JSON pointer.
+    #[response(status = 422, content_type = "application/problem+json")]
+    Unprocessable(Problem),
+}
+
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        Self::internal(&error)
+    }
+}
+
+impl From<ReachError> for Problem {
+    fn from(error: ReachError) -> Self {
+        Self::internal(&error)
+    }
+}
+
+impl From<AdministratorError> for Problem {
+    fn from(error: AdministratorError) -> Self {
+        match error {
+            AdministratorError::Password(reason) => Self::unprocessable(
+                "PASSWORD_REFUSED",
+                format!("The password is refused: {reason}."),
+                vec![ProblemFault {
+                    pointer: "/password".to_owned(),
+                    code: "PASSWORD_REFUSED".to_owned(),
+                    message: format!("{reason}."),
+                }],
+            ),
+            other => Self::internal(&other),
+        }
+    }
+}
+
+impl From<ChangeError> for Problem {
+    fn from(error: ChangeError) -> Self {
+        match error {
+            ChangeError::NoCollaboration(id) => Self::not_found(format_args!("collaboration {id}")),
+            ChangeError::NotFound(what) => Self::not_found(what),
+            ChangeError::NotAllowed => {
+                Self::forbidden("This needs the role of a planner in the organisation that asks, or an administrator.")
+            }
+            ChangeError::OtherCollaboration => {
+                Self::conflict("OTHER_COLLABORATION", "A network with this id belongs to another collaboration.")
+            }
+            ChangeError::RevisionConflict { revision } => Self::conflict(
+                "REVISION_CONFLICT",
+                format!("Somebody else was faster: the revision in effect is {revision}. Read it and try again."),
+            ),
+            ChangeError::Faulty(faults) => faulty(faults, ""),
+            ChangeError::Store(error) => Self::internal(&error),
+        }
+    }
+}
+
+/// A document with faults; `prefix` leads to it in what was sent.
+pub fn faulty(faults: Vec<Fault>, prefix: &str) -> Problem {
+    let detail = match faults.len() {
+        1 => "The document has a fault.".to_owned(),
+        count => format!("The document has {count} faults."),
+    };
+    let faults = faults
+        .into_iter()
+        .map(|fault| ProblemFault {
+            pointer: format!("{prefix}{}", fault.pointer),
+            code: fault.code,
+            message: fault.message,
+        })
+        .collect();
+    Problem::unprocessable("INVALID_DOCUMENT", detail, faults)
+}
+
+/// What a reference names does not exist.
+pub fn unknown_reference(pointer: &str, what: &str) -> Problem {
+    let message = format!("There is no {what}; add it first.");
+    Problem::unprocessable(
+        "UNKNOWN_REFERENCE",
+        message.clone(),
+        vec![ProblemFault { pointer: pointer.to_owned(), code: "UNKNOWN_REFERENCE".to_owned(), message }],
+    )
+}
+
+/// The id is taken.
+pub fn taken(what: &str) -> Problem {
+    Problem::conflict("ALREADY_EXISTS", format!("There is a {what} with this id already."))
+}

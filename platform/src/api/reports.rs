@@ -1,0 +1,47 @@
+//! The history of reports.
+
+use asi_model::{DynamicDataRequestId, OperationNetworkId};
+use axum::{Json, extract::State};
+use daemon::web::{ApiQuery, Problem, session::SignedIn};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::{
+    page::{Page, limit},
+    problems::ReadProblems,
+};
+use crate::{
+    accounts::Principal,
+    application::Application,
+    store::{Report, ReportQuery},
+};
+
+/// Which reports.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct Query {
+    /// Only of this network.
+    #[param(value_type = Option<String>)]
+    network: Option<OperationNetworkId>,
+    /// Only of this request.
+    #[param(value_type = Option<String>)]
+    request: Option<DynamicDataRequestId>,
+    /// Only those that arrived after the report with this number; `nextCursor` of the page before.
+    after: Option<u64>,
+    /// Most entries wanted, 1 to 1000.
+    limit: Option<u32>,
+}
+
+/// Lists the reports whose recipient the viewer is, in the order of their arrival.
+#[utoipa::path(get, path = "/reports", tag = "reports", security(("session" = [])), params(Query),
+    responses((status = 200, body = Page<Report>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiQuery(query): ApiQuery<Query>,
+) -> Result<Json<Page<Report>>, Problem> {
+    let limit = limit(query.limit);
+    let wanted = ReportQuery { network: query.network, request: query.request, after: query.after.unwrap_or(0), limit };
+    let reports = app.store.read().await?.reports().list(&who.principal.scope(), &wanted).await?;
+    Ok(Json(Page::new(reports, limit, |report| report.report_id.to_string())))
+}

@@ -1,0 +1,86 @@
+//! Signing in and out.
+
+use std::net::SocketAddr;
+
+use asi_model::OrganisationId;
+use axum::{
+    Json,
+    extract::{ConnectInfo, State},
+    http::StatusCode,
+};
+use axum_extra::extract::CookieJar;
+use daemon::{
+    Confidential,
+    web::{ApiJson, Problem, session::SignedIn},
+};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::problems::{ChangeProblems, ReadProblems};
+use crate::{accounts::Principal, application::Application, store::Role};
+
+/// Who wants to sign in.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SignIn {
+    user_name: String,
+    #[schema(value_type = String, format = Password)]
+    password: Confidential<String>,
+}
+
+/// Who is signed in.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Session {
+    user_name: String,
+    role: Role,
+    #[schema(value_type = Option<String>)]
+    organisation_id: Option<OrganisationId>,
+    /// What changes must carry in the header `x-csrf-token`.
+    csrf_token: String,
+}
+
+impl From<SignedIn<Principal>> for Session {
+    fn from(who: SignedIn<Principal>) -> Self {
+        let user = who.principal.user;
+        Self {
+            user_name: user.user_name,
+            role: user.role,
+            organisation_id: user.organisation_id,
+            csrf_token: who.csrf_token,
+        }
+    }
+}
+
+/// Signs in; the answer sets the session's cookie.
+#[utoipa::path(post, path = "/session", tag = "session", request_body = SignIn,
+    responses((status = 200, body = Session), ChangeProblems,
+        (status = 429, body = Problem, content_type = "application/problem+json", description = "Too many attempts")))]
+pub async fn sign_in(
+    State(app): State<Application>,
+    ConnectInfo(client): ConnectInfo<SocketAddr>,
+    jar: CookieJar,
+    ApiJson(body): ApiJson<SignIn>,
+) -> Result<(CookieJar, Json<Session>), Problem> {
+    let (cookie, who) = app.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
+    Ok((jar.add(cookie), Json(who.into())))
+}
+
+/// Says who is signed in.
+#[utoipa::path(get, path = "/session", tag = "session", security(("session" = [])),
+    responses((status = 200, body = Session), ReadProblems))]
+pub async fn show(who: SignedIn<Principal>) -> Json<Session> {
+    Json(who.into())
+}
+
+/// Signs out.
+#[utoipa::path(delete, path = "/session", tag = "session", security(("session" = [])),
+    responses((status = 204, description = "Signed out"), ChangeProblems))]
+pub async fn sign_out(
+    State(app): State<Application>,
+    jar: CookieJar,
+    who: SignedIn<Principal>,
+) -> Result<(CookieJar, StatusCode), Problem> {
+    let removal = app.sessions.sign_out(&who.session).await?;
+    Ok((jar.add(removal), StatusCode::NO_CONTENT))
+}

@@ -1,0 +1,51 @@
+//! How the platform stands.
+
+use asi_model::DateTime;
+use axum::{Json, extract::State};
+use daemon::web::session::SignedIn;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::problems::ReadProblems;
+use crate::{accounts::Principal, application::Application};
+
+/// How the platform stands, with evidence.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Status {
+    /// The version of the program.
+    version: &'static str,
+    /// When it started.
+    #[schema(value_type = String, format = DateTime)]
+    started_at: DateTime,
+    /// Its own clock, to tell ages by.
+    #[schema(value_type = String, format = DateTime)]
+    now: DateTime,
+    /// How the link to the broker stands.
+    #[schema(value_type = Option<Object>)]
+    link: Option<serde_json::Value>,
+    /// The queues of the embedded broker; for administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Vec<Object>>)]
+    queues: Option<serde_json::Value>,
+    /// Who is connected to the embedded broker; for administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Vec<Object>>)]
+    connections: Option<serde_json::Value>,
+}
+
+/// Says how the platform stands.
+#[utoipa::path(get, path = "/status", tag = "status", security(("session" = [])),
+    responses((status = 200, body = Status), ReadProblems))]
+pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
+    let link = app.reach.link().map(|link| link.state().borrow().clone());
+    let broker = app.reach.broker().filter(|_| who.principal.is_administrator());
+    Json(Status {
+        version: env!("CARGO_PKG_VERSION"),
+        started_at: app.started_at,
+        now: app.clock.now(),
+        link: link.and_then(|state| serde_json::to_value(state).ok()),
+        queues: broker.as_ref().and_then(|broker| serde_json::to_value(broker.queues()).ok()),
+        connections: broker.and_then(|broker| serde_json::to_value(broker.connections()).ok()),
+    })
+}

@@ -1,0 +1,87 @@
+//! What is held of a factory's data set writers.
+
+use asi_model::{DateTime, FactoryId, messages::GapCause};
+use axum::{Json, extract::State};
+use daemon::web::{ApiPath, Problem, session::SignedIn};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{page::Page, problems::ReadProblems};
+use crate::{accounts::Principal, application::Application};
+
+/// Missing numbers shown per writer.
+const MISSING_SHOWN_MAX: usize = 1000;
+
+/// What is held of a writer within an epoch.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct WriterView {
+    data_set_writer_id: u16,
+    epoch: u32,
+    /// The highest sequence number held.
+    through_sequence: Option<u32>,
+    /// The lowest numbers below it that are missing, at most 1000.
+    missing: Vec<u32>,
+    /// How many numbers are missing in all.
+    missing_count: u64,
+    /// Numbers that the factory announced will never come.
+    gaps: Vec<GapView>,
+    /// Reports that arrived, repeats not counted.
+    received: u64,
+    /// Repeats that were discarded.
+    duplicates: u64,
+    /// When a report arrived last.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    last_report_at: Option<DateTime>,
+    /// When a keep-alive arrived last.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    last_keep_alive_at: Option<DateTime>,
+}
+
+/// An announced gap.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct GapView {
+    first_sequence: u32,
+    last_sequence: u32,
+    /// `COALESCED`, `EXPIRED`, `WITHDRAWN` or `REVOKED`.
+    #[schema(value_type = String)]
+    cause: GapCause,
+}
+
+/// Lists what is held of a factory's writers: for its own organisation and administrators.
+#[utoipa::path(get, path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
+    params(("factoryId" = String, Path)), responses((status = 200, body = Page<WriterView>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<FactoryId>,
+) -> Result<Json<Page<WriterView>>, Problem> {
+    let mut work = app.store.read().await?;
+    let factory = work.factories().lookup(&who.principal.scope(), &id).await?;
+    factory
+        .filter(|factory| {
+            who.principal.is_administrator() || who.principal.organisation() == Some(&factory.organisation_id)
+        })
+        .ok_or_else(|| Problem::not_found(format_args!("factory {id}")))?;
+    let mut views = Vec::new();
+    for row in work.writers().of_factory(&id).await? {
+        let gaps = work.writers().gaps(&row.key).await?;
+        views.push(WriterView {
+            data_set_writer_id: row.key.data_set_writer_id,
+            epoch: row.key.epoch,
+            through_sequence: row.sequences.through(),
+            missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
+            missing_count: row.sequences.missing_count(),
+            gaps: gaps
+                .into_iter()
+                .map(|(first_sequence, last_sequence, cause)| GapView { first_sequence, last_sequence, cause })
+                .collect(),
+            received: row.received,
+            duplicates: row.duplicates,
+            last_report_at: row.last_report_at,
+            last_keep_alive_at: row.last_keep_alive_at,
+        });
+    }
+    Ok(Json(Page::whole(views)))
+}

@@ -1,0 +1,161 @@
+//! The command line.
+
+mod administration;
+mod serve;
+
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use anyhow::Context;
+use clap::{Args, Parser, Subcommand};
+use daemon::configuration;
+use platform::{
+    config::{EXAMPLE, PlatformConfig},
+    store::Role,
+};
+
+/// The cloud services of Verbund.
+#[derive(Debug, Parser)]
+#[command(name = "platform", version, about)]
+pub struct Arguments {
+    /// The configuration file (TOML); defaults for all keys without one.
+    #[arg(long, short, global = true, env = "VERBUND_CONFIG")]
+    config: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the platform until SIGINT or SIGTERM.
+    Serve,
+    /// Run the embedded broker alone, with the same users and queues.
+    Broker,
+    /// Check or show the configuration.
+    #[command(subcommand)]
+    Config(ConfigCommand),
+    /// Organisations.
+    #[command(subcommand)]
+    Organisation(OrganisationCommand),
+    /// Factories.
+    #[command(subcommand)]
+    Factory(FactoryCommand),
+    /// Users.
+    #[command(subcommand)]
+    User(UserCommand),
+}
+
+#[derive(Debug, Subcommand)]
+enum ConfigCommand {
+    /// Say what is wrong with the configuration, environment included.
+    Check,
+    /// Print a commented example with every key.
+    Example,
+}
+
+#[derive(Debug, Subcommand)]
+enum OrganisationCommand {
+    /// Add an organisation.
+    Add {
+        /// Its id: letters, digits, `_` and `-`.
+        organisation: String,
+        /// What people call it; the id by default.
+        #[arg(long)]
+        name: Option<String>,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+enum FactoryCommand {
+    /// Add a factory and print a token with which its connector enrols.
+    Add {
+        /// Its id: letters, digits, `_` and `-`.
+        factory: String,
+        /// The organisation it belongs to; made where it is not known.
+        #[arg(long)]
+        organisation: String,
+        /// What people call it; the id by default.
+        #[arg(long)]
+        name: Option<String>,
+    },
+    /// Print a new enrolment token for a factory.
+    Token {
+        /// Its id.
+        factory: String,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+enum UserCommand {
+    /// Add or change a user; the password is read from standard input.
+    Set(SetUser),
+}
+
+/// A user to add or change.
+#[derive(Debug, Args)]
+struct SetUser {
+    /// The name to sign in with.
+    user: String,
+    /// ADMINISTRATOR, PLANNER or VIEWER.
+    #[arg(long)]
+    role: Role,
+    /// For whom the user looks and acts; made where it is not known.
+    #[arg(long)]
+    organisation: Option<String>,
+}
+
+/// Runs the command; prints what goes wrong with all its causes.
+pub fn run(arguments: Arguments) -> ExitCode {
+    let result = match arguments.command {
+        Command::Config(ConfigCommand::Example) => print(EXAMPLE.trim_end()),
+        Command::Config(ConfigCommand::Check) => {
+            load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
+        }
+        command => load(arguments.config.as_deref()).and_then(|config| run_command(command, config)),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let code = error.downcast_ref().map_or(ExitCode::FAILURE, daemon::lifecycle::LifecycleError::exit_code);
+            drop(writeln!(std::io::stderr(), "platform: {error:#}"));
+            code
+        }
+    }
+}
+
+fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
+    runtime.block_on(async {
+        match command {
+            Command::Serve => serve::serve(config).await,
+            Command::Broker => serve::broker(config).await,
+            Command::Organisation(OrganisationCommand::Add { organisation, name }) => {
+                administration::add_organisation(&config, &organisation, name).await
+            }
+            Command::Factory(FactoryCommand::Add { factory, organisation, name }) => {
+                administration::add_factory(&config, &factory, &organisation, name).await
+            }
+            Command::Factory(FactoryCommand::Token { factory }) => administration::print_token(&config, &factory).await,
+            Command::User(UserCommand::Set(user)) => {
+                administration::set_user(&config, user.user, user.role, user.organisation).await
+            }
+            Command::Config(_) => Ok(()),
+        }
+    })
+}
+
+fn load(path: Option<&Path>) -> anyhow::Result<PlatformConfig> {
+    let config: PlatformConfig = configuration::load(path, "VERBUND")?;
+    let faults = config.faults();
+    if faults.is_empty() {
+        return Ok(config);
+    }
+    anyhow::bail!("the configuration has {} fault(s):\n  {}", faults.len(), faults.join("\n  "))
+}
+
+fn print(text: &str) -> anyhow::Result<()> {
+    writeln!(std::io::stdout(), "{text}").context("writing to standard output")
+}

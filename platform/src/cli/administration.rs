@@ -1,0 +1,95 @@
+//! Commands on the platform's database. Run them while the platform is stopped, or restart it afterwards: a running one
+//! learns of new factories through its API.
+
+use std::{
+    io::{BufRead, Write},
+    time::Duration,
+};
+
+use anyhow::Context;
+use asi_model::{FactoryId, OrganisationId};
+use daemon::Confidential;
+use platform::{
+    administrator,
+    clock::Clock,
+    config::PlatformConfig,
+    enrolment,
+    store::{Organisation, Role, Scope, Store, User, Work},
+};
+
+/// Adds an organisation.
+pub async fn add_organisation(config: &PlatformConfig, id: &str, name: Option<String>) -> anyhow::Result<()> {
+    let store = open(config).await?;
+    let mut work = store.begin().await?;
+    let is_new = put_organisation(&mut work, id, name).await?;
+    work.commit().await?;
+    anyhow::ensure!(is_new, "there is an organisation {id} already");
+    Ok(())
+}
+
+/// Adds a factory and prints a token.
+pub async fn add_factory(
+    config: &PlatformConfig,
+    id: &str,
+    organisation: &str,
+    name: Option<String>,
+) -> anyhow::Result<()> {
+    let store = open(config).await?;
+    let factory: FactoryId = id.parse()?;
+    let mut work = store.begin().await?;
+    put_organisation(&mut work, organisation, None).await?;
+    let name = name.unwrap_or_else(|| id.to_owned());
+    let is_new = work.factories().add(&factory, &organisation.parse()?, &name, Clock::system().now()).await?;
+    work.commit().await?;
+    anyhow::ensure!(is_new, "there is a factory {id} already; `platform factory token {id}` makes a token for it");
+    print_token(config, id).await
+}
+
+/// Prints a new enrolment token.
+pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()> {
+    let store = open(config).await?;
+    let factory: FactoryId = id.parse()?;
+    let known = store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
+    known.with_context(|| format!("there is no factory {id}; `platform factory add` adds one"))?;
+    let public_url = config.web.public_url.clone().unwrap_or_else(|| {
+        let scheme = if config.web.tls.is_some() { "https" } else { "http" };
+        format!("{scheme}://{}", config.web.listen)
+    });
+    let lifetime = Duration::from_secs(u64::from(config.retention.enrolment_token_hours) * 3600);
+    let token = enrolment::make_token(&store, &factory, &public_url, Clock::system().now(), lifetime).await?;
+    let mut out = std::io::stdout();
+    writeln!(out, "{}", token.token.expose())?;
+    writeln!(std::io::stderr(), "Run `factory-connector enrol` with this token before {}.", token.expires_at)?;
+    Ok(())
+}
+
+/// Adds or changes a user; the password is one line of standard input.
+pub async fn set_user(
+    config: &PlatformConfig,
+    user_name: String,
+    role: Role,
+    organisation: Option<String>,
+) -> anyhow::Result<()> {
+    let store = open(config).await?;
+    let mut line = String::new();
+    std::io::stdin().lock().read_line(&mut line).context("reading the password from standard input")?;
+    let password: Confidential<String> = line.trim_end_matches(['\r', '\n']).into();
+    let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
+    let user = User { user_name, role, organisation_id };
+    Ok(administrator::put(&store, &user, &password, Clock::system().now()).await?)
+}
+
+async fn open(config: &PlatformConfig) -> anyhow::Result<Store> {
+    std::fs::create_dir_all(&config.data_directory)
+        .with_context(|| format!("making the data directory {}", config.data_directory.display()))?;
+    Ok(Store::open(&config.database_path()).await?)
+}
+
+async fn put_organisation(work: &mut Work, id: &str, name: Option<String>) -> anyhow::Result<bool> {
+    let organisation = Organisation {
+        organisation_id: id.parse()?,
+        name: name.unwrap_or_else(|| id.to_owned()),
+        created_at: Clock::system().now(),
+    };
+    Ok(work.organisations().add(&organisation).await?)
+}

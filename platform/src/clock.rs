@@ -1,0 +1,41 @@
+//! Time as an argument, so that tests can set it.
+
+use std::{fmt, sync::Arc, time::SystemTime};
+
+use asi_model::DateTime;
+
+/// Tells the time. Clones tell the same.
+#[derive(Clone)]
+pub struct Clock(Arc<dyn Fn() -> DateTime + Send + Sync>);
+
+impl Clock {
+    /// The machine's clock.
+    #[must_use]
+    pub fn system() -> Self {
+        Self(Arc::new(|| SystemTime::now().into()))
+    }
+
+    /// A clock that a test sets.
+    #[must_use]
+    pub fn from_fn(now: impl Fn() -> DateTime + Send + Sync + 'static) -> Self {
+        Self(Arc::new(now))
+    }
+
+    /// Now.
+    #[must_use]
+    pub fn now(&self) -> DateTime {
+        (self.0)()
+    }
+}
+
+impl fmt::Debug for Clock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Clock")
+    }
+}
+
+/// A new message id: a UUIDv7, so that ids sort by time.
+#[must_use]
+pub fn new_message_id() -> asi_model::MessageId {
+    uuid::Uuid::now_v7().into()
+}

@@ -1,0 +1,293 @@
+//! The platform's configuration. `platform.example.toml` shows every key with its default; a test keeps the two alike.
+
+use std::{
+    net::{Ipv4Addr, SocketAddr},
+    path::PathBuf,
+    time::Duration,
+};
+
+use asi_model::OrganisationId;
+use broker::AddressPattern;
+use daemon::{Confidential, telemetry::LogConfig, web::server::TlsFiles};
+use messaging::{BrokerProfile, BrokerUrl};
+use serde::{Deserialize, Deserializer};
+
+/// The commented example, also printed by `platform config example`.
+pub const EXAMPLE: &str = include_str!("../platform.example.toml");
+
+/// Everything the platform needs to know.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlatformConfig {
+    /// Where database, broker store and certificate authority live. On a local disk.
+    pub data_directory: PathBuf,
+    /// Pages and API.
+    pub web: WebConfig,
+    /// The broker, embedded or another.
+    pub broker: BrokerConfig,
+    /// The first administrator.
+    pub admin: AdminConfig,
+    /// What connectors are told of the reports that arrived.
+    pub receipts: ReceiptConfig,
+    /// Sending parts of networks.
+    pub parts: PartConfig,
+    /// How long things are kept.
+    pub retention: RetentionConfig,
+    /// Logging.
+    pub log: LogConfig,
+}
+
+impl Default for PlatformConfig {
+    fn default() -> Self {
+        Self {
+            data_directory: PathBuf::from("platform-data"),
+            web: WebConfig::default(),
+            broker: BrokerConfig::default(),
+            admin: AdminConfig::default(),
+            receipts: ReceiptConfig::default(),
+            parts: PartConfig::default(),
+            retention: RetentionConfig::default(),
+            log: LogConfig::default(),
+        }
+    }
+}
+
+/// Pages and API.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WebConfig {
+    /// Where to listen.
+    pub listen: SocketAddr,
+    /// How browsers and connectors reach us; part of enrolment tokens.
+    pub public_url: Option<String>,
+    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks TLS.
+    pub tls: Option<TlsFiles>,
+}
+
+impl Default for WebConfig {
+    fn default() -> Self {
+        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)), public_url: None, tls: None }
+    }
+}
+
+/// The broker.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BrokerConfig {
+    /// Where the embedded broker listens with TLS.
+    pub listen: SocketAddr,
+    /// Where it listens without TLS as well; loopback only.
+    pub plain_listen: Option<SocketAddr>,
+    /// How connectors reach the broker; told at enrolment.
+    pub public_url: Option<BrokerUrl>,
+    /// Names and addresses that the embedded broker's certificate is for, beside localhost.
+    pub host_names: Vec<String>,
+    /// Further users of the embedded broker, as for other programs.
+    pub users: Vec<BrokerUserConfig>,
+    /// Another broker instead of the embedded one.
+    pub external: Option<ExternalBrokerConfig>,
+}
+
+impl Default for BrokerConfig {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 5671)),
+            plain_listen: None,
+            public_url: None,
+            host_names: Vec::new(),
+            users: Vec::new(),
+            external: None,
+        }
+    }
+}
+
+/// A user of the embedded broker beside connectors and tools.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BrokerUserConfig {
+    /// The name to sign in with.
+    pub user_name: String,
+    /// A random secret of at least 128 bits.
+    pub password: Confidential<String>,
+    /// Patterns of addresses that it may receive from.
+    #[serde(default, deserialize_with = "patterns")]
+    pub consume: Vec<AddressPattern>,
+    /// Patterns of addresses that it may send to.
+    #[serde(default, deserialize_with = "patterns")]
+    pub produce: Vec<AddressPattern>,
+}
+
+fn patterns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<AddressPattern>, D::Error> {
+    let texts = Vec::<String>::deserialize(deserializer)?;
+    texts.iter().map(|text| text.parse().map_err(serde::de::Error::custom)).collect()
+}
+
+/// A broker of another make.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExternalBrokerConfig {
+    /// Its addresses; the next one is tried when one fails.
+    pub urls: Vec<BrokerUrl>,
+    /// What logical addresses are called there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own templates.
+    pub profile: BrokerProfile,
+    /// The platform's user there.
+    pub user_name: String,
+    /// Its password.
+    pub password: Confidential<String>,
+    /// PEM file with the authorities that may vouch for it; the system's where absent.
+    #[serde(default)]
+    pub root_certificates: Option<PathBuf>,
+}
+
+/// The first administrator.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AdminConfig {
+    /// The name to sign in with.
+    pub user_name: String,
+    /// The password. Where it is absent and there is no user yet, one is made up and written to a file in the data
+    /// directory that only the platform's user can read.
+    pub password: Option<Confidential<String>>,
+    /// The organisation the administrator also looks for, if any.
+    pub organisation_id: Option<OrganisationId>,
+}
+
+impl Default for AdminConfig {
+    fn default() -> Self {
+        Self { user_name: "admin".to_owned(), password: None, organisation_id: None }
+    }
+}
+
+/// Receipts.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ReceiptConfig {
+    /// Time between two receipts to a factory while there is news, in milliseconds.
+    pub interval_ms: u64,
+}
+
+impl Default for ReceiptConfig {
+    fn default() -> Self {
+        Self { interval_ms: 10_000 }
+    }
+}
+
+/// Sending parts of networks.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PartConfig {
+    /// Time after which an unanswered part is sent again, in milliseconds; doubles with each time, up to an hour.
+    pub resend_after_ms: u64,
+}
+
+impl Default for PartConfig {
+    fn default() -> Self {
+        Self { resend_after_ms: 60_000 }
+    }
+}
+
+/// How long things are kept.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RetentionConfig {
+    /// Messages as they came, in days. Reports themselves are kept.
+    pub inbox_days: u32,
+    /// How long an enrolment token can be used, in hours.
+    pub enrolment_token_hours: u32,
+}
+
+impl Default for RetentionConfig {
+    fn default() -> Self {
+        Self { inbox_days: 14, enrolment_token_hours: 24 }
+    }
+}
+
+impl PlatformConfig {
+    /// What is wrong beyond the form, in sentences that name key and remedy.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        if self.broker.plain_listen.is_some_and(|address| !address.ip().is_loopback()) {
+            faults.push(
+                "broker.plain_listen: only a loopback address may go without TLS; use 127.0.0.1 or remove the key"
+                    .to_owned(),
+            );
+        }
+        if self.web.tls.is_none() && !self.web.listen.ip().is_loopback() && self.web.public_url.is_none() {
+            faults.push(
+                "web.listen: pages on other than loopback need web.tls, or web.public_url when a proxy speaks TLS"
+                    .to_owned(),
+            );
+        }
+        for user in &self.broker.users {
+            if user.password.expose().len() < 16 {
+                faults.push(format!("broker.users: the password of {} needs at least 16 characters", user.user_name));
+            }
+        }
+        if self.broker.external.as_ref().is_some_and(|external| external.urls.is_empty()) {
+            faults.push("broker.external.urls: name at least one address".to_owned());
+        }
+        if self.receipts.interval_ms == 0 {
+            faults.push("receipts.interval_ms: must be at least 1".to_owned());
+        }
+        faults
+    }
+
+    /// Time between receipts.
+    #[must_use]
+    pub const fn receipt_interval(&self) -> Duration {
+        Duration::from_millis(self.receipts.interval_ms)
+    }
+
+    /// The database file.
+    #[must_use]
+    pub fn database_path(&self) -> PathBuf {
+        self.data_directory.join("platform.sqlite")
+    }
+
+    /// The embedded broker's file.
+    #[must_use]
+    pub fn broker_database_path(&self) -> PathBuf {
+        self.data_directory.join("broker.sqlite")
+    }
+
+    /// The certificate authority's folder.
+    #[must_use]
+    pub fn authority_directory(&self) -> PathBuf {
+        self.data_directory.join("certificates")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> PlatformConfig {
+        daemon::configuration::parse(None, text, "VERBUND", []).expect("valid")
+    }
+
+    #[test]
+    fn the_example_says_the_defaults() {
+        assert_eq!(format!("{:#?}", parse(EXAMPLE)), format!("{:#?}", PlatformConfig::default()));
+    }
+
+    #[test]
+    fn what_the_example_shows_as_comments_is_valid() {
+        let shown: String = EXAMPLE
+            .lines()
+            .map(|line| line.strip_prefix("#: ").unwrap_or(line))
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        let config = parse(&shown);
+        assert_eq!(config.faults(), Vec::<String>::new());
+        assert!(config.broker.external.is_some() && !config.broker.users.is_empty() && config.web.tls.is_some());
+    }
+
+    #[test]
+    fn unsafe_settings_are_named() {
+        let config = parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");
+        let faults = config.faults();
+        assert_eq!(faults.len(), 2, "{faults:?}");
+        assert!(faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen"));
+    }
+}

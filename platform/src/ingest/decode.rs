@@ -1,0 +1,414 @@
+//! From bytes to what they say. Pure: no store, no clock.
+
+use asi_model::{
+    DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId, OperationNetworkId, RequestKey,
+    messages::{FactoryMessage, MESSAGE_BYTES_MAX},
+    opcua_json::Leniency,
+    pubsub::{
+        DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage, PubSubMessage,
+        PubSubState, json::decode_described,
+    },
+};
+use messaging::{Delivery, LogicalAddress};
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+
+use crate::{
+    store::NewDeadLetter,
+    tools::{DataRequestMessage, parse_data_request},
+};
+
+/// A received message, understood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Incoming {
+    /// Its id: the body's, else the transport's, else made from the body.
+    pub message_id: MessageId,
+    /// Its type, as `ua-data`.
+    pub message_type: String,
+    /// When it arrived.
+    pub received_at: DateTime,
+    /// Whether it belongs to the backlog after an outage.
+    pub is_replay: bool,
+    /// The body, unpacked.
+    pub body: String,
+    /// What it says.
+    pub content: Content,
+}
+
+/// What a message says.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// Reports and keep-alives.
+    Reports {
+        /// The reports, in their order.
+        reports: Vec<IncomingReport>,
+        /// Writers that say they are still there, with their epoch.
+        keep_alives: Vec<(u16, u32)>,
+        /// The message as it was, to forward parts of it.
+        message: Box<NetworkMessage>,
+    },
+    /// What the values of a writer are.
+    MetaData(u16, Box<DataSetMetaData>),
+    /// How the publisher is.
+    Status(PubSubState),
+    /// An acknowledgement, decision, gap, comment or offer.
+    Factory(Box<FactoryMessage>),
+    /// A tool asks for data.
+    DataRequest(Box<DataRequestMessage>),
+    /// A type that this version does not know; ignored, as the standard asks.
+    Unknown,
+    /// Of no use.
+    Dead(Box<NewDeadLetter>),
+}
+
+/// One DataSetMessage with values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IncomingReport {
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch.
+    pub epoch: u32,
+    /// The sequence number within the epoch.
+    pub sequence: u32,
+    /// The request it claims to answer.
+    pub request: RequestKey,
+    /// The report's name.
+    pub report_name: String,
+    /// The newest source time among the fields.
+    pub shopfloor_timestamp: Option<DateTime>,
+    /// When the connector made it.
+    pub report_timestamp: Option<DateTime>,
+    /// The fields with their values, names in payload order.
+    pub fields: Vec<(String, DataValue)>,
+    /// Its place in the NetworkMessage.
+    pub position: usize,
+}
+
+/// Members of a payload that are no fields (wire contract, "Reports").
+const RESERVED: [&str; 5] =
+    ["reportName", "dynamicDataRequestId", "operationId", "operationNetworkId", "shopfloorTimestamp"];
+
+/// Why a message is of no use; code and reason.
+type Refusal = (&'static str, String);
+
+/// Understands a delivery. `lookup` knows the metadata of the factory's writers.
+#[must_use]
+pub fn decode(address: &LogicalAddress, delivery: &Delivery, lookup: &dyn MetaDataLookup) -> Incoming {
+    let envelope = &delivery.envelope;
+    let received_at = DateTime::from(delivery.received_at);
+    let transport_id = envelope.message_id.clone();
+    let unpacked = envelope.unpacked(MESSAGE_BYTES_MAX).map_err(|error| ("UNREADABLE_BODY", error.to_string()));
+    let text = unpacked.and_then(|bytes| {
+        String::from_utf8(bytes.to_vec()).map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
+    });
+    let understood =
+        text.and_then(|text| understand(address, &text, lookup).map(|(id, kind, content)| (id, kind, content, text)));
+    match understood {
+        Ok((body_id, message_type, content, body)) => Incoming {
+            message_id: body_id.or(transport_id).unwrap_or_else(|| id_of(&body)),
+            message_type,
+            received_at,
+            is_replay: envelope.replay,
+            body,
+            content,
+        },
+        Err((code, reason)) => Incoming {
+            message_id: transport_id.clone().unwrap_or_else(|| id_of(&envelope.body)),
+            message_type: envelope.subject.clone(),
+            received_at,
+            is_replay: envelope.replay,
+            body: String::new(),
+            content: Content::Dead(Box::new(dead_letter(address, delivery, code, reason))),
+        },
+    }
+}
+
+/// The dead letter of a delivery.
+pub(super) fn dead_letter(
+    address: &LogicalAddress,
+    delivery: &Delivery,
+    code: &'static str,
+    reason: String,
+) -> NewDeadLetter {
+    NewDeadLetter {
+        address: address.to_string(),
+        message_id: delivery.envelope.message_id.as_ref().map(ToString::to_string),
+        subject: delivery.envelope.subject.chars().take(100).collect(),
+        code,
+        reason: reason.chars().take(1000).collect(),
+        received_at: delivery.received_at.into(),
+        body: delivery.envelope.body.to_vec(),
+        content_encoding: delivery.envelope.content_encoding.map(messaging::ContentEncoding::as_str),
+    }
+}
+
+type Understood = (Option<MessageId>, String, Content);
+
+fn understand(address: &LogicalAddress, text: &str, lookup: &dyn MetaDataLookup) -> Result<Understood, Refusal> {
+    match address {
+        LogicalAddress::FactoryIngress(factory) if is_own_message(text) => factory_message(factory, text),
+        LogicalAddress::FactoryIngress(factory) => pub_sub_message(factory, text, lookup),
+        LogicalAddress::ToolRequests(tool) => {
+            let request = parse_data_request(text, tool)?;
+            Ok((Some(request.message_id.clone()), "data-request".into(), Content::DataRequest(Box::new(request))))
+        }
+        other => Err(("WRONG_ADDRESS", format!("Nothing is received from {other}."))),
+    }
+}
+
+/// Our own messages say `messageType`, those of OPC UA PubSub `MessageType` or nothing.
+fn is_own_message(text: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Kind {
+        #[serde(rename = "messageType")]
+        message_type: Option<serde::de::IgnoredAny>,
+    }
+    serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
+}
+
+fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusal> {
+    let message = asi_model::validation::parse_factory_message(text.as_bytes()).map_err(|rejection| {
+        let faults: Vec<String> =
+            rejection.faults.iter().take(5).map(|fault| format!("{}: {}", fault.pointer, fault.message)).collect();
+        ("INVALID_MESSAGE", format!("The message is not valid: {}", faults.join(" ")))
+    })?;
+    let claimed = match &message {
+        FactoryMessage::Acknowledgement(m) => &m.factory_id,
+        FactoryMessage::Decision(m) => &m.factory_id,
+        FactoryMessage::Gap(m) => &m.factory_id,
+        FactoryMessage::Comment(m) => &m.factory_id,
+        FactoryMessage::AssetOffer(m) => &m.factory_id,
+    };
+    if claimed != factory {
+        return Err(forged(factory, claimed.as_str()));
+    }
+    let (id, kind) = (message.message_id().clone(), message.message_type().to_owned());
+    Ok((Some(id), kind, Content::Factory(Box::new(message))))
+}
+
+fn pub_sub_message(factory: &FactoryId, text: &str, lookup: &dyn MetaDataLookup) -> Result<Understood, Refusal> {
+    let decoded = decode_described(text.as_bytes(), Leniency::Lenient, lookup)
+        .map_err(|error| ("INVALID_MESSAGE", format!("The message is not valid: {}.", chain(&error))))?;
+    let message = decoded.message;
+    if let Some(publisher) = message.publisher_id() {
+        check_publisher(factory, publisher)?;
+    }
+    let (id, kind) = (message.message_id().cloned(), message.message_type().to_owned());
+    let content = match message {
+        PubSubMessage::Data(message) => reports(factory, message)?,
+        PubSubMessage::MetaData(message) => Content::MetaData(message.data_set_writer_id, Box::new(message.meta_data)),
+        PubSubMessage::Status(message) => Content::Status(message.status),
+        PubSubMessage::Other { .. } => Content::Unknown,
+    };
+    Ok((id, kind, content))
+}
+
+/// PublisherId is the factory's id, or that of one of its assets: `<factoryId>.<assetId>`.
+fn check_publisher(factory: &FactoryId, publisher: &str) -> Result<(), Refusal> {
+    match publisher.strip_prefix(factory.as_str()) {
+        Some(rest) if rest.is_empty() || rest.starts_with('.') => Ok(()),
+        _ => Err(forged(factory, publisher)),
+    }
+}
+
+fn forged(factory: &FactoryId, claimed: &str) -> Refusal {
+    metrics::counter!("verbund_forged_messages_total", "factory" => factory.to_string()).increment(1);
+    let claimed: String = claimed.chars().take(80).collect();
+    ("FORGED_PUBLISHER", format!("The message came from {factory} and claims to be of {claimed:?}."))
+}
+
+fn reports(factory: &FactoryId, message: NetworkMessage) -> Result<Content, Refusal> {
+    let (mut reports, mut keep_alives) = (Vec::with_capacity(message.messages.len()), Vec::new());
+    for (position, part) in message.messages.iter().enumerate() {
+        if let Some(publisher) = part.publisher_id.as_deref() {
+            check_publisher(factory, publisher)?;
+        }
+        let missing = |what: &str| ("NO_SEQUENCE", format!("DataSetMessage {position} has no {what}."));
+        let writer = part.data_set_writer_id.ok_or_else(|| missing("DataSetWriterId"))?;
+        let epoch = part.meta_data_version.map_or(0, |version| version.major);
+        if part.kind == DataSetMessageKind::KeepAlive {
+            keep_alives.push((writer, epoch));
+            continue;
+        }
+        let sequence = part.sequence_number.ok_or_else(|| missing("SequenceNumber"))?;
+        reports.push(report(part, writer, epoch, sequence, position)?);
+    }
+    Ok(Content::Reports { reports, keep_alives, message: Box::new(message) })
+}
+
+fn report(
+    part: &DataSetMessage,
+    writer: u16,
+    epoch: u32,
+    sequence: u32,
+    position: usize,
+) -> Result<IncomingReport, Refusal> {
+    let text = |name: &'static str| {
+        part.text(name).ok_or_else(|| ("NO_REQUEST", format!("DataSetMessage {position} has no {name}.")))
+    };
+    let invalid = |error: asi_model::InvalidId| ("NO_REQUEST", format!("DataSetMessage {position}: {error}."));
+    let request = RequestKey {
+        operation_network_id: OperationNetworkId::new(text("operationNetworkId")?).map_err(invalid)?,
+        operation_id: OperationId::new(text("operationId")?).map_err(invalid)?,
+        dynamic_data_request_id: DynamicDataRequestId::new(text("dynamicDataRequestId")?).map_err(invalid)?,
+    };
+    let shopfloor_timestamp = part.field("shopfloorTimestamp").and_then(time_of);
+    let is_field = |name: &str| {
+        !RESERVED.contains(&name)
+            && !name.strip_suffix("Unit").is_some_and(|base| part.fields.iter().any(|field| *field.name == *base))
+    };
+    let fields = part
+        .fields
+        .iter()
+        .filter(|field| is_field(&field.name))
+        .map(|field| {
+            let mut value = field.value.clone();
+            // A variant travels without its own time; the data set's is the best that is known.
+            value.source_timestamp = value.source_timestamp.or(shopfloor_timestamp);
+            (field.name.to_string(), value)
+        })
+        .collect();
+    Ok(IncomingReport {
+        data_set_writer_id: writer,
+        epoch,
+        sequence,
+        request,
+        report_name: part.text("reportName").unwrap_or_default().to_owned(),
+        shopfloor_timestamp,
+        report_timestamp: part.timestamp,
+        fields,
+        position,
+    })
+}
+
+fn time_of(value: &DataValue) -> Option<DateTime> {
+    match value.value.as_scalar()? {
+        asi_model::Scalar::DateTime(time) => Some(*time),
+        asi_model::Scalar::String(text) => text.as_deref()?.parse().ok(),
+        _ => None,
+    }
+}
+
+fn id_of(body: impl AsRef<[u8]>) -> MessageId {
+    let digest = hex::encode(Sha256::digest(body.as_ref()));
+    MessageId::new(format!("sha256:{digest}")).expect("hexadecimal digits are graphic characters")
+}
+
+fn chain(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}: {}", chain(cause)),
+        None => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messaging::Envelope;
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    fn ingress() -> LogicalAddress {
+        LogicalAddress::FactoryIngress("FOR_MUC".parse().expect("valid"))
+    }
+
+    fn delivery(body: impl Into<bytes::Bytes>) -> Delivery {
+        Delivery {
+            envelope: Envelope::new("t1".parse().expect("valid"), "any", body),
+            principal: None,
+            is_redelivered: false,
+            delivery_count: 0,
+            received_at: time::OffsetDateTime::UNIX_EPOCH,
+        }
+    }
+
+    fn report() -> Value {
+        json!({ "MessageId": "m1", "MessageType": "ua-data", "PublisherId": "FOR_MUC",
+          "Messages": [ { "DataSetWriterId": 1, "SequenceNumber": 4,
+            "MetaDataVersion": { "MajorVersion": 608_926_829, "MinorVersion": 608_926_829 },
+            "Timestamp": "2019-04-18T18:20:30Z",
+            "Payload": {
+              "reportName": { "Type": 12, "Body": "ProgressReport" },
+              "dynamicDataRequestId": { "Type": 12, "Body": "ReqResponse1" },
+              "operationId": { "Type": 12, "Body": "MakeFrame1" },
+              "operationNetworkId": { "Type": 12, "Body": "frame-4711" },
+              "shopfloorTimestamp": { "Type": 13, "Body": "2019-04-18T18:20:05Z" },
+              "progressStatus": { "Type": 9, "Body": "1" },
+              "progressStatusUnit": { "Type": 12, "Body": "PIECE" } } } ] })
+    }
+
+    fn check(body: &Value) -> Incoming {
+        decode(&ingress(), &delivery(body.to_string()), &())
+    }
+
+    fn code_of(incoming: &Incoming) -> Option<&'static str> {
+        match &incoming.content {
+            Content::Dead(letter) => Some(letter.code),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn the_report_of_the_contract_is_understood() {
+        let incoming = check(&report());
+        assert_eq!((incoming.message_id.as_str(), incoming.message_type.as_str()), ("m1", "ua-data"));
+        let Content::Reports { reports, keep_alives, .. } = incoming.content else { panic!("reports") };
+        assert!(keep_alives.is_empty());
+        let report = &reports[0];
+        assert_eq!((report.data_set_writer_id, report.epoch, report.sequence), (1, 608_926_829, 4));
+        assert_eq!(report.request.to_string(), "frame-4711/MakeFrame1/ReqResponse1");
+        assert_eq!(report.fields.len(), 1, "units and reserved members are no fields");
+        let (name, value) = &report.fields[0];
+        assert_eq!((name.as_str(), value.value.as_f64()), ("progressStatus", Some(1.0)));
+        assert_eq!(value.source_timestamp, report.shopfloor_timestamp);
+    }
+
+    #[test]
+    fn the_sender_is_known_by_the_address() {
+        let mut forged = report();
+        for (publisher, expected) in
+            [("FOR_MUC.robot%201", None), ("INS_HAM", Some("FORGED_PUBLISHER")), ("FOR_MUC2", Some("FORGED_PUBLISHER"))]
+        {
+            forged["PublisherId"] = json!(publisher);
+            assert_eq!(code_of(&check(&forged)), expected, "{publisher}");
+        }
+        let decision = json!({ "messageType": "gap", "messageId": "m2", "factoryId": "INS_HAM", "dataSetWriterId": 1,
+            "epoch": 1, "firstSequence": 1, "lastSequence": 2, "cause": "COALESCED" });
+        assert_eq!(code_of(&check(&decision)), Some("FORGED_PUBLISHER"));
+    }
+
+    #[test]
+    fn rubbish_is_told_with_its_reason() {
+        for (body, expected) in [
+            (Vec::from("not JSON"), "INVALID_MESSAGE"),
+            (vec![0xff, 0xfe], "NOT_UTF8"),
+            (Vec::from("[".repeat(200_000)), "INVALID_MESSAGE"),
+            (Vec::from(r#"{"messageType":"decision"}"#), "INVALID_MESSAGE"),
+            (vec![b' '; 300 * 1024], "UNREADABLE_BODY"),
+        ] {
+            let incoming = decode(&ingress(), &delivery(body.clone()), &());
+            assert_eq!(
+                code_of(&incoming),
+                Some(expected),
+                "{:?}",
+                String::from_utf8_lossy(&body[..body.len().min(40)])
+            );
+            assert_eq!(incoming.message_id.as_str(), "t1", "the transport's id stands in");
+        }
+        let mut without_sequence = report();
+        without_sequence["Messages"][0].as_object_mut().expect("an object").remove("SequenceNumber");
+        assert_eq!(code_of(&check(&without_sequence)), Some("NO_SEQUENCE"));
+        let mut without_request = report();
+        without_request["Messages"][0]["Payload"].as_object_mut().expect("an object").remove("operationId");
+        assert_eq!(code_of(&check(&without_request)), Some("NO_REQUEST"));
+    }
+
+    #[test]
+    fn keep_alives_are_no_reports() {
+        let body = json!({ "MessageId": "m3", "MessageType": "ua-data", "PublisherId": "FOR_MUC", "Messages": [
+            { "DataSetWriterId": 1, "SequenceNumber": 5, "MessageType": "ua-keepalive",
+              "MetaDataVersion": { "MajorVersion": 7, "MinorVersion": 7 } } ] });
+        let Content::Reports { reports, keep_alives, .. } = check(&body).content else { panic!("reports") };
+        assert_eq!((reports.len(), keep_alives), (0, vec![(1, 7)]));
+    }
+}

@@ -1,0 +1,238 @@
+//! The task that writes what arrives, and the handle that brings it.
+
+use std::{collections::HashMap, sync::Arc, time::Duration};
+
+use asi_model::{
+    FactoryId,
+    pubsub::{DataSetMetaData, MetaDataLookup, PubSubMessage, json::decode},
+};
+use async_trait::async_trait;
+use messaging::{Delivery, LogicalAddress, Settlement};
+use parking_lot::RwLock;
+use tokio::sync::{mpsc, oneshot};
+use tokio_util::sync::CancellationToken;
+
+use super::{
+    apply::{Applier, Effects},
+    decode::{Content, Incoming, dead_letter, decode as understand},
+};
+use crate::{
+    clock::Clock,
+    live::LiveLog,
+    progress_board::ProgressBoardHandle,
+    reach::Reach,
+    store::{Store, StoreError},
+};
+
+/// Batches that wait for the writer.
+const BATCHES_WAITING_MAX: usize = 64;
+/// Batches written in one transaction.
+const BATCHES_PER_WORK_MAX: usize = 32;
+
+/// The metadata of all writers; replaced as a whole, so that decoding holds no lock.
+type MetaDataTable = HashMap<(FactoryId, u16), DataSetMetaData>;
+
+/// The service; [`run`](Self::run) it.
+pub struct Ingest {
+    store: Store,
+    live: LiveLog,
+    reach: Reach,
+    progress: ProgressBoardHandle,
+    clock: Clock,
+    resend_after: Duration,
+    meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
+    batches: mpsc::Receiver<Batch>,
+}
+
+/// Brings messages to a running [`Ingest`].
+#[derive(Clone)]
+pub struct IngestHandle {
+    meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
+    batches: mpsc::Sender<Batch>,
+}
+
+struct Batch {
+    address: LogicalAddress,
+    messages: Vec<Incoming>,
+    /// Answered with true when the batch is committed.
+    stored: oneshot::Sender<Vec<bool>>,
+}
+
+impl Ingest {
+    /// A service over the store; knows the metadata that was received before.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn new(
+        store: Store,
+        live: LiveLog,
+        reach: Reach,
+        progress: ProgressBoardHandle,
+        clock: Clock,
+        resend_after: Duration,
+    ) -> Result<(Self, IngestHandle), StoreError> {
+        let mut table = MetaDataTable::new();
+        for (factory, body) in store.read().await?.meta_data().list().await? {
+            if let Ok(PubSubMessage::MetaData(message)) = decode(body.as_bytes()).map(|decoded| decoded.message) {
+                table.insert((factory, message.data_set_writer_id), message.meta_data);
+            }
+        }
+        let meta_data = Arc::new(RwLock::new(Arc::new(table)));
+        let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
+        let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
+        Ok((Self { store, live, reach, progress, clock, resend_after, meta_data, batches }, handle))
+    }
+
+    /// Runs until shutdown; what was taken by then is written.
+    ///
+    /// # Errors
+    /// Never; a failing store is told to the senders, who bring the messages again.
+    pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
+        let mut waiting = Vec::with_capacity(BATCHES_PER_WORK_MAX);
+        while let Some(count) =
+            shutdown.run_until_cancelled(self.batches.recv_many(&mut waiting, BATCHES_PER_WORK_MAX)).await
+        {
+            if count == 0 {
+                return Ok(());
+            }
+            let batches = std::mem::take(&mut waiting);
+            self.write(batches).await;
+        }
+        // What waits now was not settled with the broker and comes again.
+        Ok(())
+    }
+
+    /// Writes batches in one transaction. Where that fails, each message is tried on its own, so that one that the
+    /// database refuses holds nobody else up.
+    async fn write(&self, batches: Vec<Batch>) {
+        let started = std::time::Instant::now();
+        let all: Vec<(&LogicalAddress, &[Incoming])> =
+            batches.iter().map(|batch| (&batch.address, &batch.messages[..])).collect();
+        match self.write_once(&all).await {
+            Ok(()) => {
+                for batch in batches {
+                    let answer = vec![true; batch.messages.len()];
+                    drop(batch.stored.send(answer));
+                }
+            }
+            Err(error) => {
+                tracing::warn!(cause = %chain(&error), "A batch could not be stored; its messages are tried singly.");
+                for batch in batches {
+                    let mut answer = Vec::with_capacity(batch.messages.len());
+                    for message in &batch.messages {
+                        answer.push(self.write_single(&batch.address, message).await);
+                    }
+                    drop(batch.stored.send(answer));
+                }
+            }
+        }
+        metrics::histogram!("verbund_ingest_work_seconds").record(started.elapsed());
+    }
+
+    async fn write_single(&self, address: &LogicalAddress, message: &Incoming) -> bool {
+        let error = match self.write_once(&[(address, std::slice::from_ref(message))]).await {
+            Ok(()) => return true,
+            Err(error) => error,
+        };
+        if !is_refused(&error) {
+            return false;
+        }
+        // The database will always refuse it: a dead letter instead, so that the queue goes on.
+        let dead = dead_message(address, message, format!("It cannot be stored: {}.", chain(&error)));
+        self.write_once(&[(address, std::slice::from_ref(&dead))]).await.is_ok()
+    }
+
+    async fn write_once(&self, batches: &[(&LogicalAddress, &[Incoming])]) -> Result<(), StoreError> {
+        let mut work = self.store.begin().await?;
+        let mut applier = Applier::new(&mut work, self.clock.now(), self.resend_after);
+        for (address, messages) in batches {
+            applier.batch(address, messages).await?;
+        }
+        let effects = applier.finish().await?;
+        work.commit().await?;
+        self.tell(effects);
+        Ok(())
+    }
+
+    /// After the commit: pages, link, decoding and metrics.
+    fn tell(&self, effects: Effects) {
+        if effects.has_outgoing {
+            self.reach.wake_link();
+        }
+        if !effects.meta_data.is_empty() {
+            let mut table = (**self.meta_data.read()).clone();
+            table.extend(effects.meta_data);
+            *self.meta_data.write() = Arc::new(table);
+        }
+        self.live.publish(effects.news);
+        self.progress.changed(effects.networks);
+        metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
+        metrics::counter!("verbund_duplicates_discarded_total").increment(effects.duplicates);
+        for code in effects.dead_letters {
+            metrics::counter!("verbund_dead_letters_total", "code" => code).increment(1);
+        }
+    }
+}
+
+#[async_trait]
+impl messaging::Inbox for IngestHandle {
+    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        let table = Arc::clone(&self.meta_data.read());
+        let known = KnownMetaData { factory: address.factory_id(), table: &table };
+        let messages: Vec<Incoming> = deliveries.iter().map(|delivery| understand(address, delivery, &known)).collect();
+        let (stored, answer) = oneshot::channel();
+        let batch = Batch { address: address.clone(), messages, stored };
+        if self.batches.send(batch).await.is_err() {
+            return Vec::new();
+        }
+        // No answer: the writer has ended, and what is missing in ours counts as released.
+        let stored = answer.await.unwrap_or_default();
+        stored.into_iter().map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release }).collect()
+    }
+}
+
+/// The metadata of one factory's writers.
+struct KnownMetaData<'t> {
+    factory: Option<&'t FactoryId>,
+    table: &'t MetaDataTable,
+}
+
+impl MetaDataLookup for KnownMetaData<'_> {
+    fn meta_data(&self, _publisher: Option<&str>, writer: Option<u16>) -> Option<&DataSetMetaData> {
+        self.table.get(&(self.factory?.clone(), writer?))
+    }
+}
+
+fn dead_message(address: &LogicalAddress, message: &Incoming, reason: String) -> Incoming {
+    let delivery = Delivery {
+        envelope: messaging::Envelope::new(
+            message.message_id.clone(),
+            message.message_type.clone(),
+            message.body.clone().into_bytes(),
+        ),
+        principal: None,
+        is_redelivered: true,
+        delivery_count: 0,
+        received_at: message.received_at.into(),
+    };
+    let letter = dead_letter(address, &delivery, "NOT_STORABLE", reason);
+    Incoming { content: Content::Dead(Box::new(letter)), ..message.clone() }
+}
+
+/// Whether the database understood and refused, so that trying again is of no use.
+fn is_refused(error: &StoreError) -> bool {
+    match error {
+        StoreError::Statement { source: sqlx::Error::Database(error), .. } => {
+            error.is_foreign_key_violation() || error.is_check_violation() || error.is_unique_violation()
+        }
+        StoreError::Corrupt { .. } => true,
+        _ => false,
+    }
+}
+
+fn chain(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}: {}", chain(cause)),
+        None => error.to_string(),
+    }
+}

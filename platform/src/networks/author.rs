@@ -1,0 +1,54 @@
+//! Who changes a network, and with what right.
+
+use asi_model::{DateTime, OrganisationId, ToolId};
+
+use crate::{accounts::Principal, store::Scope};
+
+/// Who changes a network.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Author {
+    /// The user or tool, as shown.
+    pub name: String,
+    /// For whom.
+    pub organisation_id: Option<OrganisationId>,
+    /// Administrators change for everybody.
+    pub is_administrator: bool,
+    /// May change networks at all.
+    pub may_plan: bool,
+    /// The tool, if it is one.
+    pub tool_id: Option<ToolId>,
+    /// When.
+    pub now: DateTime,
+    /// The networks the author may know of.
+    pub scope: Scope,
+}
+
+impl Author {
+    /// A user.
+    #[must_use]
+    pub fn user(principal: &Principal, now: DateTime) -> Self {
+        Self {
+            name: principal.user.user_name.clone(),
+            organisation_id: principal.organisation().cloned(),
+            is_administrator: principal.is_administrator(),
+            may_plan: principal.may_plan(),
+            tool_id: None,
+            now,
+            scope: principal.scope(),
+        }
+    }
+
+    /// A tool of an organisation.
+    #[must_use]
+    pub fn tool(tool: &ToolId, organisation: OrganisationId, now: DateTime) -> Self {
+        Self {
+            name: format!("tool.{tool}"),
+            organisation_id: Some(organisation.clone()),
+            is_administrator: false,
+            may_plan: true,
+            tool_id: Some(tool.clone()),
+            now,
+            scope: Scope::Organisation(organisation),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Adding and removing single dynamic data requests: each a new revision.
+
+use std::time::Duration;
+
+use asi_model::{DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest};
+
+use super::{
+    author::Author,
+    change::{ChangeError, Outcome, PutNetwork, lookup, put},
+};
+use crate::store::{NetworkRow, Work};
+
+/// Adds a request to an operation. The same request again changes nothing.
+///
+/// # Errors
+/// [`ChangeError`]; then nothing of it happened once the work is dropped.
+pub async fn add_request(
+    work: &mut Work,
+    network: &OperationNetworkId,
+    operation: &OperationId,
+    request: DynamicDataRequest,
+    author: &Author,
+    resend_after: Duration,
+) -> Result<Outcome, ChangeError> {
+    let (mut row, _) = lookup(work, network, author).await?;
+    let not_found = || ChangeError::NotFound(format!("operation {operation} in {network}"));
+    if row.withdrawn_at.is_some() {
+        return Err(ChangeError::NotFound(format!("operation network {network}")));
+    }
+    let target = row.network.operation_list.iter_mut().find(|candidate| candidate.operation_id == *operation);
+    let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
+    let id = request.dynamic_data_request_id.clone();
+    if !list.contains(&request) {
+        list.push(request);
+    }
+    let outcome = put_again(work, row, author, resend_after).await?;
+    if let Some(tool) = &author.tool_id {
+        work.tools().subscribe(network, id.as_str(), tool).await?;
+    }
+    Ok(outcome)
+}
+
+/// Removes a request: nodes and mappings go at the factory, the history stays.
+///
+/// # Errors
+/// [`ChangeError`]; then nothing of it happened once the work is dropped.
+pub async fn remove_request(
+    work: &mut Work,
+    network: &OperationNetworkId,
+    operation: &OperationId,
+    request: &DynamicDataRequestId,
+    author: &Author,
+    resend_after: Duration,
+) -> Result<Outcome, ChangeError> {
+    let (mut row, _) = lookup(work, network, author).await?;
+    let not_found = || ChangeError::NotFound(format!("request {request} of {operation} in {network}"));
+    let target = row.network.operation_list.iter_mut().find(|candidate| candidate.operation_id == *operation);
+    let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
+    let position = list.iter().position(|known| known.dynamic_data_request_id == *request).ok_or_else(not_found)?;
+    let is_own = author.organisation_id.as_ref() == Some(&list[position].requester_id);
+    if !is_own && !author.is_administrator {
+        return Err(ChangeError::NotAllowed);
+    }
+    list.remove(position);
+    put_again(work, row, author, resend_after).await
+}
+
+async fn put_again(
+    work: &mut Work,
+    row: NetworkRow,
+    author: &Author,
+    resend_after: Duration,
+) -> Result<Outcome, ChangeError> {
+    let change = PutNetwork {
+        collaboration_id: row.collaboration_id,
+        network: row.network,
+        expected_revision: Some(row.revision),
+    };
+    put(work, change, author, resend_after).await
+}

@@ -1,0 +1,197 @@
+//! A network as one viewer sees it.
+
+use asi_model::{
+    DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId,
+    messages::{DisclosureStatement, Fault, MappingState},
+    network::OperationNetwork,
+};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::{
+    progress::{OperationProgress, progress},
+    store::{FieldRow, NetworkRow, Part, PartState, Scope, StoreError, Work},
+};
+
+/// A network with its parts, progress and fields.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NetworkView {
+    /// The collaboration it belongs to.
+    #[schema(value_type = String)]
+    pub collaboration_id: asi_model::CollaborationId,
+    /// Its newest revision.
+    pub revision: u64,
+    /// When that was made.
+    #[schema(value_type = String, format = DateTime)]
+    pub updated_at: DateTime,
+    /// Who made it.
+    pub updated_by: String,
+    /// When it was withdrawn, if it was.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub withdrawn_at: Option<DateTime>,
+    /// The whole network (wire contract `operation-network`).
+    #[schema(value_type = Object)]
+    pub network: OperationNetwork,
+    /// What each factory was sent.
+    pub parts: Vec<PartView>,
+    /// How each operation stands, as far as the viewer's fields tell.
+    pub operations: Vec<OperationProgress>,
+    /// The fields that concern the viewer.
+    pub fields: Vec<FieldView>,
+    /// The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses nothing.
+    pub last_event_id: String,
+}
+
+/// What a factory was sent of a network, with the evidence of its life.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PartView {
+    /// The factory.
+    #[schema(value_type = String)]
+    pub factory_id: FactoryId,
+    /// Whose it is.
+    #[schema(value_type = Option<String>)]
+    pub organisation_id: Option<OrganisationId>,
+    /// What people call it.
+    pub factory_name: Option<String>,
+    /// The revision in which its part changed last.
+    pub revision: u64,
+    /// True where the part ends the network at the factory.
+    pub is_withdrawal: bool,
+    /// What became of it.
+    pub state: PartState,
+    /// Why it was rejected.
+    #[schema(value_type = Vec<Object>)]
+    pub fault_list: Vec<Fault>,
+    /// When it was sent last.
+    #[schema(value_type = String, format = DateTime)]
+    pub sent_at: DateTime,
+    /// How often it was sent.
+    pub sent_count: u32,
+    /// When it was answered.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub answered_at: Option<DateTime>,
+    /// When anything of the factory arrived last.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub last_seen_at: Option<DateTime>,
+}
+
+/// A field with its decision and newest value.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct FieldView {
+    /// The field.
+    #[schema(value_type = crate::api::schema::FieldKeySchema)]
+    pub key: FieldKey,
+    /// The factory that is asked.
+    #[schema(value_type = String)]
+    pub factory_id: FactoryId,
+    /// `PENDING`, `MAPPED` or `REFUSED`.
+    #[schema(value_type = crate::api::schema::MappingStateSchema)]
+    pub mapping_state: MappingState,
+    /// Why.
+    pub reason: Option<String>,
+    /// The precision that recipients get.
+    #[schema(value_type = Option<Object>)]
+    pub disclosure: Option<DisclosureStatement>,
+    /// When it was decided.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub decided_at: Option<DateTime>,
+    /// The newest value; 64-bit integers are texts.
+    #[schema(value_type = Option<Object>)]
+    pub value: Option<serde_json::Value>,
+    /// Its OPC UA built-in type, by name.
+    pub value_type: Option<String>,
+    /// Its quality, by the standard's name.
+    pub status: Option<String>,
+    /// When the source measured it.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub source_timestamp: Option<DateTime>,
+    /// When the connector reported it.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub report_timestamp: Option<DateTime>,
+    /// When it arrived.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub received_at: Option<DateTime>,
+    /// The writer's epoch.
+    pub epoch: Option<u32>,
+    /// The report's sequence number.
+    pub sequence: Option<u32>,
+}
+
+/// A network as the viewer sees it; `None` where it is none of the viewer's.
+///
+/// # Errors
+/// [`StoreError`].
+pub async fn view(
+    work: &mut Work,
+    scope: &Scope,
+    id: &OperationNetworkId,
+    last_event_id: String,
+) -> Result<Option<NetworkView>, StoreError> {
+    let Some(row) = work.networks().lookup(scope, id).await? else { return Ok(None) };
+    let fields = work.fields().list(scope, id).await?;
+    let parts = work.parts().of_network(id).await?;
+    let factories = work.factories().list(scope).await?;
+    let part_views = parts
+        .into_iter()
+        .map(|part| {
+            let factory = factories.iter().find(|factory| factory.factory_id == part.factory_id);
+            part_view(part, factory)
+        })
+        .collect();
+    let operations = progress(&row.network, &fields);
+    let NetworkRow { collaboration_id, revision, network, updated_at, updated_by, withdrawn_at } = row;
+    Ok(Some(NetworkView {
+        collaboration_id,
+        revision,
+        updated_at,
+        updated_by,
+        withdrawn_at,
+        network,
+        parts: part_views,
+        operations,
+        fields: fields.into_iter().map(field_view).collect(),
+        last_event_id,
+    }))
+}
+
+fn part_view(part: Part, factory: Option<&crate::store::Factory>) -> PartView {
+    PartView {
+        factory_id: part.factory_id,
+        organisation_id: factory.map(|factory| factory.organisation_id.clone()),
+        factory_name: factory.map(|factory| factory.name.clone()),
+        revision: part.revision,
+        is_withdrawal: part.is_withdrawal,
+        state: part.state,
+        fault_list: part.fault_list,
+        sent_at: part.sent_at,
+        sent_count: part.sent_count,
+        answered_at: part.acknowledged_at,
+        last_seen_at: factory.and_then(|factory| factory.last_seen_at),
+    }
+}
+
+fn field_view(row: FieldRow) -> FieldView {
+    let current = row.current;
+    FieldView {
+        key: row.key,
+        factory_id: row.factory_id,
+        mapping_state: row.mapping_state,
+        reason: row.reason,
+        disclosure: row.disclosure,
+        decided_at: row.decided_at,
+        value_type: current
+            .as_ref()
+            .and_then(|current| asi_model::BuiltInType::from_id(current.built_in_type.into()))
+            .map(|built_in_type| built_in_type.name().to_owned()),
+        status: current.as_ref().map(|current| current.status.to_string()),
+        source_timestamp: current.as_ref().and_then(|current| current.source_timestamp),
+        report_timestamp: current.as_ref().and_then(|current| current.report_timestamp),
+        received_at: current.as_ref().map(|current| current.received_at),
+        epoch: current.as_ref().map(|current| current.epoch),
+        sequence: current.as_ref().map(|current| current.sequence),
+        value: current.map(|current| current.value),
+    }
+}

@@ -1,0 +1,105 @@
+//! Tells pages how operations stand: what may have changed is read again, at most a few times a second per network, and
+//! told to each recipient as far as its own fields tell.
+
+use std::{
+    collections::{BTreeSet, HashMap, HashSet},
+    sync::Arc,
+    time::Duration,
+};
+
+use asi_model::{OperationId, OperationNetworkId, OrganisationId};
+use parking_lot::Mutex;
+use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
+
+use crate::{
+    live::{LiveEvent, LiveLog},
+    progress::{OperationProgress, progress},
+    store::{Scope, Store, StoreError},
+};
+
+/// Between two looks at what has changed.
+const INTERVAL: Duration = Duration::from_millis(200);
+/// Most operations remembered to tell what is news; beyond, all is told once more.
+const REMEMBERED_MAX: usize = 50_000;
+
+/// The service; [`run`](Self::run) it.
+pub struct ProgressBoard {
+    store: Store,
+    live: LiveLog,
+    changed: Arc<Changed>,
+    told: HashMap<(OrganisationId, OperationNetworkId, OperationId), OperationProgress>,
+}
+
+/// Says what may have changed.
+#[derive(Clone)]
+pub struct ProgressBoardHandle(Arc<Changed>);
+
+#[derive(Default)]
+struct Changed {
+    networks: Mutex<HashSet<OperationNetworkId>>,
+    wake: Notify,
+}
+
+impl ProgressBoardHandle {
+    /// Reports about these networks arrived.
+    pub fn changed(&self, networks: HashSet<OperationNetworkId>) {
+        if !networks.is_empty() {
+            self.0.networks.lock().extend(networks);
+            self.0.wake.notify_one();
+        }
+    }
+}
+
+impl ProgressBoard {
+    /// A board that knows of nothing yet.
+    #[must_use]
+    pub fn new(store: Store, live: LiveLog) -> (Self, ProgressBoardHandle) {
+        let changed = Arc::new(Changed::default());
+        let handle = ProgressBoardHandle(Arc::clone(&changed));
+        (Self { store, live, changed, told: HashMap::new() }, handle)
+    }
+
+    /// Runs until shutdown.
+    ///
+    /// # Errors
+    /// Never; a failing store is logged and asked again with the next news.
+    pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
+        while shutdown.run_until_cancelled(self.changed.wake.notified()).await.is_some() {
+            let networks = std::mem::take(&mut *self.changed.networks.lock());
+            for network in networks {
+                if let Err(error) = self.tell(&network).await {
+                    tracing::warn!(operation_network.id = %network, %error, "Progress could not be read.");
+                }
+            }
+            if shutdown.run_until_cancelled(tokio::time::sleep(INTERVAL)).await.is_none() {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    async fn tell(&mut self, id: &OperationNetworkId) -> Result<(), StoreError> {
+        let mut work = self.store.read().await?;
+        let Some(row) = work.networks().lookup(&Scope::Platform, id).await? else { return Ok(()) };
+        let recipients: BTreeSet<&OrganisationId> =
+            row.network.requests().flat_map(|(_, _, request)| &request.recipient_list).collect();
+        if self.told.len() > REMEMBERED_MAX {
+            self.told.clear();
+        }
+        for recipient in recipients {
+            let fields = work.fields().list(&Scope::Organisation(recipient.clone()), id).await?;
+            for operation in progress(&row.network, &fields) {
+                if operation.last_report_at.is_none() {
+                    continue;
+                }
+                let key = (recipient.clone(), id.clone(), operation.operation_id.clone());
+                if self.told.insert(key, operation.clone()).as_ref() != Some(&operation) {
+                    let event = LiveEvent::Progress { operation_network_id: id.clone(), operation };
+                    self.live.publish([event.to(vec![recipient.clone()])]);
+                }
+            }
+        }
+        Ok(())
+    }
+}

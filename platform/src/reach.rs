@@ -1,0 +1,227 @@
+//! How the platform reaches the broker, and who else may: users, queues and addresses follow from the store.
+//!
+//! [`Reach::reconcile`] compares what the store says with what is in force and may run any number of times: at the
+//! start, after every change, after a revocation.
+
+use std::{collections::HashMap, sync::Arc};
+
+use asi_model::{FactoryId, ToolId};
+use broker::{
+    AddressPattern, BrokerError, BrokerHandle, BrokerUser, CredentialTable, QueueName, QueueOptions, SecretHash,
+};
+use daemon::web::session::random_token;
+use messaging::{LinkHandle, LogicalAddress};
+use parking_lot::Mutex;
+
+use crate::{
+    config::BrokerUserConfig,
+    store::{BrokerCredential, Holder, Scope, Store, StoreError},
+};
+
+/// The platform's own user on the embedded broker.
+pub const PLATFORM_USER: &str = "platform";
+
+/// Users, queues and addresses. Clones share them.
+#[derive(Clone)]
+pub struct Reach(Arc<Inner>);
+
+struct Inner {
+    users: Arc<CredentialTable>,
+    configured: Vec<BrokerUserConfig>,
+    /// The platform's own secret on the embedded broker: new at every start, never stored.
+    secret: String,
+    parts: Mutex<Parts>,
+}
+
+#[derive(Default)]
+struct Parts {
+    broker: Option<BrokerHandle>,
+    link: Option<LinkHandle>,
+}
+
+/// Users or queues could not be brought in line with the store.
+#[derive(Debug, thiserror::Error)]
+pub enum ReachError {
+    /// The store failed.
+    #[error("the store failed")]
+    Store(#[from] StoreError),
+    /// The embedded broker failed.
+    #[error("the embedded broker failed")]
+    Broker(#[from] BrokerError),
+}
+
+impl std::fmt::Debug for Reach {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Reach")
+    }
+}
+
+impl Reach {
+    /// Nothing is connected yet.
+    #[must_use]
+    pub fn new(configured: Vec<BrokerUserConfig>) -> Self {
+        Self(Arc::new(Inner {
+            users: Arc::new(CredentialTable::new()),
+            configured,
+            secret: random_token(),
+            parts: Mutex::default(),
+        }))
+    }
+
+    /// The users, for the embedded broker.
+    #[must_use]
+    pub fn users(&self) -> Arc<CredentialTable> {
+        Arc::clone(&self.0.users)
+    }
+
+    /// The platform's own secret on the embedded broker.
+    #[must_use]
+    pub fn secret(&self) -> &str {
+        &self.0.secret
+    }
+
+    /// The embedded broker runs.
+    pub fn set_broker(&self, broker: BrokerHandle) {
+        self.0.parts.lock().broker = Some(broker);
+    }
+
+    /// The link runs.
+    pub fn set_link(&self, link: LinkHandle) {
+        self.0.parts.lock().link = Some(link);
+    }
+
+    /// The embedded broker, if there is one.
+    #[must_use]
+    pub fn broker(&self) -> Option<BrokerHandle> {
+        self.0.parts.lock().broker.clone()
+    }
+
+    /// The link, once it runs.
+    #[must_use]
+    pub fn link(&self) -> Option<LinkHandle> {
+        self.0.parts.lock().link.clone()
+    }
+
+    /// New messages wait to be sent.
+    pub fn wake_link(&self) {
+        if let Some(link) = self.link() {
+            link.wake();
+        }
+    }
+
+    /// Brings users, queues and the addresses that are read in line with the store.
+    ///
+    /// # Errors
+    /// [`ReachError`]; what was done by then stays and the next run goes on.
+    pub async fn reconcile(&self, store: &Store) -> Result<(), ReachError> {
+        let mut work = store.read().await?;
+        let factories: Vec<FactoryId> =
+            work.factories().list(&Scope::Platform).await?.into_iter().map(|factory| factory.factory_id).collect();
+        let tools: Vec<ToolId> =
+            work.tools().list(&Scope::Platform).await?.into_iter().map(|tool| tool.tool_id).collect();
+        let credentials = work.credentials().list().await?;
+        drop(work);
+
+        self.0.users.replace(self.users_of(&credentials));
+        if let Some(broker) = self.broker() {
+            for address in addresses(&factories, &tools) {
+                let options = QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() };
+                broker.declare_queue(&queue(&address), options).await?;
+            }
+        }
+        if let Some(link) = self.link() {
+            let read = factories
+                .iter()
+                .cloned()
+                .map(LogicalAddress::FactoryIngress)
+                .chain(tools.iter().cloned().map(LogicalAddress::ToolRequests))
+                .collect();
+            link.set_consumed(read);
+        }
+        Ok(())
+    }
+
+    /// After a revocation: the holder is unknown from now on and its connections are cut.
+    ///
+    /// # Errors
+    /// [`ReachError`].
+    pub async fn revoked(&self, store: &Store, holder: &Holder) -> Result<usize, ReachError> {
+        self.reconcile(store).await?;
+        Ok(self.broker().map_or(0, |broker| broker.disconnect_user(&holder.user_name())))
+    }
+
+    fn users_of(&self, credentials: &[BrokerCredential]) -> HashMap<String, BrokerUser> {
+        let mut users = HashMap::new();
+        for credential in credentials {
+            let user = users.entry(credential.holder.user_name()).or_insert_with(|| permitted(&credential.holder));
+            user.secrets.push(SecretHash::from_bytes(credential.secret_hash));
+        }
+        for configured in &self.0.configured {
+            let mut user = BrokerUser::with_secret(configured.password.expose().as_bytes());
+            user.permissions.consume.clone_from(&configured.consume);
+            user.permissions.produce.clone_from(&configured.produce);
+            users.insert(configured.user_name.clone(), user);
+        }
+        let platform = BrokerUser::with_secret(self.0.secret.as_bytes())
+            .may_consume(AddressPattern::any())
+            .may_produce(AddressPattern::any());
+        users.insert(PLATFORM_USER.to_owned(), platform);
+        users
+    }
+}
+
+/// A connector reads its own requests and writes its own ingress, a tool likewise, and nothing else.
+fn permitted(holder: &Holder) -> BrokerUser {
+    let (reads, writes) = match holder {
+        Holder::Factory(id) => {
+            (LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryIngress(id.clone()))
+        }
+        Holder::Tool(id) => (LogicalAddress::ToolReports(id.clone()), LogicalAddress::ToolRequests(id.clone())),
+    };
+    BrokerUser::default()
+        .may_consume(AddressPattern::exact(&queue(&reads)))
+        .may_produce(AddressPattern::exact(&queue(&writes)))
+}
+
+fn addresses(factories: &[FactoryId], tools: &[ToolId]) -> Vec<LogicalAddress> {
+    let of_factories = factories
+        .iter()
+        .flat_map(|id| [LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryIngress(id.clone())]);
+    let of_tools =
+        tools.iter().flat_map(|id| [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]);
+    of_factories.chain(of_tools).collect()
+}
+
+fn queue(address: &LogicalAddress) -> QueueName {
+    address.to_string().parse().expect("logical addresses are words of letters, digits, _ and - with dots between")
+}
+
+#[cfg(test)]
+mod tests {
+    use broker::Credentials;
+
+    use super::*;
+
+    #[test]
+    fn a_connector_may_use_its_own_addresses_only() {
+        let reach = Reach::new(Vec::new());
+        let holder = Holder::Factory("A".parse().expect("valid"));
+        let credentials = [
+            BrokerCredential { holder: holder.clone(), secret_hash: [1; 32] },
+            BrokerCredential { holder: holder.clone(), secret_hash: [2; 32] },
+        ];
+        reach.users().replace(reach.users_of(&credentials));
+        let user = reach.users().user("factory.A").expect("known");
+        assert_eq!(user.secrets.len(), 2, "one in use, one being rotated in");
+        let may = |name: &str| {
+            let queue = name.parse().expect("a queue name");
+            (user.permissions.permits_consuming(&queue), user.permissions.permits_producing(&queue))
+        };
+        assert_eq!(may("factory.A.requests"), (true, false));
+        assert_eq!(may("factory.A.ingress"), (false, true));
+        for foreign in ["factory.B.requests", "factory.B.ingress", "dead-letters", "tool.A.reports"] {
+            assert_eq!(may(foreign), (false, false), "{foreign}");
+        }
+        assert!(reach.users().user("factory.B").is_none());
+    }
+}

@@ -1,0 +1,53 @@
+//! The platform's memory: one repository per noun, each statement in exactly one place.
+//!
+//! A unit of work is a transaction ([`Work`]) that is committed explicitly or not at all; repositories borrow it.
+//! Lookups return `Option`: "not found" is a decision of whoever asked. Every query on partners' data takes the viewer's
+//! [`Scope`], so that forgetting it is a compile error and not a leak.
+//!
+//! # PostgreSQL
+//! Statements use numbered parameters (`$1`), `ON CONFLICT`, `RETURNING` and nothing else of a dialect, so that they run
+//! on PostgreSQL unchanged. What is SQLite's own is in [`connection`] (opening, one writer, pragmas) and in the folder
+//! `migrations/sqlite`; a second database is a second such module behind the same [`Database`] alias.
+
+mod collaborations;
+mod comments;
+mod connection;
+mod credentials;
+mod dead_letters;
+mod error;
+mod factories;
+mod fields;
+mod inbox;
+mod meta_data;
+mod networks;
+mod organisations;
+mod outbox;
+mod parts;
+mod recipients;
+mod reports;
+mod row;
+mod scope;
+mod tools;
+mod users;
+mod writers;
+
+pub use collaborations::{Collaboration, Collaborations};
+pub use comments::{CommentEntry, Comments, NewComment};
+pub use connection::{Database, Store, Work};
+pub use credentials::{BrokerCredential, Credentials, Holder};
+pub use dead_letters::{DeadLetter, DeadLetters, NewDeadLetter};
+pub use error::StoreError;
+pub use factories::{Factories, Factory, Heard};
+pub use fields::{CurrentValue, FieldRow, Fields, NewField};
+pub use inbox::{Inbox, NewInboxMessage};
+pub use meta_data::MetaData;
+pub use networks::{NetworkRow, NetworkSummary, Networks};
+pub use organisations::{Organisation, Organisations};
+pub use outbox::{NewOutgoing, Outbox};
+pub use parts::{Part, PartState, Parts};
+pub use recipients::Recipients;
+pub use reports::{NewReport, Report, ReportQuery, Reports};
+pub use scope::Scope;
+pub use tools::{Tool, Tools};
+pub use users::{Role, User, Users};
+pub use writers::{WriterKey, WriterRow, Writers};

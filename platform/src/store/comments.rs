@@ -1,0 +1,135 @@
+//! Comments: people talking about a network, a request or a field.
+
+use asi_model::{DateTime, DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow},
+    scope::Scope,
+};
+
+/// A comment to store.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewComment {
+    /// The network talked about.
+    pub operation_network_id: OperationNetworkId,
+    /// The factory that takes part in the talk.
+    pub factory_id: FactoryId,
+    /// The request talked about.
+    pub dynamic_data_request_id: Option<DynamicDataRequestId>,
+    /// The field talked about.
+    pub field_name: Option<FieldName>,
+    /// Who says it.
+    pub author_id: String,
+    /// Whether it came from the factory.
+    pub is_from_factory: bool,
+    /// What is said.
+    pub text: String,
+    /// When it came here.
+    pub created_at: DateTime,
+}
+
+/// A comment as members of the collaboration see it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct CommentEntry {
+    /// Its number, counting up.
+    pub comment_id: u64,
+    /// The factory that takes part in the talk.
+    #[schema(value_type = String)]
+    pub factory_id: FactoryId,
+    /// The request talked about.
+    #[schema(value_type = Option<String>)]
+    pub dynamic_data_request_id: Option<DynamicDataRequestId>,
+    /// The field talked about.
+    #[schema(value_type = Option<String>)]
+    pub field_name: Option<FieldName>,
+    /// Who says it.
+    pub author_id: String,
+    /// Whether it came from the factory.
+    pub is_from_factory: bool,
+    /// What is said.
+    pub text: String,
+    /// When it came here.
+    #[schema(value_type = String, format = DateTime)]
+    pub created_at: DateTime,
+}
+
+/// The repository.
+pub struct Comments<'w>(&'w mut Connection);
+
+impl Work {
+    /// Comments.
+    pub fn comments(&mut self) -> Comments<'_> {
+        Comments(self.connection())
+    }
+}
+
+impl Comments<'_> {
+    /// Stores a comment; its number.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown network.
+    pub async fn add(&mut self, comment: &NewComment) -> Result<u64, StoreError> {
+        let sql = "INSERT INTO comment (operation_network_id, factory_id, dynamic_data_request_id, field_name,
+                       author_id, is_from_factory, text, created_at)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8) RETURNING comment_id";
+        let row = sqlx::query(sql)
+            .bind(comment.operation_network_id.as_str())
+            .bind(comment.factory_id.as_str())
+            .bind(comment.dynamic_data_request_id.as_ref().map(DynamicDataRequestId::as_str))
+            .bind(comment.field_name.as_ref().map(FieldName::as_str))
+            .bind(&comment.author_id)
+            .bind(i64::from(comment.is_from_factory))
+            .bind(&comment.text)
+            .bind(comment.created_at.ticks())
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a comment"))?;
+        row.unsigned("comment_id")
+    }
+
+    /// The comments on a network of the viewer's collaborations, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        network: &OperationNetworkId,
+        after: u64,
+        limit: u32,
+    ) -> Result<Vec<CommentEntry>, StoreError> {
+        let sql =
+            "SELECT c.* FROM comment c JOIN operation_network n ON n.operation_network_id = c.operation_network_id
+                   WHERE c.operation_network_id = $2 AND c.comment_id > $3 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                       SELECT 1 FROM collaboration_member m
+                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))
+                   ORDER BY c.comment_id LIMIT $4";
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(network.as_str())
+            .bind(i64::try_from(after).unwrap_or(i64::MAX))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list comments"))?;
+        rows.iter().map(read).collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<CommentEntry, StoreError> {
+    Ok(CommentEntry {
+        comment_id: row.unsigned("comment_id")?,
+        factory_id: row.parsed("factory_id")?,
+        dynamic_data_request_id: row.parsed_option("dynamic_data_request_id")?,
+        field_name: row.parsed_option("field_name")?,
+        author_id: row.column("author_id")?,
+        is_from_factory: row.unsigned::<u8>("is_from_factory")? != 0,
+        text: row.column("text")?,
+        created_at: row.time("created_at")?,
+    })
+}

@@ -1,0 +1,111 @@
+//! Opening the database and working in transactions. Everything that is SQLite's own is here.
+
+use std::{path::Path, time::Duration};
+
+use sqlx::{
+    SqlSafeStr, SqlitePool, Transaction,
+    migrate::{Migration, MigrationType, Migrator},
+    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
+};
+
+use super::error::StoreError;
+
+/// The database behind the repositories.
+pub type Database = sqlx::Sqlite;
+
+/// A connection of [`Database`].
+pub(super) type Connection = <Database as sqlx::Database>::Connection;
+
+const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "house", include_str!("../../migrations/sqlite/0001_house.sql"))];
+
+const READERS_MAX: u32 = 8;
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+const STATEMENTS_CACHED_MAX: usize = 256;
+
+/// The platform's database. Clones share the connections.
+#[derive(Debug, Clone)]
+pub struct Store {
+    /// One connection: SQLite has one writer, and waiting for it here is fairer and cheaper than in its lock.
+    writer: SqlitePool,
+    readers: SqlitePool,
+}
+
+impl Store {
+    /// Opens the file, making it where there is none, and brings it to this version's form.
+    ///
+    /// # Errors
+    /// [`StoreError::Open`] and [`StoreError::Migrate`].
+    pub async fn open(path: &Path) -> Result<Self, StoreError> {
+        let options = SqliteConnectOptions::new()
+            .filename(path)
+            .create_if_missing(true)
+            .journal_mode(SqliteJournalMode::Wal)
+            // What was settled with the broker must survive a power cut.
+            .synchronous(SqliteSynchronous::Full)
+            .foreign_keys(true)
+            .busy_timeout(BUSY_TIMEOUT)
+            .statement_cache_capacity(STATEMENTS_CACHED_MAX)
+            .pragma("cache_size", "-32768")
+            .pragma("temp_store", "memory");
+        let failed = |source| StoreError::Open { path: path.to_owned(), source };
+        let writer = SqlitePoolOptions::new().max_connections(1).connect_with(options.clone()).await.map_err(failed)?;
+        let migrations = MIGRATIONS
+            .into_iter()
+            .map(|(version, name, sql)| {
+                Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+            })
+            .collect();
+        Migrator::with_migrations(migrations).run(&writer).await.map_err(StoreError::Migrate)?;
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS_MAX)
+            .connect_with(options.read_only(true).pragma("query_only", "true"))
+            .await
+            .map_err(failed)?;
+        Ok(Self { writer, readers })
+    }
+
+    /// Begins a unit of work that may write.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn begin(&self) -> Result<Work, StoreError> {
+        // IMMEDIATE takes the write lock at once, so that no statement fails half-way for lack of it.
+        let begun = self.writer.begin_with("BEGIN IMMEDIATE").await;
+        begun.map(|transaction| Work { transaction }).map_err(StoreError::during("begin a transaction"))
+    }
+
+    /// Begins a unit of work that only reads, on one consistent state.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn read(&self) -> Result<Work, StoreError> {
+        let begun = self.readers.begin().await;
+        begun.map(|transaction| Work { transaction }).map_err(StoreError::during("begin to read"))
+    }
+
+    /// Closes all connections; what is committed stays.
+    pub async fn close(&self) {
+        self.readers.close().await;
+        self.writer.close().await;
+    }
+}
+
+/// A unit of work. Dropped without [`Work::commit`], nothing of it happened.
+#[derive(Debug)]
+pub struct Work {
+    transaction: Transaction<'static, Database>,
+}
+
+impl Work {
+    /// Makes the work permanent.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`]; then nothing of it happened.
+    pub async fn commit(self) -> Result<(), StoreError> {
+        self.transaction.commit().await.map_err(StoreError::during("commit"))
+    }
+
+    pub(super) fn connection(&mut self) -> &mut Connection {
+        &mut self.transaction
+    }
+}

@@ -1,0 +1,166 @@
+//! Dead letters: what arrived and could not be used, with the reason. Only administrators see them.
+
+use asi_model::DateTime;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow},
+};
+
+/// A message that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewDeadLetter {
+    /// Where it arrived.
+    pub address: String,
+    /// Its message id on the transport.
+    pub message_id: Option<String>,
+    /// Its subject on the transport.
+    pub subject: String,
+    /// A stable code, as `FORGED_PUBLISHER`.
+    pub code: &'static str,
+    /// Why, for people. Never contains plant values.
+    pub reason: String,
+    /// When it arrived.
+    pub received_at: DateTime,
+    /// Its body, as it travelled.
+    pub body: Vec<u8>,
+    /// How the body is packed.
+    pub content_encoding: Option<&'static str>,
+}
+
+/// A stored dead letter, without its body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeadLetter {
+    /// Its number.
+    pub dead_letter_id: u64,
+    /// Where it arrived.
+    pub address: String,
+    /// Its message id on the transport.
+    pub message_id: Option<String>,
+    /// Its subject on the transport.
+    pub subject: String,
+    /// A stable code.
+    pub code: String,
+    /// Why, for people.
+    pub reason: String,
+    /// When it arrived.
+    pub received_at: DateTime,
+    /// How many bytes its body has.
+    pub bytes: u64,
+    /// When it was tried again, if it was.
+    pub replayed_at: Option<DateTime>,
+}
+
+/// The repository.
+pub struct DeadLetters<'w>(&'w mut Connection);
+
+impl Work {
+    /// Dead letters.
+    pub fn dead_letters(&mut self) -> DeadLetters<'_> {
+        DeadLetters(self.connection())
+    }
+}
+
+/// Most dead letters kept; the oldest go first.
+const KEPT_MAX: i64 = 10_000;
+
+impl DeadLetters<'_> {
+    /// Stores one; beyond the bound the oldest go.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn add(&mut self, letter: &NewDeadLetter) -> Result<(), StoreError> {
+        let sql = "INSERT INTO dead_letter (address, message_id, subject, code, reason, received_at, body,
+                       content_encoding) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) RETURNING dead_letter_id";
+        let row = sqlx::query(sql)
+            .bind(&letter.address)
+            .bind(letter.message_id.as_deref())
+            .bind(&letter.subject)
+            .bind(letter.code)
+            .bind(&letter.reason)
+            .bind(letter.received_at.ticks())
+            .bind(&letter.body)
+            .bind(letter.content_encoding)
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a dead letter"))?;
+        let id: i64 = row.column("dead_letter_id")?;
+        sqlx::query("DELETE FROM dead_letter WHERE dead_letter_id <= $1")
+            .bind(id - KEPT_MAX)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget the oldest dead letters"))?;
+        Ok(())
+    }
+
+    /// A page, newest first: those with a smaller number than `before`.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, before: Option<u64>, limit: u32) -> Result<Vec<DeadLetter>, StoreError> {
+        let sql = "SELECT dead_letter_id, address, message_id, subject, code, reason, received_at, replayed_at,
+                       LENGTH(body) AS bytes FROM dead_letter WHERE dead_letter_id < $1
+                   ORDER BY dead_letter_id DESC LIMIT $2";
+        let rows = sqlx::query(sql)
+            .bind(before.and_then(|id| i64::try_from(id).ok()).unwrap_or(i64::MAX))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list dead letters"))?;
+        rows.iter().map(read).collect()
+    }
+
+    /// What to try again: address, transport message id, subject, body and its encoding.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn content(
+        &mut self,
+        id: u64,
+    ) -> Result<Option<(String, Option<String>, String, Vec<u8>, Option<String>)>, StoreError> {
+        let sql = "SELECT address, message_id, subject, body, content_encoding FROM dead_letter
+                   WHERE dead_letter_id = $1";
+        let row = sqlx::query(sql)
+            .bind(i64::try_from(id).unwrap_or(i64::MAX))
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("read a dead letter"))?;
+        let Some(row) = row else { return Ok(None) };
+        Ok(Some((
+            row.column("address")?,
+            row.column("message_id")?,
+            row.column("subject")?,
+            row.column("body")?,
+            row.column("content_encoding")?,
+        )))
+    }
+
+    /// Notes that one was tried again.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn replayed(&mut self, id: u64, now: DateTime) -> Result<(), StoreError> {
+        sqlx::query("UPDATE dead_letter SET replayed_at = $2 WHERE dead_letter_id = $1")
+            .bind(i64::try_from(id).unwrap_or(i64::MAX))
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note that a dead letter was tried again"))?;
+        Ok(())
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<DeadLetter, StoreError> {
+    Ok(DeadLetter {
+        dead_letter_id: row.unsigned("dead_letter_id")?,
+        address: row.column("address")?,
+        message_id: row.column("message_id")?,
+        subject: row.column("subject")?,
+        code: row.column("code")?,
+        reason: row.column("reason")?,
+        received_at: row.time("received_at")?,
+        bytes: row.unsigned("bytes")?,
+        replayed_at: row.time_option("replayed_at")?,
+    })
+}

@@ -1,0 +1,162 @@
+//! Factories and when they were heard last.
+
+use asi_model::{DateTime, FactoryId, OrganisationId};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow},
+    scope::Scope,
+};
+
+/// A factory: one connector, with the evidence of its life.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Factory {
+    /// Its id, also its PublisherId and part of its addresses.
+    #[schema(value_type = String)]
+    pub factory_id: FactoryId,
+    /// Whose it is.
+    #[schema(value_type = String)]
+    pub organisation_id: OrganisationId,
+    /// What people call it.
+    pub name: String,
+    /// Since when it is known here.
+    #[schema(value_type = String, format = DateTime)]
+    pub created_at: DateTime,
+    /// When its connector enrolled last; absent before.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub enrolled_at: Option<DateTime>,
+    /// When anything of it arrived last, keep-alives included.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub last_seen_at: Option<DateTime>,
+    /// When a report of it arrived last.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub last_report_at: Option<DateTime>,
+    /// What its publisher said of itself last (`ua-status`), as `Operational`.
+    pub publisher_state: Option<String>,
+}
+
+/// What arrived of a factory.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Heard {
+    /// When anything arrived.
+    pub at: Option<DateTime>,
+    /// When a report arrived.
+    pub report_at: Option<DateTime>,
+    /// What the publisher said of itself.
+    pub publisher_state: Option<&'static str>,
+}
+
+/// The repository.
+pub struct Factories<'w>(&'w mut Connection);
+
+impl Work {
+    /// Factories.
+    pub fn factories(&mut self) -> Factories<'_> {
+        Factories(self.connection())
+    }
+}
+
+const SEEN: &str = "SELECT f.* FROM factory f
+    WHERE CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (
+        SELECT 1 FROM collaboration_factory cf
+        JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id
+        WHERE cf.factory_id = f.factory_id AND m.organisation_id = $1)
+    ORDER BY f.factory_id";
+
+impl Factories<'_> {
+    /// Adds one. Says false where the id is taken.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown organisation.
+    pub async fn add(
+        &mut self,
+        factory_id: &FactoryId,
+        organisation_id: &OrganisationId,
+        name: &str,
+        now: DateTime,
+    ) -> Result<bool, StoreError> {
+        let sql = "INSERT INTO factory (factory_id, organisation_id, name, created_at) VALUES ($1, $2, $3, $4)
+                   ON CONFLICT (factory_id) DO NOTHING";
+        let result = sqlx::query(sql)
+            .bind(factory_id.as_str())
+            .bind(organisation_id.as_str())
+            .bind(name)
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("add a factory"))?;
+        Ok(result.rows_affected() == 1)
+    }
+
+    /// Those of the viewer's organisation and of its collaborations; by id.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Factory>, StoreError> {
+        let rows = sqlx::query(SEEN)
+            .bind(scope.member())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list factories"))?;
+        rows.iter().map(read).collect()
+    }
+
+    /// Looks one up that the viewer may know of.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(&mut self, scope: &Scope, id: &FactoryId) -> Result<Option<Factory>, StoreError> {
+        Ok(self.list(scope).await?.into_iter().find(|factory| factory.factory_id == *id))
+    }
+
+    /// Notes that the connector enrolled.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn enrolled(&mut self, id: &FactoryId, now: DateTime) -> Result<(), StoreError> {
+        sqlx::query("UPDATE factory SET enrolled_at = $2 WHERE factory_id = $1")
+            .bind(id.as_str())
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note an enrolment"))?;
+        Ok(())
+    }
+
+    /// Notes what arrived of a factory.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn heard(&mut self, id: &FactoryId, heard: &Heard) -> Result<(), StoreError> {
+        let sql = "UPDATE factory SET last_heard_at = COALESCE($2, last_heard_at),
+                       last_report_at = COALESCE($3, last_report_at),
+                       publisher_state = COALESCE($4, publisher_state)
+                   WHERE factory_id = $1";
+        sqlx::query(sql)
+            .bind(id.as_str())
+            .bind(heard.at.map(DateTime::ticks))
+            .bind(heard.report_at.map(DateTime::ticks))
+            .bind(heard.publisher_state)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note that a factory was heard"))?;
+        Ok(())
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<Factory, StoreError> {
+    Ok(Factory {
+        factory_id: row.parsed("factory_id")?,
+        organisation_id: row.parsed("organisation_id")?,
+        name: row.column("name")?,
+        created_at: row.time("created_at")?,
+        enrolled_at: row.time_option("enrolled_at")?,
+        last_seen_at: row.time_option("last_heard_at")?,
+        last_report_at: row.time_option("last_report_at")?,
+        publisher_state: row.column("publisher_state")?,
+    })
+}

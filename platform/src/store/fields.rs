@@ -1,0 +1,308 @@
+//! The fields that are asked for: what was decided about them, and their current values.
+
+use asi_model::{
+    DateTime, FactoryId, FieldKey, FieldName, OperationId, OperationNetworkId, OrganisationId, RequestKey, StatusCode,
+    messages::{Decision, DisclosureStatement, MappingState},
+};
+use sqlx::QueryBuilder;
+
+use super::{
+    connection::{Connection, Database, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow, document},
+    scope::Scope,
+};
+
+/// A field that a revision asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewField {
+    /// The field.
+    pub key: FieldKey,
+    /// The factory that is asked.
+    pub factory_id: FactoryId,
+    /// Its place in the network's document.
+    pub position: u32,
+}
+
+/// The newest value of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurrentValue {
+    /// The field.
+    pub key: FieldKey,
+    /// The epoch of the report it came in.
+    pub epoch: u32,
+    /// The sequence number of the report it came in.
+    pub sequence: u32,
+    /// The value as the API shows it.
+    pub value: serde_json::Value,
+    /// The id of its built-in type; 0 where there is no value.
+    pub built_in_type: u8,
+    /// Its quality.
+    pub status: StatusCode,
+    /// When the source measured it.
+    pub source_timestamp: Option<DateTime>,
+    /// When the connector reported it.
+    pub report_timestamp: Option<DateTime>,
+    /// When it arrived.
+    pub received_at: DateTime,
+}
+
+/// A field with its decision and, for its recipients, its value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldRow {
+    /// The field.
+    pub key: FieldKey,
+    /// The factory that is asked.
+    pub factory_id: FactoryId,
+    /// What was decided.
+    pub mapping_state: MappingState,
+    /// Why.
+    pub reason: Option<String>,
+    /// The precision that recipients get.
+    pub disclosure: Option<DisclosureStatement>,
+    /// When it was decided.
+    pub decided_at: Option<DateTime>,
+    /// The newest value.
+    pub current: Option<CurrentValue>,
+}
+
+/// The repository.
+pub struct Fields<'w>(&'w mut Connection);
+
+impl Work {
+    /// Requested fields.
+    pub fn fields(&mut self) -> Fields<'_> {
+        Fields(self.connection())
+    }
+}
+
+/// Rows of one statement; eleven parameters each stay far under every database's limit.
+const ROWS_PER_STATEMENT: usize = 200;
+
+impl Fields<'_> {
+    /// Makes these the fields that the network asks for. Decisions about fields that stay are kept; those about fields
+    /// that are gone go, with their current values.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn replace(&mut self, network: &OperationNetworkId, fields: &[NewField]) -> Result<(), StoreError> {
+        // A position below zero marks what the new revision has not named again.
+        sqlx::query("UPDATE request_field SET position = -1 WHERE operation_network_id = $1")
+            .bind(network.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("mark fields"))?;
+        for field in fields {
+            let sql = "INSERT INTO request_field (operation_network_id, operation_id, dynamic_data_request_id,
+                           field_name, factory_id, position, mapping_state)
+                       VALUES ($1, $2, $3, $4, $5, $6, 'PENDING')
+                       ON CONFLICT (operation_network_id, dynamic_data_request_id, field_name) DO UPDATE SET
+                           operation_id = excluded.operation_id, factory_id = excluded.factory_id,
+                           position = excluded.position";
+            sqlx::query(sql)
+                .bind(network.as_str())
+                .bind(field.key.request.operation_id.as_str())
+                .bind(field.key.request.dynamic_data_request_id.as_str())
+                .bind(field.key.field_name.as_str())
+                .bind(field.factory_id.as_str())
+                .bind(i64::from(field.position))
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("store a field"))?;
+        }
+        let sql = "DELETE FROM field_value WHERE operation_network_id = $1 AND NOT EXISTS (
+                       SELECT 1 FROM request_field f WHERE f.operation_network_id = field_value.operation_network_id
+                       AND f.dynamic_data_request_id = field_value.dynamic_data_request_id
+                       AND f.field_name = field_value.field_name AND f.position >= 0)";
+        sqlx::query(sql)
+            .bind(network.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove values of fields that are gone"))?;
+        sqlx::query("DELETE FROM request_field WHERE operation_network_id = $1 AND position < 0")
+            .bind(network.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove fields that are gone"))?;
+        Ok(())
+    }
+
+    /// Stores a decision about a field of this factory, unless a later one is stored. Says whether it took effect.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn decide(&mut self, key: &FieldKey, decision: &Decision) -> Result<bool, StoreError> {
+        let sql = "UPDATE request_field SET mapping_state = $5, reason = $6, disclosure = $7, decided_at = $8
+                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
+                     AND factory_id = $4 AND (decided_at IS NULL OR decided_at <= $8)";
+        let result = sqlx::query(sql)
+            .bind(key.request.operation_network_id.as_str())
+            .bind(key.request.dynamic_data_request_id.as_str())
+            .bind(key.field_name.as_str())
+            .bind(decision.factory_id.as_str())
+            .bind(state_name(decision.mapping_state))
+            .bind(decision.reason.as_deref())
+            .bind(decision.disclosure.as_ref().map(document))
+            .bind(decision.decided_at.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a decision"))?;
+        Ok(result.rows_affected() == 1)
+    }
+
+    /// The factory that a request asks, the operation it is about, and its fields.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn asked(
+        &mut self,
+        network: &OperationNetworkId,
+        request: &str,
+    ) -> Result<Option<(FactoryId, OperationId, Vec<FieldName>)>, StoreError> {
+        let sql = "SELECT factory_id, operation_id, field_name FROM request_field
+                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2";
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(request)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("find who is asked"))?;
+        let Some(first) = rows.first() else { return Ok(None) };
+        let fields = rows.iter().map(|row| row.parsed("field_name")).collect::<Result<_, _>>()?;
+        Ok(Some((first.parsed("factory_id")?, first.parsed("operation_id")?, fields)))
+    }
+
+    /// Stores values, each only where it is newer than the one held.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn put_values(&mut self, values: &[CurrentValue]) -> Result<(), StoreError> {
+        for chunk in values.chunks(ROWS_PER_STATEMENT) {
+            let mut query = QueryBuilder::<Database>::new(
+                "INSERT INTO field_value (operation_network_id, dynamic_data_request_id, field_name, operation_id,
+                     epoch, sequence, value, built_in_type, status, source_timestamp, report_timestamp, received_at) ",
+            );
+            query.push_values(chunk, |mut row, value| {
+                row.push_bind(value.key.request.operation_network_id.as_str())
+                    .push_bind(value.key.request.dynamic_data_request_id.as_str())
+                    .push_bind(value.key.field_name.as_str())
+                    .push_bind(value.key.request.operation_id.as_str())
+                    .push_bind(i64::from(value.epoch))
+                    .push_bind(i64::from(value.sequence))
+                    .push_bind(document(&value.value))
+                    .push_bind(i64::from(value.built_in_type))
+                    .push_bind(i64::from(value.status.0))
+                    .push_bind(value.source_timestamp.map(DateTime::ticks))
+                    .push_bind(value.report_timestamp.map(DateTime::ticks))
+                    .push_bind(value.received_at.ticks());
+            });
+            query.push(
+                " ON CONFLICT (operation_network_id, dynamic_data_request_id, field_name) DO UPDATE SET
+                      operation_id = excluded.operation_id, epoch = excluded.epoch, sequence = excluded.sequence,
+                      value = excluded.value, built_in_type = excluded.built_in_type, status = excluded.status,
+                      source_timestamp = excluded.source_timestamp, report_timestamp = excluded.report_timestamp,
+                      received_at = excluded.received_at
+                  WHERE (excluded.epoch, excluded.sequence) > (field_value.epoch, field_value.sequence)",
+            );
+            query.build().execute(&mut *self.0).await.map_err(StoreError::during("store values"))?;
+        }
+        Ok(())
+    }
+
+    /// The fields of a network that concern the viewer: as recipient with their values, as owner of the factory that is
+    /// asked without. In the order of the document.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, scope: &Scope, network: &OperationNetworkId) -> Result<Vec<FieldRow>, StoreError> {
+        let sql = "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
+                       v.report_timestamp, v.received_at
+                   FROM (SELECT f.*, (CASE WHEN CAST($2 AS TEXT) IS NULL OR EXISTS (
+                             SELECT 1 FROM request_recipient r WHERE r.operation_network_id = f.operation_network_id
+                             AND r.dynamic_data_request_id = f.dynamic_data_request_id AND r.organisation_id = $2)
+                             THEN 1 ELSE 0 END) AS is_recipient
+                         FROM request_field f WHERE f.operation_network_id = $1) f
+                   LEFT JOIN field_value v ON f.is_recipient = 1 AND f.mapping_state <> 'REFUSED'
+                       AND v.operation_network_id = f.operation_network_id
+                       AND v.dynamic_data_request_id = f.dynamic_data_request_id AND v.field_name = f.field_name
+                   WHERE f.is_recipient = 1 OR EXISTS (
+                       SELECT 1 FROM factory o WHERE o.factory_id = f.factory_id AND o.organisation_id = $2)
+                   ORDER BY f.position";
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(scope.recipient())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list fields"))?;
+        rows.iter().map(read).collect()
+    }
+
+    /// Who may know of a decision about a request's field: its recipients and the owner of the factory.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn concerned(
+        &mut self,
+        network: &OperationNetworkId,
+        request: &str,
+    ) -> Result<Vec<OrganisationId>, StoreError> {
+        let sql = "SELECT organisation_id FROM request_recipient
+                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2
+                   UNION SELECT o.organisation_id FROM request_field f JOIN factory o ON o.factory_id = f.factory_id
+                   WHERE f.operation_network_id = $1 AND f.dynamic_data_request_id = $2 ORDER BY 1";
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(request)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who is concerned"))?;
+        rows.iter().map(|row| row.parsed("organisation_id")).collect()
+    }
+}
+
+const fn state_name(state: MappingState) -> &'static str {
+    match state {
+        MappingState::Pending => "PENDING",
+        MappingState::Mapped => "MAPPED",
+        MappingState::Refused => "REFUSED",
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
+    let request = RequestKey {
+        operation_network_id: row.parsed("operation_network_id")?,
+        operation_id: row.parsed("operation_id")?,
+        dynamic_data_request_id: row.parsed("dynamic_data_request_id")?,
+    };
+    let key = request.field(row.parsed::<FieldName>("field_name")?);
+    let epoch: Option<i64> = row.column("epoch")?;
+    let current = match epoch {
+        None => None,
+        Some(_) => Some(CurrentValue {
+            key: key.clone(),
+            epoch: row.unsigned("epoch")?,
+            sequence: row.unsigned("sequence")?,
+            value: row.json("value")?,
+            built_in_type: row.unsigned("built_in_type")?,
+            status: StatusCode(row.unsigned("status")?),
+            source_timestamp: row.time_option("source_timestamp")?,
+            report_timestamp: row.time_option("report_timestamp")?,
+            received_at: row.time("received_at")?,
+        }),
+    };
+    let state: String = row.column("mapping_state")?;
+    let disclosure: Option<String> = row.column("disclosure")?;
+    Ok(FieldRow {
+        key,
+        factory_id: row.parsed("factory_id")?,
+        mapping_state: match state.as_str() {
+            "MAPPED" => MappingState::Mapped,
+            "REFUSED" => MappingState::Refused,
+            _ => MappingState::Pending,
+        },
+        reason: row.column("reason")?,
+        disclosure: disclosure.map(|_| row.json("disclosure")).transpose()?,
+        decided_at: row.time_option("decided_at")?,
+        current,
+    })
+}

@@ -1,0 +1,183 @@
+//! Operation networks and their revisions.
+
+use asi_model::{CollaborationId, DateTime, OperationNetworkId, network::OperationNetwork};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow, document, signed},
+    scope::Scope,
+};
+
+/// The newest revision of a network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NetworkRow {
+    /// The collaboration it belongs to.
+    pub collaboration_id: CollaborationId,
+    /// Counts up with every change, withdrawal included.
+    pub revision: u64,
+    /// The whole network, each operation with its owner.
+    pub network: OperationNetwork,
+    /// When the revision was made.
+    pub updated_at: DateTime,
+    /// The user or tool that made it.
+    pub updated_by: String,
+    /// When it was withdrawn, if it was.
+    pub withdrawn_at: Option<DateTime>,
+}
+
+/// A network in a list.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NetworkSummary {
+    /// Its id.
+    #[schema(value_type = String)]
+    pub operation_network_id: OperationNetworkId,
+    /// The collaboration it belongs to.
+    #[schema(value_type = String)]
+    pub collaboration_id: CollaborationId,
+    /// What people call it.
+    pub name: Option<String>,
+    /// Its newest revision.
+    pub revision: u64,
+    /// When that was made.
+    #[schema(value_type = String, format = DateTime)]
+    pub updated_at: DateTime,
+    /// When it was withdrawn, if it was.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub withdrawn_at: Option<DateTime>,
+    /// When a report about it that the viewer may see arrived last.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub last_report_at: Option<DateTime>,
+    /// How many parts of it wait for a factory's answer.
+    pub parts_unanswered: u64,
+    /// How many parts of it were rejected.
+    pub parts_rejected: u64,
+}
+
+/// The repository.
+pub struct Networks<'w>(&'w mut Connection);
+
+impl Work {
+    /// Operation networks.
+    pub fn networks(&mut self) -> Networks<'_> {
+        Networks(self.connection())
+    }
+}
+
+impl Networks<'_> {
+    /// Stores a revision as the newest.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn put(&mut self, row: &NetworkRow) -> Result<(), StoreError> {
+        let sql = "INSERT INTO operation_network (operation_network_id, collaboration_id, name, revision, document,
+                       updated_at, updated_by, withdrawn_at)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8)
+                   ON CONFLICT (operation_network_id) DO UPDATE SET name = excluded.name,
+                       revision = excluded.revision, document = excluded.document, updated_at = excluded.updated_at,
+                       updated_by = excluded.updated_by, withdrawn_at = excluded.withdrawn_at";
+        let text = document(&row.network);
+        sqlx::query(sql)
+            .bind(row.network.operation_network_id.as_str())
+            .bind(row.collaboration_id.as_str())
+            .bind(row.network.name.as_deref())
+            .bind(signed(row.revision))
+            .bind(&text)
+            .bind(row.updated_at.ticks())
+            .bind(&row.updated_by)
+            .bind(row.withdrawn_at.map(DateTime::ticks))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a network"))?;
+        let sql = "INSERT INTO operation_network_revision (operation_network_id, revision, document, created_at,
+                       created_by) VALUES ($1, $2, $3, $4, $5)";
+        sqlx::query(sql)
+            .bind(row.network.operation_network_id.as_str())
+            .bind(signed(row.revision))
+            .bind(&text)
+            .bind(row.updated_at.ticks())
+            .bind(&row.updated_by)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a revision"))?;
+        Ok(())
+    }
+
+    /// Looks one up that belongs to a collaboration of the viewer's.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(&mut self, scope: &Scope, id: &OperationNetworkId) -> Result<Option<NetworkRow>, StoreError> {
+        let sql = "SELECT n.* FROM operation_network n
+                   WHERE n.operation_network_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                       SELECT 1 FROM collaboration_member m
+                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))";
+        let row = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a network up"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// A page of those that belong to the viewer's collaborations; by id, after `after`.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, scope: &Scope, after: &str, limit: u32) -> Result<Vec<NetworkSummary>, StoreError> {
+        let sql = "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
+                       (SELECT MAX(v.received_at) FROM field_value v
+                        WHERE v.operation_network_id = n.operation_network_id
+                          AND (CAST($2 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM request_recipient r
+                               WHERE r.operation_network_id = v.operation_network_id
+                                 AND r.dynamic_data_request_id = v.dynamic_data_request_id
+                                 AND r.organisation_id = $2))) AS last_report_at,
+                       (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
+                          AND p.state = 'SENT') AS parts_unanswered,
+                       (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
+                          AND p.state = 'REJECTED') AS parts_rejected
+                   FROM operation_network n
+                   WHERE n.operation_network_id > $3 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                       SELECT 1 FROM collaboration_member m
+                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))
+                   ORDER BY n.operation_network_id LIMIT $4";
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(scope.recipient())
+            .bind(after)
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list networks"))?;
+        rows.iter()
+            .map(|row| {
+                Ok(NetworkSummary {
+                    operation_network_id: row.parsed("operation_network_id")?,
+                    collaboration_id: row.parsed("collaboration_id")?,
+                    name: row.column("name")?,
+                    revision: row.unsigned("revision")?,
+                    updated_at: row.time("updated_at")?,
+                    withdrawn_at: row.time_option("withdrawn_at")?,
+                    last_report_at: row.time_option("last_report_at")?,
+                    parts_unanswered: row.unsigned("parts_unanswered")?,
+                    parts_rejected: row.unsigned("parts_rejected")?,
+                })
+            })
+            .collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<NetworkRow, StoreError> {
+    Ok(NetworkRow {
+        collaboration_id: row.parsed("collaboration_id")?,
+        revision: row.unsigned("revision")?,
+        network: row.json("document")?,
+        updated_at: row.time("updated_at")?,
+        updated_by: row.column("updated_by")?,
+        withdrawn_at: row.time_option("withdrawn_at")?,
+    })
+}

@@ -1,0 +1,190 @@
+//! Parts of networks: what each factory was sent, and what became of it.
+
+use std::str::FromStr;
+
+use asi_model::{DateTime, FactoryId, MessageId, OperationNetworkId, messages::Fault};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow, document, signed},
+};
+
+/// What became of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum PartState {
+    /// On its way: the factory has not answered.
+    Sent,
+    /// In effect at the factory.
+    Accepted,
+    /// In effect there already.
+    Unchanged,
+    /// Refused by the factory's connector, with faults; what was in effect before still is.
+    Rejected,
+}
+
+impl PartState {
+    const fn as_str(self) -> &'static str {
+        match self {
+            Self::Sent => "SENT",
+            Self::Accepted => "ACCEPTED",
+            Self::Unchanged => "UNCHANGED",
+            Self::Rejected => "REJECTED",
+        }
+    }
+}
+
+impl FromStr for PartState {
+    type Err = &'static str;
+    fn from_str(text: &str) -> Result<Self, &'static str> {
+        [Self::Sent, Self::Accepted, Self::Unchanged, Self::Rejected]
+            .into_iter()
+            .find(|state| state.as_str() == text)
+            .ok_or("it is no state of a part")
+    }
+}
+
+/// The newest part that a factory was sent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The network.
+    pub operation_network_id: OperationNetworkId,
+    /// The factory.
+    pub factory_id: FactoryId,
+    /// The network's revision in which this part changed last.
+    pub revision: u64,
+    /// True where the part ends the network at the factory.
+    pub is_withdrawal: bool,
+    /// The part's network as JSON, to tell whether it changed.
+    pub document: String,
+    /// The message it travelled in last.
+    pub message_id: MessageId,
+    /// What became of it.
+    pub state: PartState,
+    /// Why it was rejected.
+    pub fault_list: Vec<Fault>,
+    /// When it was sent last.
+    pub sent_at: DateTime,
+    /// How often it was sent.
+    pub sent_count: u32,
+    /// When to send it again unless it is answered.
+    pub resend_at: DateTime,
+    /// When it was answered.
+    pub acknowledged_at: Option<DateTime>,
+}
+
+/// The repository.
+pub struct Parts<'w>(&'w mut Connection);
+
+impl Work {
+    /// Parts of networks.
+    pub fn parts(&mut self) -> Parts<'_> {
+        Parts(self.connection())
+    }
+}
+
+impl Parts<'_> {
+    /// Stores a part in place of the factory's previous one.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn put(&mut self, part: &Part) -> Result<(), StoreError> {
+        let sql = "INSERT INTO network_part (operation_network_id, factory_id, revision, is_withdrawal, document,
+                       message_id, state, fault_list, sent_at, sent_count, resend_at, acknowledged_at)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)
+                   ON CONFLICT (operation_network_id, factory_id) DO UPDATE SET revision = excluded.revision,
+                       is_withdrawal = excluded.is_withdrawal, document = excluded.document,
+                       message_id = excluded.message_id, state = excluded.state, fault_list = excluded.fault_list,
+                       sent_at = excluded.sent_at, sent_count = excluded.sent_count,
+                       resend_at = excluded.resend_at, acknowledged_at = excluded.acknowledged_at";
+        sqlx::query(sql)
+            .bind(part.operation_network_id.as_str())
+            .bind(part.factory_id.as_str())
+            .bind(signed(part.revision))
+            .bind(i64::from(part.is_withdrawal))
+            .bind(&part.document)
+            .bind(part.message_id.as_str())
+            .bind(part.state.as_str())
+            .bind(document(&part.fault_list))
+            .bind(part.sent_at.ticks())
+            .bind(i64::from(part.sent_count))
+            .bind(part.resend_at.ticks())
+            .bind(part.acknowledged_at.map(DateTime::ticks))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a part"))?;
+        Ok(())
+    }
+
+    /// All parts of a network, by factory. Whoever may see the network may see how its parts stand.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn of_network(&mut self, network: &OperationNetworkId) -> Result<Vec<Part>, StoreError> {
+        let rows = sqlx::query("SELECT * FROM network_part WHERE operation_network_id = $1 ORDER BY factory_id")
+            .bind(network.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list parts"))?;
+        rows.iter().map(read).collect()
+    }
+
+    /// The part of a factory that a message carried, or that belongs to a network.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn of_answer(
+        &mut self,
+        factory: &FactoryId,
+        message: &MessageId,
+        network: Option<&OperationNetworkId>,
+    ) -> Result<Option<Part>, StoreError> {
+        let sql = "SELECT * FROM network_part WHERE factory_id = $1
+                   AND (message_id = $2 OR operation_network_id = $3) ORDER BY message_id = $2 DESC LIMIT 1";
+        let row = sqlx::query(sql)
+            .bind(factory.as_str())
+            .bind(message.as_str())
+            .bind(network.map(OperationNetworkId::as_str))
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("find the part of an answer"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// Parts that nobody has answered in time and that are not waiting to be sent anyway, most overdue first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn overdue(&mut self, now: DateTime, limit: u32) -> Result<Vec<Part>, StoreError> {
+        let sql = "SELECT p.* FROM network_part p WHERE p.state = 'SENT' AND p.resend_at <= $1
+                   AND NOT EXISTS (SELECT 1 FROM outbox o WHERE o.message_id = p.message_id)
+                   ORDER BY p.resend_at LIMIT $2";
+        let rows = sqlx::query(sql)
+            .bind(now.ticks())
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("find overdue parts"))?;
+        rows.iter().map(read).collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<Part, StoreError> {
+    Ok(Part {
+        operation_network_id: row.parsed("operation_network_id")?,
+        factory_id: row.parsed("factory_id")?,
+        revision: row.unsigned("revision")?,
+        is_withdrawal: row.unsigned::<u8>("is_withdrawal")? != 0,
+        document: row.column("document")?,
+        message_id: row.parsed("message_id")?,
+        state: row.parsed("state")?,
+        fault_list: row.json("fault_list")?,
+        sent_at: row.time("sent_at")?,
+        sent_count: row.unsigned("sent_count")?,
+        resend_at: row.time("resend_at")?,
+        acknowledged_at: row.time_option("acknowledged_at")?,
+    })
+}

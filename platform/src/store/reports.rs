@@ -1,0 +1,181 @@
+//! Reports: the history of what partners were told.
+
+use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
+use serde::Serialize;
+use sqlx::QueryBuilder;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Database, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow, document},
+    scope::Scope,
+};
+
+/// A DataSetMessage to store.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewReport {
+    /// Who reported.
+    pub factory_id: FactoryId,
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch.
+    pub epoch: u32,
+    /// The sequence number within the epoch.
+    pub sequence: u32,
+    /// The request it answers.
+    pub request: RequestKey,
+    /// The report's name.
+    pub report_name: String,
+    /// The newest source time among the fields.
+    pub shopfloor_timestamp: Option<DateTime>,
+    /// When the connector made it.
+    pub report_timestamp: Option<DateTime>,
+    /// When it arrived.
+    pub received_at: DateTime,
+    /// Whether it belongs to the backlog after an outage.
+    pub is_replay: bool,
+    /// The fields as the API shows them: name to value, status and source time.
+    pub fields: serde_json::Value,
+}
+
+/// A report as its recipients see it.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// Its number on this platform, counting up in the order of arrival.
+    pub report_id: u64,
+    /// Who reported.
+    #[schema(value_type = String)]
+    pub factory_id: FactoryId,
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch.
+    pub epoch: u32,
+    /// The sequence number within the epoch.
+    pub sequence: u32,
+    /// The request it answers.
+    #[serde(flatten)]
+    #[schema(value_type = crate::api::schema::RequestKeySchema)]
+    pub request: RequestKey,
+    /// The report's name.
+    pub report_name: String,
+    /// The newest source time among the fields.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub shopfloor_timestamp: Option<DateTime>,
+    /// When the connector made it.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    pub report_timestamp: Option<DateTime>,
+    /// When it arrived.
+    #[schema(value_type = String, format = DateTime)]
+    pub received_at: DateTime,
+    /// Whether it came late, after newer ones.
+    pub is_replay: bool,
+    /// Field name to `{value, status, sourceTimestamp}`.
+    #[schema(value_type = Object)]
+    pub fields: serde_json::Value,
+}
+
+/// Which reports to list.
+#[derive(Debug, Clone, Default)]
+pub struct ReportQuery {
+    /// Only of this network.
+    pub network: Option<OperationNetworkId>,
+    /// Only of this request.
+    pub request: Option<DynamicDataRequestId>,
+    /// Only with a greater number.
+    pub after: u64,
+    /// At most so many.
+    pub limit: u32,
+}
+
+/// The repository.
+pub struct Reports<'w>(&'w mut Connection);
+
+impl Work {
+    /// Reports.
+    pub fn reports(&mut self) -> Reports<'_> {
+        Reports(self.connection())
+    }
+}
+
+const ROWS_PER_STATEMENT: usize = 200;
+
+impl Reports<'_> {
+    /// Stores reports whose sequence numbers are known to be new.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn add(&mut self, reports: &[NewReport]) -> Result<(), StoreError> {
+        for chunk in reports.chunks(ROWS_PER_STATEMENT) {
+            let mut query = QueryBuilder::<Database>::new(
+                "INSERT INTO report (factory_id, data_set_writer_id, epoch, sequence, operation_network_id,
+                     operation_id, dynamic_data_request_id, report_name, shopfloor_timestamp, report_timestamp,
+                     received_at, is_replay, fields) ",
+            );
+            query.push_values(chunk, |mut row, report| {
+                row.push_bind(report.factory_id.as_str())
+                    .push_bind(i64::from(report.data_set_writer_id))
+                    .push_bind(i64::from(report.epoch))
+                    .push_bind(i64::from(report.sequence))
+                    .push_bind(report.request.operation_network_id.as_str())
+                    .push_bind(report.request.operation_id.as_str())
+                    .push_bind(report.request.dynamic_data_request_id.as_str())
+                    .push_bind(&report.report_name)
+                    .push_bind(report.shopfloor_timestamp.map(DateTime::ticks))
+                    .push_bind(report.report_timestamp.map(DateTime::ticks))
+                    .push_bind(report.received_at.ticks())
+                    .push_bind(i64::from(report.is_replay))
+                    .push_bind(document(&report.fields));
+            });
+            query.build().execute(&mut *self.0).await.map_err(StoreError::during("store reports"))?;
+        }
+        Ok(())
+    }
+
+    /// Reports whose recipient the viewer is, in the order of arrival.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, scope: &Scope, query: &ReportQuery) -> Result<Vec<Report>, StoreError> {
+        let sql = "SELECT p.* FROM report p
+                   WHERE p.report_id > $2
+                     AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
+                     AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
+                     AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                         SELECT 1 FROM request_recipient r WHERE r.operation_network_id = p.operation_network_id
+                         AND r.dynamic_data_request_id = p.dynamic_data_request_id AND r.organisation_id = $1))
+                   ORDER BY p.report_id LIMIT $5";
+        let rows = sqlx::query(sql)
+            .bind(scope.recipient())
+            .bind(i64::try_from(query.after).unwrap_or(i64::MAX))
+            .bind(query.network.as_ref().map(OperationNetworkId::as_str))
+            .bind(query.request.as_ref().map(DynamicDataRequestId::as_str))
+            .bind(i64::from(query.limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list reports"))?;
+        rows.iter().map(read).collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<Report, StoreError> {
+    Ok(Report {
+        report_id: row.unsigned("report_id")?,
+        factory_id: row.parsed("factory_id")?,
+        data_set_writer_id: row.unsigned("data_set_writer_id")?,
+        epoch: row.unsigned("epoch")?,
+        sequence: row.unsigned("sequence")?,
+        request: RequestKey {
+            operation_network_id: row.parsed("operation_network_id")?,
+            operation_id: row.parsed("operation_id")?,
+            dynamic_data_request_id: row.parsed("dynamic_data_request_id")?,
+        },
+        report_name: row.column("report_name")?,
+        shopfloor_timestamp: row.time_option("shopfloor_timestamp")?,
+        report_timestamp: row.time_option("report_timestamp")?,
+        received_at: row.time("received_at")?,
+        is_replay: row.unsigned::<u8>("is_replay")? != 0,
+        fields: row.json("fields")?,
+    })
+}

@@ -1,0 +1,139 @@
+//! Tools: partners' programs that post data requests and receive reports over the broker.
+
+use asi_model::{DateTime, OperationNetworkId, OrganisationId, ToolId};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow},
+    scope::Scope,
+};
+
+/// A tool of an organisation; it may do what a planner of that organisation may do.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Tool {
+    /// Its id, also part of its addresses.
+    #[schema(value_type = String)]
+    pub tool_id: ToolId,
+    /// Whose it is.
+    #[schema(value_type = String)]
+    pub organisation_id: OrganisationId,
+    /// What people call it.
+    pub name: String,
+    /// Since when it is known here.
+    #[schema(value_type = String, format = DateTime)]
+    pub created_at: DateTime,
+}
+
+/// The repository.
+pub struct Tools<'w>(&'w mut Connection);
+
+impl Work {
+    /// Tools.
+    pub fn tools(&mut self) -> Tools<'_> {
+        Tools(self.connection())
+    }
+}
+
+impl Tools<'_> {
+    /// Adds one. Says false where the id is taken.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown organisation.
+    pub async fn add(&mut self, tool: &Tool) -> Result<bool, StoreError> {
+        let sql = "INSERT INTO tool (tool_id, organisation_id, name, created_at) VALUES ($1, $2, $3, $4)
+                   ON CONFLICT (tool_id) DO NOTHING";
+        let result = sqlx::query(sql)
+            .bind(tool.tool_id.as_str())
+            .bind(tool.organisation_id.as_str())
+            .bind(&tool.name)
+            .bind(tool.created_at.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("add a tool"))?;
+        Ok(result.rows_affected() == 1)
+    }
+
+    /// Those of the viewer's organisation; by id.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Tool>, StoreError> {
+        let sql = "SELECT * FROM tool WHERE CAST($1 AS TEXT) IS NULL OR organisation_id = $1 ORDER BY tool_id";
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list tools"))?;
+        rows.iter().map(read).collect()
+    }
+
+    /// Looks one up.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(&mut self, scope: &Scope, id: &ToolId) -> Result<Option<Tool>, StoreError> {
+        let sql = "SELECT * FROM tool WHERE tool_id = $2 AND (CAST($1 AS TEXT) IS NULL OR organisation_id = $1)";
+        let row = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a tool up"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// Lets a tool receive a request's reports.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn subscribe(
+        &mut self,
+        network: &OperationNetworkId,
+        request: &str,
+        tool: &ToolId,
+    ) -> Result<(), StoreError> {
+        let sql = "INSERT INTO request_tool (operation_network_id, dynamic_data_request_id, tool_id)
+                   VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";
+        sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(request)
+            .bind(tool.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("let a tool receive reports"))?;
+        Ok(())
+    }
+
+    /// The tools that receive a request's reports: those that posted it and whose organisation is a recipient.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn of_request(&mut self, network: &OperationNetworkId, request: &str) -> Result<Vec<ToolId>, StoreError> {
+        let sql = "SELECT t.tool_id FROM request_tool rt
+                   JOIN tool t ON t.tool_id = rt.tool_id
+                   JOIN request_recipient r ON r.operation_network_id = rt.operation_network_id
+                       AND r.dynamic_data_request_id = rt.dynamic_data_request_id
+                       AND r.organisation_id = t.organisation_id
+                   WHERE rt.operation_network_id = $1 AND rt.dynamic_data_request_id = $2 ORDER BY t.tool_id";
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(request)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list a request's tools"))?;
+        rows.iter().map(|row| row.parsed("tool_id")).collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<Tool, StoreError> {
+    Ok(Tool {
+        tool_id: row.parsed("tool_id")?,
+        organisation_id: row.parsed("organisation_id")?,
+        name: row.column("name")?,
+        created_at: row.time("created_at")?,
+    })
+}

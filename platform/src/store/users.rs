@@ -1,0 +1,191 @@
+//! Users and their sessions.
+
+use std::{fmt, str::FromStr};
+
+use asi_model::{DateTime, OrganisationId};
+use daemon::web::session::{PasswordHash, SessionId, StoredSession};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, DatabaseRow},
+};
+
+/// What a user may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Role {
+    /// Runs the platform: organisations, factories, collaborations, dead letters.
+    Administrator,
+    /// Edits networks and requests of the own organisation's collaborations.
+    Planner,
+    /// Looks on.
+    Viewer,
+}
+
+impl Role {
+    const ALL: [Self; 3] = [Self::Administrator, Self::Planner, Self::Viewer];
+
+    /// As stored and as the API says it.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Administrator => "ADMINISTRATOR",
+            Self::Planner => "PLANNER",
+            Self::Viewer => "VIEWER",
+        }
+    }
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl FromStr for Role {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|role| role.as_str().eq_ignore_ascii_case(text))
+            .ok_or_else(|| format!("a role is ADMINISTRATOR, PLANNER or VIEWER, but this is {text:?}"))
+    }
+}
+
+/// Somebody who may sign in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct User {
+    /// The name to sign in with.
+    pub user_name: String,
+    /// What the user may do.
+    pub role: Role,
+    /// For whom the user looks and acts; administrators may have none.
+    pub organisation_id: Option<OrganisationId>,
+}
+
+/// The repository.
+pub struct Users<'w>(&'w mut Connection);
+
+impl Work {
+    /// Users and sessions.
+    pub fn users(&mut self) -> Users<'_> {
+        Users(self.connection())
+    }
+}
+
+impl Users<'_> {
+    /// Adds or replaces a user; its sessions end when the password changes.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown organisation.
+    pub async fn put(&mut self, user: &User, password: &PasswordHash, now: DateTime) -> Result<(), StoreError> {
+        let sql = "INSERT INTO user_account (user_name, password_hash, role, organisation_id, created_at)
+                   VALUES ($1, $2, $3, $4, $5)
+                   ON CONFLICT (user_name) DO UPDATE SET password_hash = excluded.password_hash,
+                       role = excluded.role, organisation_id = excluded.organisation_id";
+        sqlx::query(sql)
+            .bind(&user.user_name)
+            .bind(password.as_str())
+            .bind(user.role.as_str())
+            .bind(user.organisation_id.as_ref().map(OrganisationId::as_str))
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a user"))?;
+        sqlx::query("DELETE FROM session WHERE user_name = $1")
+            .bind(&user.user_name)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("end a user's sessions"))?;
+        Ok(())
+    }
+
+    /// How many users there are.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn count(&mut self) -> Result<i64, StoreError> {
+        sqlx::query_scalar("SELECT COUNT(*) FROM user_account")
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("count users"))
+    }
+
+    /// Looks a user up.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(&mut self, user_name: &str) -> Result<Option<(User, PasswordHash)>, StoreError> {
+        let row = sqlx::query("SELECT * FROM user_account WHERE user_name = $1")
+            .bind(user_name)
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a user up"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// Stores a session and forgets those that have ended.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn put_session(&mut self, session: &StoredSession, now: DateTime) -> Result<(), StoreError> {
+        sqlx::query("DELETE FROM session WHERE expires_at <= $1")
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget ended sessions"))?;
+        sqlx::query("INSERT INTO session (session_id, user_name, csrf_token, expires_at) VALUES ($1, $2, $3, $4)")
+            .bind(session.id.as_str())
+            .bind(&session.user_name)
+            .bind(&session.csrf_token)
+            .bind(DateTime::from(session.expires_at).ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a session"))?;
+        Ok(())
+    }
+
+    /// Looks a session up.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn session(&mut self, id: &SessionId) -> Result<Option<StoredSession>, StoreError> {
+        let row = sqlx::query("SELECT user_name, csrf_token, expires_at FROM session WHERE session_id = $1")
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a session up"))?;
+        let Some(row) = row else { return Ok(None) };
+        Ok(Some(StoredSession {
+            id: id.clone(),
+            user_name: row.column("user_name")?,
+            csrf_token: row.column("csrf_token")?,
+            expires_at: time::OffsetDateTime::from(row.time("expires_at")?).into(),
+        }))
+    }
+
+    /// Forgets a session.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn delete_session(&mut self, id: &SessionId) -> Result<(), StoreError> {
+        sqlx::query("DELETE FROM session WHERE session_id = $1")
+            .bind(id.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget a session"))?;
+        Ok(())
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<(User, PasswordHash), StoreError> {
+    let user = User {
+        user_name: row.column("user_name")?,
+        role: row.parsed("role")?,
+        organisation_id: row.parsed_option("organisation_id")?,
+    };
+    Ok((user, PasswordHash::from_stored(row.column("password_hash")?)))
+}

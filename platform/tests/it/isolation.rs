@@ -1,0 +1,177 @@
+//! Over *every* operation of the description: nobody gets in without a session, and a stranger learns nothing of a
+//! collaboration it has no part in. A new operation that no case covers fails the test.
+
+use serde_json::{Value, json};
+
+use crate::{
+    harness::{Api, World},
+    story::{self, NETWORK},
+};
+
+/// Operations without a session, reviewed.
+const OPEN: [&str; 2] = ["POST /session", "POST /enrolments"];
+
+/// What must not appear in any answer to a stranger.
+const SECRETS: [&str; 8] =
+    ["frame-4711", "MakeFrame1", "ReqResponse1", "FOR_MUC", "INS_HAM", "acme-aero", "Frame order", "progressStatus"];
+
+fn operations() -> Vec<(String, String)> {
+    let description: Value = serde_json::to_value(platform::api::openapi()).expect("it serialises");
+    let paths = description["paths"].as_object().expect("paths");
+    let mut operations = Vec::new();
+    for (path, methods) in paths {
+        for method in ["get", "put", "post", "delete", "patch"] {
+            if methods.get(method).is_some() {
+                let path = path.strip_prefix("/api/v1").expect("all are under /api/v1");
+                operations.push((method.to_uppercase(), path.to_owned()));
+            }
+        }
+    }
+    assert!(operations.len() > 25, "{operations:?}");
+    operations
+}
+
+/// The path with the identifiers of the story, and the body that the operation would take.
+fn filled(method: &str, path: &str) -> (String, Option<Value>) {
+    let filled = path
+        .replace("{operationNetworkId}", NETWORK)
+        .replace("{operationId}", "MakeFrame1")
+        .replace("{dynamicDataRequestId}", "ReqResponse1")
+        .replace("{factoryId}", "FOR_MUC")
+        .replace("{toolId}", "Monitoring")
+        .replace("{collaborationId}", "order")
+        .replace("{organisationId}", "stranger")
+        .replace("{deadLetterId}", "ingest-1")
+        .replace("{userName}", "stranger-viewer");
+    assert!(!filled.contains('{'), "a case for the parameters of {path} is missing");
+    let body = match (method, path) {
+        ("GET" | "DELETE", _) => None,
+        ("PUT", "/operation-networks/{operationNetworkId}") => {
+            Some(json!({ "collaborationId": "order", "operationNetwork": story::network() }))
+        }
+        ("POST", "/operation-networks/{operationNetworkId}/operations/{operationId}/requests") => {
+            Some(story::request("Sneaky", "stranger"))
+        }
+        ("POST", "/operation-networks/{operationNetworkId}/comments") => {
+            Some(json!({ "factoryId": "FOR_MUC", "text": "Hello" }))
+        }
+        ("POST", "/organisations") => Some(json!({ "organisationId": "new", "name": "new" })),
+        ("POST", "/factories") => Some(json!({ "factoryId": "NEW", "organisationId": "stranger", "name": "new" })),
+        ("POST", "/tools") => Some(json!({ "toolId": "NEW", "organisationId": "stranger", "name": "new" })),
+        ("POST", "/collaborations") => Some(json!({ "collaborationId": "new", "name": "new" })),
+        ("PUT", "/users/{userName}") => {
+            Some(json!({ "password": "correct horse battery", "role": "ADMINISTRATOR", "organisationId": "stranger" }))
+        }
+        _ => Some(json!({})),
+    };
+    (filled, body)
+}
+
+async fn call(api: &Api, method: &str, path: &str) -> (u16, String) {
+    let (path, body) = filled(method, path);
+    let answer = api.call(method.parse().expect("a method"), &path, body).await;
+    (answer.status, answer.body.to_string())
+}
+
+async fn world() -> World {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("decision", &story::decision("REFUSED", Some("secret reason")));
+    munich.send("ua-data", &story::report("m1", 0, 3));
+    crate::harness::eventually("a report", || async {
+        let reports = buyer.get("/reports").await.expect_ok();
+        if reports["items"][0].is_object() { Ok(()) } else { Err(reports.to_string()) }
+    })
+    .await;
+    world
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nobody_gets_in_without_a_session() {
+    let world = World::start().await;
+    let anonymous = world.anonymous();
+    for (method, path) in operations() {
+        if !OPEN.contains(&format!("{method} {path}").as_str()) {
+            let (status, body) = call(&anonymous, &method, &path).await;
+            assert_eq!(status, 401, "{method} {path}: {body}");
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stranger_learns_nothing_and_changes_nothing() {
+    let world = world().await;
+    let stranger = story::planner(&world, "stranger").await;
+    for (method, path) in operations() {
+        let key = format!("{method} {path}");
+        if OPEN.contains(&key.as_str()) || path == "/session" || path == "/live" {
+            continue;
+        }
+        let (status, body) = call(&stranger, &method, &path).await;
+        if method == "GET" {
+            assert!([200, 403, 404].contains(&status), "{key}: {status} {body}");
+        } else {
+            assert!([403, 404].contains(&status), "{key}: {status} {body}");
+        }
+        // A problem may repeat the id that was asked for; a success must not name anything.
+        if status == 200 {
+            for secret in SECRETS {
+                assert!(!body.contains(secret), "{key} tells {secret}: {body}");
+            }
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stranger_hears_nothing_live() {
+    let world = world().await;
+    let buyer = story::planner(&world, "acme-aero").await;
+    let stranger = story::planner(&world, "stranger").await;
+    let start = buyer.get(&story::network_path()).await.expect_ok();
+    let mut live = stranger.live(start["lastEventId"].as_str()).await;
+    story::put_network(&buyer, {
+        let mut network = story::network();
+        network["name"] = json!("Another name");
+        network
+    })
+    .await;
+    // The buyer hears of it; whatever the stranger hears first after that is a network of its own.
+    buyer.live(start["lastEventId"].as_str()).await.next("network").await;
+    let admin = world.admin().await;
+    let own = json!({ "collaborationId": "own", "name": "own", "members": ["stranger"], "factories": ["INS_HAM"] });
+    admin.post("/collaborations", own).await.expect_ok();
+    let network = json!({ "operationNetworkId": "own", "operationList": [
+        { "operationId": "x", "operationType": "PRODUCTION", "owningFactoryId": "INS_HAM" } ] });
+    let body = json!({ "collaborationId": "own", "operationNetwork": network });
+    stranger.put("/operation-networks/own", body).await.expect_ok();
+    let (_, name, event) = live.any().await;
+    assert_eq!((name.as_str(), &event["operationNetworkId"]), ("network", &json!("own")));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn members_see_the_network_but_only_recipients_the_values() {
+    let world = world().await;
+    let field_of = async |organisation: &str| {
+        let api = story::planner(&world, organisation).await;
+        let view = api.get(&story::network_path()).await.expect_ok();
+        let reports = api.get("/reports").await.expect_ok()["items"].as_array().map_or(0, Vec::len);
+        (view["fields"].clone(), reports, view["operations"][0]["lastReportAt"].clone())
+    };
+    let (fields, reports, last) = field_of("acme-aero").await;
+    assert_eq!((&fields[0]["mappingState"], reports), (&json!("REFUSED"), 1));
+    assert_eq!(fields[0]["value"], json!(null), "a refused field shows no value");
+    assert!(!last.is_string() && fields.as_array().is_some_and(|fields| fields.len() == 2), "{fields}");
+    // The maker decided itself, but the values belong to the recipients.
+    let (fields, reports, last) = field_of("frames-munich").await;
+    assert_eq!(
+        (&fields[0]["reason"], &fields[0]["value"], reports, &last),
+        (&json!("secret reason"), &json!(null), 0, &json!(null))
+    );
+    let (fields, reports, last) = field_of("inspect-hamburg").await;
+    assert_eq!((&fields, reports, &last), (&json!([]), 0, &json!(null)));
+    // Who runs the platform sees that it runs, not what it carries.
+    let admin = world.admin().await;
+    let view = admin.get(&story::network_path()).await.expect_ok();
+    assert_eq!((&view["fields"], view["parts"].as_array().map(Vec::len)), (&json!([]), Some(2)));
+    assert_eq!(admin.get("/reports").await.expect_ok()["items"], json!([]));
+}

@@ -1,0 +1,13 @@
+//! The platform as its users meet it: over HTTP, AMQP and server-sent events, with the real broker and database inside.
+
+mod connector;
+mod enrolment;
+mod harness;
+mod isolation;
+mod journey;
+mod openapi;
+mod receipts;
+mod rubbish;
+mod story;
+mod throughput;
+mod tools;

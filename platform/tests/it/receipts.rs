@@ -1,0 +1,53 @@
+//! Receipts say what is held, what is missing, and never too much.
+
+use serde_json::{Value, json};
+
+use crate::{harness::World, story};
+
+fn entry(receipt: &Value) -> &Value {
+    &receipt["receiptList"][0]
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn receipts_tell_what_is_missing_until_it_comes_or_is_announced() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 1));
+    munich.send("ua-data", &story::report("m4", 4, 5));
+    let receipt = munich.receive("receipt", |receipt| entry(receipt)["throughSequence"] == 4).await;
+    assert_eq!((&entry(&receipt)["missingList"], &entry(&receipt)["epoch"]), (&json!([1, 2, 3]), &json!(608_926_829)));
+
+    munich.send("ua-data", &story::report("m2", 2, 3));
+    munich.receive("receipt", |receipt| entry(receipt)["missingList"] == json!([1, 3])).await;
+    munich.send(
+        "gap",
+        &json!({ "messageType": "gap", "messageId": "g1", "factoryId": "FOR_MUC", "dataSetWriterId": 1,
+        "epoch": 608_926_829, "firstSequence": 1, "lastSequence": 3, "cause": "COALESCED" }),
+    );
+    munich.receive("receipt", |receipt| entry(receipt)["missingList"] == json!([])).await;
+    story::value_is(&buyer, "5").await;
+
+    // A repeat is receipted again: the receipt may have been lost on its way.
+    let before = munich.count("receipt");
+    munich.send("ua-data", &story::report("m4-again", 4, 5));
+    crate::harness::eventually("another receipt", || async {
+        let count = munich.count("receipt");
+        if count > before { Ok(()) } else { Err(count.to_string()) }
+    })
+    .await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_factory_owner_sees_its_writers_and_nobody_else_does() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m3", 3, 1));
+    story::value_is(&buyer, "1").await;
+    let maker = story::planner(&world, "frames-munich").await;
+    for api in [&admin, &maker] {
+        let writers = api.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let writer = &writers["items"][0];
+        assert_eq!((&writer["throughSequence"], &writer["missing"]), (&json!(3), &json!([0, 1, 2])));
+    }
+    buyer.get("/factories/FOR_MUC/writers").await.expect_problem(404, "NOT_FOUND");
+}

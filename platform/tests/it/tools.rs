@@ -1,0 +1,46 @@
+//! Tools on the broker.
+
+use serde_json::json;
+
+use crate::{
+    connector::Peer,
+    harness::World,
+    story::{self, NETWORK},
+};
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let tool = json!({ "toolId": "Monitoring", "organisationId": "acme-aero", "name": "Monitoring" });
+    admin.post("/tools", tool).await.expect_ok();
+    let credential = admin.post("/tools/Monitoring/credentials", json!({})).await.expect_ok();
+    let tool = Peer::tool(&credential, "Monitoring");
+
+    let ask = |id: &str, request: serde_json::Value| {
+        json!({ "messageType": "data-request", "messageId": id, "toolId": "Monitoring", "operationNetworkId": NETWORK,
+            "operationId": "MakeFrame1", "dynamicDataRequest": request })
+    };
+    tool.send("data-request", &ask("t1", story::request("FromTool", "acme-aero")));
+    let answer = tool.receive("acknowledgement", |answer| answer["correlationId"] == "t1").await;
+    assert_eq!((&answer["result"], &answer["revision"]), (&json!("ACCEPTED"), &json!(2)));
+    munich.receive("operation-network", |part| part["revision"] == 2).await;
+
+    // In somebody else's name it is refused.
+    tool.send("data-request", &ask("t2", story::request("Foreign", "frames-munich")));
+    let answer = tool.receive("acknowledgement", |answer| answer["correlationId"] == "t2").await;
+    assert_eq!((&answer["result"], &answer["faultList"][0]["code"]), (&json!("REJECTED"), &json!("FOREIGN_REQUESTER")));
+
+    // One message with reports of two requests: the tool gets the one it asked for.
+    let mut both = story::report("m1", 0, 3);
+    let mut own = story::data_set_message(0, 7);
+    own["DataSetWriterId"] = json!(2);
+    own["Payload"]["dynamicDataRequestId"]["Body"] = json!("FromTool");
+    both["Messages"].as_array_mut().expect("a list").push(own);
+    munich.send("ua-data", &both);
+    let forwarded = tool.receive("ua-data", |_| true).await;
+    let messages = forwarded["Messages"].as_array().expect("a list");
+    assert_eq!(messages.len(), 1, "{forwarded}");
+    assert_eq!(messages[0]["Payload"]["progressStatus"]["Body"], "7");
+    story::value_is(&buyer, "3").await;
+}
