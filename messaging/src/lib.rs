@@ -3,6 +3,7 @@
 //! This crate knows how a message travels, never what it means.
 //!
 //! - [`address`]: logical addresses; [`profile`]: what they are called on each kind of broker.
+//! - [`definitions`]: what an external broker must be told beforehand, generated.
 //! - [`envelope`]: a message with the headers that every broker can carry.
 //! - [`spool`]: the pure decisions about messages that wait to be sent, and the [`SpoolStore`] that holds them. The SQL
 //!   lives with the owner, in the owner's transaction.
@@ -13,11 +14,14 @@
 //! on transactions: a receiver discards repeats by message id in the transaction of their effect.
 
 pub mod address;
+pub mod definitions;
 pub mod envelope;
 pub mod inbox;
 pub mod link;
 pub mod profile;
 pub mod spool;
+#[cfg(any(test, feature = "test-support"))]
+pub mod test_support;
 mod transport;
 
 pub use address::{InvalidAddress, LogicalAddress};

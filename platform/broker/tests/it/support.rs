@@ -1,23 +1,21 @@
 //! A broker, links to it, and waiting with a deadline.
 
 use std::{
-    collections::HashMap,
     path::Path,
     sync::{Arc, Once},
     time::{Duration, Instant},
 };
 
 use asi_model::MessageId;
-use async_trait::async_trait;
 use broker::{
     AddressPattern, Broker, BrokerConfig, BrokerHandle, BrokerUser, CredentialTable, Listener, QueueName, QueueOptions,
     TlsIdentity,
 };
 use messaging::{
-    Delivery, Envelope, Inbox, Link, LinkConfig, LinkHandle, LinkLimits, LogicalAddress, Login, Settlement,
+    Envelope, Link, LinkConfig, LinkHandle, LinkLimits, LogicalAddress, Login,
     spool::memory::{AcceptedReports, MemorySpool},
+    test_support::RecordingInbox,
 };
-use parking_lot::Mutex;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
@@ -181,48 +179,6 @@ impl TestLink {
     pub async fn stop(self) {
         self.stop.cancel();
         self.running.await.expect("the link ends");
-    }
-}
-
-/// Remembers what it received and answers as told.
-#[derive(Default)]
-pub struct RecordingInbox {
-    pub received: Mutex<Vec<(LogicalAddress, Delivery)>>,
-    /// Answers by message id, each used once; everything else is accepted.
-    pub answers: Mutex<HashMap<String, Vec<Settlement>>>,
-    pub delay: Mutex<Duration>,
-}
-
-impl RecordingInbox {
-    pub fn ids(&self) -> Vec<String> {
-        let received = self.received.lock();
-        received
-            .iter()
-            .map(|(_, d)| d.envelope.message_id.as_ref().map_or(String::new(), ToString::to_string))
-            .collect()
-    }
-
-    pub fn answer(&self, id: &str, settlement: Settlement) {
-        self.answers.lock().entry(id.to_owned()).or_default().push(settlement);
-    }
-}
-
-#[async_trait]
-impl Inbox for RecordingInbox {
-    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
-        let delay = *self.delay.lock();
-        if !delay.is_zero() {
-            tokio::time::sleep(delay).await;
-        }
-        deliveries
-            .into_iter()
-            .map(|delivery| {
-                let id = delivery.envelope.message_id.as_ref().map_or(String::new(), ToString::to_string);
-                self.received.lock().push((address.clone(), delivery));
-                let mut answers = self.answers.lock();
-                answers.get_mut(&id).and_then(Vec::pop).unwrap_or(Settlement::Accept)
-            })
-            .collect()
     }
 }
 

@@ -1,0 +1,143 @@
+//! A RabbitMQ 3.10 with its AMQP 1.0 plugin in a private folder, on free ports.
+
+use std::{
+    fs,
+    net::TcpListener,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use serde_json::Value;
+use tempfile::TempDir;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+/// The broker; stopped and removed when dropped.
+pub struct RabbitMq {
+    folder: TempDir,
+    child: Child,
+    ports: Ports,
+}
+
+struct Ports {
+    amqp: u16,
+    distribution: u16,
+    epmd: u16,
+}
+
+impl Ports {
+    /// Reserved all at once, so that they differ.
+    fn free() -> Self {
+        let listeners = [(); 3].map(|()| TcpListener::bind("127.0.0.1:0").expect("a port"));
+        let [amqp, distribution, epmd] = listeners.map(|l| l.local_addr().expect("an address").port());
+        Self { amqp, distribution, epmd }
+    }
+}
+
+fn server() -> PathBuf {
+    let root = Path::new("/usr/lib/rabbitmq/lib");
+    let installed =
+        fs::read_dir(root).ok().into_iter().flatten().flatten().map(|e| e.path().join("sbin/rabbitmq-server"));
+    installed
+        .into_iter()
+        .find(|path| path.exists())
+        .expect("RabbitMQ is not installed; tools/prerequisites.sh test installs it (Debian package rabbitmq-server)")
+}
+
+impl RabbitMq {
+    /// Starts a broker that has loaded the definitions.
+    pub async fn start(definitions: &Value) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("definitions.json"), definitions.to_string()).expect("written");
+        let ports = Ports::free();
+        let child = spawn(folder.path(), &ports);
+        let mut broker = Self { folder, child, ports };
+        broker.ready().await;
+        broker
+    }
+
+    pub fn url(&self) -> String {
+        format!("amqp://127.0.0.1:{}", self.ports.amqp)
+    }
+
+    /// Kills it without warning and starts it again on the same store.
+    pub async fn kill_and_restart(&mut self) {
+        self.kill();
+        self.child = spawn(self.folder.path(), &self.ports);
+        self.ready().await;
+    }
+
+    async fn ready(&mut self) {
+        let deadline = Instant::now() + Duration::from_secs(90);
+        loop {
+            if let Ok(mut stream) = tokio::net::TcpStream::connect(("127.0.0.1", self.ports.amqp)).await {
+                let mut answer = [0; 4];
+                let hello = stream.write_all(b"AMQP\x03\x01\x00\x00").await;
+                if hello.is_ok() && stream.read_exact(&mut answer).await.is_ok() && &answer == b"AMQP" {
+                    return;
+                }
+            }
+            let log = || fs::read_to_string(self.folder.path().join("out")).unwrap_or_default();
+            assert!(self.child.try_wait().expect("a status").is_none(), "RabbitMQ ended: {}", log());
+            assert!(Instant::now() < deadline, "RabbitMQ did not start in time: {}", log());
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+    }
+
+    /// The beam's process, a child of the script's shell.
+    fn kill(&mut self) {
+        if let Ok(pid) = fs::read_to_string(self.folder.path().join("pid")) {
+            let _ = Command::new("kill").args(["-9", pid.trim()]).status();
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for RabbitMq {
+    fn drop(&mut self) {
+        self.kill();
+        // The port mapper outlives the node; being private it goes, too.
+        let _ = Command::new("epmd")
+            .args(["-port", &self.ports.epmd.to_string(), "-kill"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+    }
+}
+
+fn spawn(folder: &Path, ports: &Ports) -> Child {
+    let path = |name: &str| folder.join(name);
+    let configuration = format!(
+        "listeners.tcp.1 = 127.0.0.1:{}\nload_definitions = {}\nlog.console = true\nlog.file = false\n\
+         vm_memory_high_watermark.absolute = 512MB\ndisk_free_limit.absolute = 50MB\nnum_acceptors.tcp = 2\n",
+        ports.amqp,
+        path("definitions.json").display()
+    );
+    fs::write(path("rabbitmq.conf"), configuration).expect("written");
+    fs::write(path("enabled_plugins"), "[rabbitmq_amqp1_0].").expect("written");
+    let out = fs::File::create(path("out")).expect("a log");
+    Command::new(server())
+        .env("HOME", folder)
+        .env("ERL_EPMD_PORT", ports.epmd.to_string())
+        .env("ERL_EPMD_ADDRESS", "127.0.0.1")
+        .env("RABBITMQ_NODENAME", format!("t{}@localhost", ports.amqp))
+        .env("RABBITMQ_DIST_PORT", ports.distribution.to_string())
+        .env("RABBITMQ_CONFIG_FILE", path("rabbitmq.conf"))
+        .env("RABBITMQ_ENABLED_PLUGINS_FILE", path("enabled_plugins"))
+        .env("RABBITMQ_MNESIA_BASE", path("mnesia"))
+        .env("RABBITMQ_LOG_BASE", path("log"))
+        .env("RABBITMQ_LOGS", "-")
+        .env("RABBITMQ_PID_FILE", path("pid"))
+        .env("RABBITMQ_GENERATED_CONFIG_DIR", path("gen"))
+        .env("RABBITMQ_SCHEMA_DIR", path("schema"))
+        .env("RABBITMQ_FEATURE_FLAGS_FILE", path("feature_flags"))
+        .env("RABBITMQ_PLUGINS_EXPAND_DIR", path("plugins"))
+        .env("RABBITMQ_CONF_ENV_FILE", "/dev/null")
+        .env("RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS", "+S 1:1 +sbwt none -kernel inet_dist_use_interface {127,0,0,1}")
+        .stdin(Stdio::null())
+        .stdout(out.try_clone().expect("a log"))
+        .stderr(out)
+        .spawn()
+        .expect("RabbitMQ starts")
+}
