@@ -13,6 +13,7 @@ CREATE TABLE identity (
 -- How to reach the platform's broker, given by enrolment. One row.
 CREATE TABLE enrolment (
     id INTEGER PRIMARY KEY CHECK (id = 1),
+    factory_id TEXT NOT NULL,
     broker_url TEXT NOT NULL,
     profile TEXT NOT NULL,
     user_name TEXT NOT NULL,
@@ -45,11 +46,16 @@ CREATE TABLE field (
     -- The mapping in force, or the one to offer again after a change of the request.
     mapping TEXT,
     policy TEXT NOT NULL,
-    policy_version INTEGER NOT NULL,
-    -- Waiting and disclosed values of the gate, and the state of transforms: written with every batch of reports.
-    gate TEXT,
-    transform TEXT,
+    consent_version INTEGER NOT NULL,
     UNIQUE (operation_network_id, operation_id, dynamic_data_request_id, field_name)
+) STRICT;
+
+-- Where a field's values stand: disclosed and waiting values of its gate, and the state of its transform. Written with
+-- every batch of reports.
+CREATE TABLE field_value (
+    field_id INTEGER PRIMARY KEY REFERENCES field (id) ON DELETE CASCADE,
+    gate TEXT NOT NULL,
+    transform TEXT
 ) STRICT;
 
 -- Every consent ever given, for the ledger's entries to refer to.
@@ -94,6 +100,8 @@ CREATE TABLE report (
     sent_at INTEGER,
     sent_count INTEGER NOT NULL DEFAULT 0,
     attempts INTEGER NOT NULL DEFAULT 0,
+    -- The consent ended after it was sent: it is not sent again.
+    is_revoked INTEGER NOT NULL DEFAULT 0,
     recipients TEXT NOT NULL,
     bytes INTEGER NOT NULL,
     body TEXT,
@@ -102,6 +110,7 @@ CREATE TABLE report (
 ) STRICT;
 CREATE INDEX report_waiting ON report (message) WHERE state = 'WAITING';
 CREATE INDEX report_kept ON report (writer_id, epoch, sequence) WHERE state IN ('WAITING', 'SENT');
+CREATE INDEX report_backlog ON report (state, created_at, bytes) WHERE state IN ('WAITING', 'SENT');
 
 -- Control messages that wait to be sent: acknowledgements, decisions, gaps, comments, metadata.
 CREATE TABLE control (
@@ -174,7 +183,8 @@ CREATE INDEX comment_by_network ON comment (operation_network_id, id);
 -- OPC UA servers that values come from.
 CREATE TABLE source (
     source_id TEXT PRIMARY KEY,
-    config TEXT NOT NULL
+    config TEXT NOT NULL,
+    password TEXT
 ) STRICT, WITHOUT ROWID;
 
 -- People who may sign in, at the page and at the twin.

@@ -1,0 +1,222 @@
+//! The books: everything the connector knows about networks, decisions and values, in memory.
+//!
+//! The books are pure. A method takes an input and the time, changes what is in memory, notes what the store must write
+//! in the same transaction ([`Changes`]) and what is to be done once that is committed ([`Aftermath`]). If the commit
+//! fails, the desk throws the books away and loads them from the store again.
+
+mod aftermath;
+mod decisions;
+mod field;
+mod requests;
+mod spool;
+mod values;
+mod writer;
+
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    sync::Arc,
+};
+
+use asi_model::{
+    DateTime, FactoryId, FieldKey, MessageId, OperationNetworkId, OrganisationId, RequestKey,
+    messages::{FactoryMessage, OperationNetworkMessage},
+    pubsub::json::Encoding,
+};
+use uuid::Uuid;
+
+pub use aftermath::{Aftermath, ConnectorEvent, MappingWork, TwinWork};
+pub use decisions::{DecisionError, Verdict};
+pub use field::{Field, FieldDecision};
+pub(crate) use values::inner_message;
+pub use writer::Writer;
+
+use crate::{
+    ledger::{Event, Heads, SequenceRange},
+    store::{Changes, ControlRow, Snapshot, StoreError, WaitingRow},
+};
+
+/// A network as it stands.
+#[derive(Debug, Clone)]
+pub struct Network {
+    /// Its revision, or that of its withdrawal.
+    pub revision: u64,
+    /// As received; `None` once withdrawn.
+    pub message: Option<Arc<OperationNetworkMessage>>,
+    /// When.
+    pub received_at: DateTime,
+}
+
+/// How the books are kept.
+#[derive(Debug, Clone)]
+pub struct BooksConfig {
+    /// Whose they are.
+    pub factory_id: FactoryId,
+    /// How reports are written.
+    pub encoding: Encoding,
+}
+
+/// Everything in memory.
+pub struct Books {
+    pub(crate) config: BooksConfig,
+    pub(crate) networks: BTreeMap<OperationNetworkId, Network>,
+    pub(crate) fields: HashMap<FieldKey, Field>,
+    pub(crate) writers: BTreeMap<u16, Writer>,
+    pub(crate) writer_of: HashMap<RequestKey, u16>,
+    pub(crate) heads: Heads,
+    pub(crate) checkpoint: Option<(u64, DateTime)>,
+    /// Writers whose data set has news.
+    pub(crate) dirty_writers: BTreeSet<u16>,
+    /// Fields whose gate or transform state has to be written.
+    pub(crate) dirty_fields: BTreeSet<FieldKey>,
+    /// When gates want to be asked again.
+    pub(crate) due: BTreeSet<(DateTime, FieldKey)>,
+    pub(crate) last_row: i64,
+    pub(crate) last_field: i64,
+    pub(crate) changes: Changes,
+    pub(crate) aftermath: Aftermath,
+    /// Writers whose waiting reports have to be taken back before the commit, and why.
+    pub(crate) purges: BTreeMap<u16, asi_model::messages::GapCause>,
+}
+
+impl Books {
+    /// The books as stored.
+    ///
+    /// # Errors
+    /// [`StoreError::Unreadable`] where a stored document cannot be understood.
+    pub fn new(config: BooksConfig, snapshot: Snapshot, is_restored: bool, now: DateTime) -> Result<Self, StoreError> {
+        let mut books = Self {
+            config,
+            networks: BTreeMap::new(),
+            fields: HashMap::new(),
+            writers: BTreeMap::new(),
+            writer_of: HashMap::new(),
+            heads: snapshot.heads,
+            checkpoint: snapshot.last_checkpoint,
+            dirty_writers: BTreeSet::new(),
+            dirty_fields: BTreeSet::new(),
+            due: BTreeSet::new(),
+            last_row: snapshot.last_row,
+            last_field: 0,
+            changes: Changes::default(),
+            aftermath: Aftermath::default(),
+            purges: BTreeMap::new(),
+        };
+        for stored in snapshot.networks {
+            let network = Network {
+                revision: stored.revision,
+                message: stored.message.map(Arc::new),
+                received_at: stored.received_at,
+            };
+            books.networks.insert(stored.operation_network_id, network);
+        }
+        for (id, row) in snapshot.writers {
+            books.load_writer(id, row);
+        }
+        for (row, value) in snapshot.fields {
+            books.load_field(row, value, now)?;
+        }
+        if is_restored {
+            tracing::warn!("The store is an older copy of itself; every data set writer begins a new epoch.");
+            let writers: Vec<u16> = books.writer_of.values().copied().collect();
+            for writer in writers {
+                books.begin_epoch(writer, now);
+            }
+        }
+        books.show_everything();
+        Ok(books)
+    }
+
+    /// What the store has to write, and what is to be done after it.
+    pub fn take(&mut self) -> (Changes, Aftermath) {
+        (std::mem::take(&mut self.changes), std::mem::take(&mut self.aftermath))
+    }
+
+    /// There is something to write.
+    #[must_use]
+    pub fn has_changes(&self) -> bool {
+        !self.changes.is_empty() || !self.aftermath.is_empty() || !self.purges.is_empty()
+    }
+
+    /// The next number in the spool.
+    pub(crate) const fn next_row(&mut self) -> i64 {
+        self.last_row += 1;
+        self.last_row
+    }
+
+    /// A request's document, while its network is active.
+    #[must_use]
+    pub fn request(
+        &self,
+        key: &RequestKey,
+    ) -> Option<(&Arc<OperationNetworkMessage>, &asi_model::network::DynamicDataRequest)> {
+        let message = self.networks.get(&key.operation_network_id)?.message.as_ref()?;
+        let operation = message
+            .operation_network
+            .operation_list
+            .iter()
+            .find(|operation| operation.operation_id == key.operation_id)?;
+        let request = operation
+            .dynamic_data_request_list
+            .iter()
+            .find(|request| request.dynamic_data_request_id == key.dynamic_data_request_id)?;
+        Some((message, request))
+    }
+
+    /// Queues a control message.
+    pub(crate) fn send(&mut self, message: &FactoryMessage, correlation_id: Option<MessageId>, now: DateTime) {
+        let body = serde_json::to_string(message).expect("messages have text keys and finite numbers");
+        let row = ControlRow {
+            id: self.next_row(),
+            message_id: message.message_id().clone(),
+            subject: message.message_type().to_owned(),
+            correlation_id,
+            body,
+            created_at: now,
+            ttl_ms: None,
+        };
+        self.changes.controls.push(row);
+        self.aftermath.is_spool_filled = true;
+    }
+
+    /// Writes an event into the chains of all recipients.
+    pub(crate) fn record(&mut self, recipients: &[OrganisationId], now: DateTime, report: Option<i64>, event: &Event) {
+        for recipient in recipients {
+            let entry = self.heads.append(recipient, now, event.clone());
+            self.changes.ledger.push((entry, report));
+        }
+    }
+
+    /// Writes what became of reports into the chains of their recipients, neighbouring sequence numbers in one entry.
+    pub(crate) fn record_outcome(&mut self, rows: &[WaitingRow], now: DateTime, outcome: fn(SequenceRange) -> Event) {
+        let mut sorted: Vec<&WaitingRow> = rows.iter().collect();
+        sorted.sort_by_key(|kept| (kept.row.data_set_writer_id, kept.row.epoch, kept.row.sequence));
+        let mut ranges: Vec<(SequenceRange, &[OrganisationId])> = Vec::new();
+        for kept in sorted {
+            let row = &kept.row;
+            match ranges.last_mut() {
+                Some((range, recipients))
+                    if range.data_set_writer_id == row.data_set_writer_id
+                        && range.epoch == row.epoch
+                        && range.last_sequence.checked_add(1) == Some(row.sequence)
+                        && *recipients == &kept.recipients[..] =>
+                {
+                    range.last_sequence = row.sequence;
+                }
+                _ => ranges.push((range_of(row.data_set_writer_id, row.epoch, row.sequence), &kept.recipients)),
+            }
+        }
+        for (range, recipients) in ranges {
+            self.record(recipients, now, None, &outcome(range));
+        }
+    }
+}
+
+/// The range of a single sequence number.
+pub(crate) const fn range_of(data_set_writer_id: u16, epoch: u32, sequence: u32) -> SequenceRange {
+    SequenceRange { data_set_writer_id, epoch, first_sequence: sequence, last_sequence: sequence }
+}
+
+/// A message id of our own, ordered by time.
+pub(crate) fn new_message_id() -> MessageId {
+    MessageId::from(Uuid::now_v7())
+}

@@ -1,0 +1,68 @@
+//! What is to be done once a transaction is committed.
+
+use asi_model::{DataValue, FieldKey, OperationNetworkId};
+use mapping_engine::{Mapping, MappingId, TransformState};
+
+/// Work for the other rooms, in this order: twin, mapping engine, link, pages.
+#[derive(Debug, Default)]
+pub struct Aftermath {
+    /// What the twin shows.
+    pub twin: Vec<TwinWork>,
+    /// Newly disclosed values, for the twin's nodes and the pages.
+    pub values: Vec<(FieldKey, DataValue)>,
+    /// What the mapping engine runs.
+    pub mappings: Vec<MappingWork>,
+    /// The spool has new messages.
+    pub is_spool_filled: bool,
+    /// Messages that were sent wait again.
+    pub is_spool_rewound: bool,
+    /// A receipt came.
+    pub is_receipted: bool,
+    /// What pages are told.
+    pub events: Vec<ConnectorEvent>,
+}
+
+impl Aftermath {
+    /// There is nothing to do.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.twin.is_empty()
+            && self.values.is_empty()
+            && self.mappings.is_empty()
+            && self.events.is_empty()
+            && !(self.is_spool_filled || self.is_spool_rewound || self.is_receipted)
+    }
+}
+
+/// A change of what the twin shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum TwinWork {
+    /// A network came or changed.
+    Apply(OperationNetworkId),
+    /// A network was withdrawn.
+    Remove(OperationNetworkId),
+    /// A field was decided.
+    Decision(FieldKey),
+}
+
+/// A change of what the mapping engine runs.
+#[derive(Debug, Clone)]
+pub enum MappingWork {
+    /// A mapping is new or changed, and goes on from this state.
+    Put(Box<Mapping>, Option<TransformState>),
+    /// A mapping ended.
+    Remove(MappingId),
+}
+
+/// What pages are told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ConnectorEvent {
+    /// A field was decided or has another value.
+    Field(FieldKey),
+    /// A network came, changed or was withdrawn.
+    Inbox(OperationNetworkId),
+    /// A remark was made.
+    Comment(OperationNetworkId),
+    /// Link, spool, twin or sources changed.
+    Status,
+}

@@ -1,0 +1,209 @@
+//! Decisions of the factory's engineer, and what a changed request does to them.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DateTime, FieldKey, StatusCode,
+    messages::{Decision, DecisionTarget, FactoryMessage, GapCause, MappingState, ValueSource},
+};
+use mapping_engine::Mapping;
+
+use super::{Books, ConnectorEvent, MappingWork, TwinWork, new_message_id};
+use crate::{
+    disclosure::{DisclosurePolicy, PolicyFault},
+    ledger::Event,
+    store::ConsentRow,
+};
+
+/// What is decided about a field.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// Values flow from a source, coarsened.
+    Map {
+        /// The source; [`ValueSource::Mapping`] needs a mapping.
+        value_source: ValueSource,
+        /// From local variables to the field.
+        mapping: Option<Mapping>,
+        /// How values are coarsened.
+        policy: DisclosurePolicy,
+    },
+    /// Not yet decided.
+    LeavePending,
+    /// No values.
+    Refuse,
+}
+
+/// Why a decision cannot be taken.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecisionError {
+    /// There is no such field.
+    #[error("there is no such field")]
+    UnknownField,
+    /// A mapped field needs a mapping.
+    #[error("a field with the source MAPPING needs a mapping")]
+    NoMapping,
+    /// A refusal is told to the partner with its reason.
+    #[error("a refusal needs a reason for the partner")]
+    NoReason,
+    /// The policy does not fit the field.
+    #[error("the disclosure policy does not fit the field")]
+    Policy(Vec<PolicyFault>),
+}
+
+impl Books {
+    /// Decides about a field, tells the partner, and lets values flow or stop.
+    ///
+    /// # Errors
+    /// [`DecisionError`]; then nothing is changed.
+    pub fn decide(
+        &mut self,
+        key: &FieldKey,
+        verdict: Verdict,
+        reason: Option<String>,
+        decided_by: &str,
+        now: DateTime,
+    ) -> Result<(), DecisionError> {
+        let reason = reason.filter(|reason| !reason.trim().is_empty());
+        let field = self.fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
+        let was_mapped = field.decision.is_mapped();
+        let had_source = field.decision.value_source;
+        let mapping_id = field.mapping_id();
+        let decision = &mut field.decision;
+        match verdict {
+            Verdict::Map { value_source, mapping, policy } => {
+                if value_source == ValueSource::Mapping && mapping.is_none() {
+                    return Err(DecisionError::NoMapping);
+                }
+                let faults = policy.faults(field.definition.field_type.0);
+                if !faults.is_empty() {
+                    return Err(DecisionError::Policy(faults));
+                }
+                let is_other_source = had_source != Some(value_source) || decision.mapping != mapping;
+                decision.mapping_state = MappingState::Mapped;
+                decision.value_source = Some(value_source);
+                decision.mapping = mapping.or_else(|| decision.mapping.take());
+                decision.policy = Arc::new(policy);
+                if was_mapped {
+                    field.gate.change_policy(Arc::clone(&decision.policy), now);
+                } else {
+                    field.gate.close();
+                    field.gate.change_policy(Arc::clone(&decision.policy), now);
+                }
+                if is_other_source {
+                    field.transform = None;
+                }
+                if value_source == ValueSource::Mapping {
+                    if let Some(mapping) = decision.mapping.as_ref().filter(|_| is_other_source || !was_mapped) {
+                        let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
+                        self.aftermath.mappings.push(work);
+                    }
+                } else if had_source == Some(ValueSource::Mapping) {
+                    self.aftermath.mappings.push(MappingWork::Remove(mapping_id));
+                }
+            }
+            Verdict::LeavePending | Verdict::Refuse => {
+                if verdict == Verdict::Refuse && reason.is_none() {
+                    return Err(DecisionError::NoReason);
+                }
+                decision.mapping_state =
+                    if verdict == Verdict::Refuse { MappingState::Refused } else { MappingState::Pending };
+                decision.value_source = None;
+                field.gate.close();
+                if had_source == Some(ValueSource::Mapping) {
+                    self.aftermath.mappings.push(MappingWork::Remove(mapping_id));
+                }
+            }
+        }
+        field.decision.reason = reason;
+        field.decision.decided_by = Some(decided_by.to_owned());
+        field.decision.decided_at = Some(now);
+        field.decision.version += 1;
+        let is_mapped = field.decision.is_mapped();
+        let writer = field.writer;
+        self.told_and_kept(key, now);
+        if was_mapped && !is_mapped {
+            self.purges.insert(writer, GapCause::Revoked);
+        }
+        if was_mapped != is_mapped || is_mapped {
+            self.refresh_writer(writer, now);
+        }
+        Ok(())
+    }
+
+    /// The request changed in a way that the consent does not cover: the field is undecided again, its mapping is kept
+    /// and offered.
+    pub(super) fn reopen(&mut self, key: &FieldKey, now: DateTime) {
+        let Some(field) = self.fields.get_mut(key) else { return };
+        let (was_mapped, writer) = (field.decision.is_mapped(), field.writer);
+        if field.decision.is_open_for(ValueSource::Mapping) {
+            self.aftermath.mappings.push(MappingWork::Remove(field.mapping_id()));
+        }
+        field.gate.close();
+        field.decision.mapping_state = MappingState::Pending;
+        field.decision.value_source = None;
+        field.decision.reason = Some("The partner changed the request.".to_owned());
+        field.decision.decided_by = None;
+        field.decision.decided_at = Some(now);
+        field.decision.version += 1;
+        self.told_and_kept(key, now);
+        if was_mapped {
+            self.purges.insert(writer, GapCause::Revoked);
+        }
+    }
+
+    /// The partner hears of the decision, the ledger and the store keep it, twin and pages show it.
+    fn told_and_kept(&mut self, key: &FieldKey, now: DateTime) {
+        let Some(field) = self.fields.get(key) else { return };
+        let decision = &field.decision;
+        let message = Decision {
+            message_id: new_message_id(),
+            factory_id: self.config.factory_id.clone(),
+            target: DecisionTarget::Field {
+                operation_network_id: key.request.operation_network_id.clone(),
+                operation_id: key.request.operation_id.clone(),
+                dynamic_data_request_id: key.request.dynamic_data_request_id.clone(),
+                field_name: key.field_name.clone(),
+            },
+            mapping_state: decision.mapping_state,
+            reason: decision.reason.clone(),
+            decided_at: now,
+            disclosure: field.statement(),
+        };
+        let consent = ConsentRow {
+            field: key.to_string(),
+            version: decision.version,
+            mapping_state: decision.mapping_state,
+            value_source: decision.value_source,
+            policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
+            reason: decision.reason.clone(),
+            decided_by: decision.decided_by.clone(),
+            decided_at: now,
+        };
+        let event = Event::Consent {
+            field: key.clone(),
+            version: decision.version,
+            mapping_state: decision.mapping_state,
+            value_source: decision.value_source,
+            policy: (*decision.policy).clone(),
+            decided_by: decision.decided_by.clone(),
+        };
+        self.changes.consents.push(consent);
+        self.send(&FactoryMessage::Decision(message), None, now);
+        let recipients = self.recipients(&key.request);
+        self.record(&recipients, now, None, &event);
+        self.store_field(key);
+        self.note_due(key);
+        self.aftermath.twin.push(TwinWork::Decision(key.clone()));
+        self.aftermath.events.push(ConnectorEvent::Field(key.clone()));
+    }
+
+    /// Why a value of this source is not taken for a field; `None` where it is.
+    #[must_use]
+    pub fn refusal(&self, key: &FieldKey, source: ValueSource) -> Option<StatusCode> {
+        match self.fields.get(key) {
+            None => Some(StatusCode::BAD_NODE_ID_UNKNOWN),
+            Some(field) if field.decision.is_open_for(source) => None,
+            Some(_) => Some(StatusCode::BAD_NOT_WRITABLE),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Requested fields: the decision about each, and its gate.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DateTime, FieldKey, FieldName, RequestKey, StatusCode,
+    messages::{DisclosureStatement, MappingState, ValueSource},
+    network::ReportField,
+};
+use mapping_engine::{Mapping, MappingId, TransformState};
+use twin::FieldRecord;
+
+use super::{Books, MappingWork, TwinWork};
+use crate::{
+    disclosure::{DisclosurePolicy, Gate, GateState},
+    store::{FieldRow, FieldValueRow, StoreError},
+    values::{gate_from_json, gate_to_json},
+};
+
+/// A requested field.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// Our number for it.
+    pub id: i64,
+    /// As requested.
+    pub definition: ReportField,
+    /// What was decided.
+    pub decision: FieldDecision,
+    /// What of its values leaves.
+    pub gate: Gate,
+    /// What its mapping's functions remember.
+    pub transform: Option<TransformState>,
+    /// The writer of its request.
+    pub writer: u16,
+    /// When its gate is noted to be asked again.
+    pub noted_due: Option<DateTime>,
+}
+
+/// What the engineer decided about a field.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FieldDecision {
+    /// Pending, mapped or refused.
+    pub mapping_state: MappingState,
+    /// Where values come from; present exactly while mapped.
+    pub value_source: Option<ValueSource>,
+    /// Why.
+    pub reason: Option<String>,
+    /// Who.
+    pub decided_by: Option<String>,
+    /// When.
+    pub decided_at: Option<DateTime>,
+    /// The mapping in force, or the one to offer again.
+    pub mapping: Option<Mapping>,
+    /// How values are coarsened.
+    pub policy: Arc<DisclosurePolicy>,
+    /// Counts the consents.
+    pub version: u32,
+}
+
+impl FieldDecision {
+    /// Values flow.
+    #[must_use]
+    pub fn is_mapped(&self) -> bool {
+        self.mapping_state == MappingState::Mapped
+    }
+
+    /// Values flow from this source.
+    #[must_use]
+    pub fn is_open_for(&self, source: ValueSource) -> bool {
+        self.is_mapped() && self.value_source == Some(source)
+    }
+}
+
+impl Field {
+    /// The mapping's id in the engine.
+    #[must_use]
+    pub fn mapping_id(&self) -> MappingId {
+        mapping_id(self.id)
+    }
+
+    /// What the partner is told about its precision, while the field is mapped.
+    #[must_use]
+    pub fn statement(&self) -> Option<DisclosureStatement> {
+        self.decision.is_mapped().then(|| self.decision.policy.statement(self.definition.unit.as_deref()))
+    }
+
+    /// What the twin shows.
+    #[must_use]
+    pub fn record(&self) -> FieldRecord {
+        let decision = &self.decision;
+        FieldRecord {
+            mapping_state: decision.mapping_state,
+            value_source: decision.value_source,
+            value: self.gate.disclosed().cloned().unwrap_or_else(|| waiting_value(decision.decided_at)),
+            disclosure: self.statement().map(|statement| Arc::from(statement.description)),
+            reason: decision.reason.as_deref().map(Arc::from),
+            decided_by: decision.decided_by.as_deref().map(Arc::from),
+            decision_time: decision.decided_at,
+        }
+    }
+
+    /// As stored.
+    pub(crate) fn row(&self, key: &FieldKey) -> FieldRow {
+        let decision = &self.decision;
+        FieldRow {
+            id: self.id,
+            key: key.clone(),
+            mapping_state: decision.mapping_state,
+            value_source: decision.value_source,
+            reason: decision.reason.clone(),
+            decided_by: decision.decided_by.clone(),
+            decided_at: decision.decided_at,
+            mapping: decision.mapping.as_ref().map(|mapping| {
+                serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")
+            }),
+            policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
+            consent_version: decision.version,
+        }
+    }
+
+    /// Where its values stand, as stored.
+    pub(crate) fn value_row(&self) -> FieldValueRow {
+        FieldValueRow {
+            gate: gate_to_json(&self.gate.state()),
+            transform: self.transform.as_ref().map(|state| {
+                serde_json::to_string(state).expect("transform states have text keys and finite numbers")
+            }),
+        }
+    }
+}
+
+/// The id of a field's mapping in the engine.
+pub(crate) fn mapping_id(field_id: i64) -> MappingId {
+    MappingId::new(format!("field-{field_id}")).expect("short and without control characters")
+}
+
+/// What a mapped field shows before its first value.
+pub(crate) fn waiting_value(since: Option<DateTime>) -> asi_model::DataValue {
+    asi_model::DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, since)
+}
+
+impl Books {
+    /// A field, as requested and decided.
+    #[must_use]
+    pub fn field(&self, key: &FieldKey) -> Option<&Field> {
+        self.fields.get(key)
+    }
+
+    /// The fields of a request, in payload order.
+    pub fn fields_of<'b>(&'b self, request: &'b RequestKey) -> impl Iterator<Item = (FieldKey, &'b Field)> {
+        self.request(request).into_iter().flat_map(move |(_, document)| {
+            document.report_data_format.report_field_list.iter().filter_map(move |definition| {
+                let key = request.field(definition.name.clone());
+                self.fields.get(&key).map(|field| (key, field))
+            })
+        })
+    }
+
+    pub(super) fn load_field(
+        &mut self,
+        row: FieldRow,
+        value: Option<FieldValueRow>,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
+        self.last_field = self.last_field.max(row.id);
+        let (Some(definition), Some(writer)) =
+            (self.definition(&row.key.request, &row.key.field_name), self.writer_of.get(&row.key.request).copied())
+        else {
+            // A field without its request cannot be: both are written in one transaction.
+            return Err(StoreError::Unreadable { what: "field", reason: format!("{} has no request", row.key) });
+        };
+        let unreadable = |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
+        let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&row.policy).map_err(unreadable("policy"))?);
+        let mapping = row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
+        let (gate, transform) = match value {
+            None => (GateState::default(), None),
+            Some(value) => (
+                gate_from_json(&value.gate).map_err(|reason| StoreError::Unreadable { what: "value", reason })?,
+                value
+                    .transform
+                    .as_deref()
+                    .map(serde_json::from_str)
+                    .transpose()
+                    .map_err(unreadable("transform's state"))?,
+            ),
+        };
+        let field = Field {
+            id: row.id,
+            gate: Gate::new(Arc::clone(&policy), definition.field_type.0, gate, now),
+            definition,
+            decision: FieldDecision {
+                mapping_state: row.mapping_state,
+                value_source: row.value_source,
+                reason: row.reason,
+                decided_by: row.decided_by,
+                decided_at: row.decided_at,
+                mapping,
+                policy,
+                version: row.consent_version,
+            },
+            transform,
+            writer,
+            noted_due: None,
+        };
+        self.fields.insert(row.key.clone(), field);
+        self.note_due(&row.key);
+        Ok(())
+    }
+
+    fn definition(&self, request: &RequestKey, name: &FieldName) -> Option<ReportField> {
+        let (_, document) = self.request(request)?;
+        document.report_data_format.report_field_list.iter().find(|field| field.name == *name).cloned()
+    }
+
+    /// Puts a field's decision among the changes.
+    pub(crate) fn store_field(&mut self, key: &FieldKey) {
+        if let Some(field) = self.fields.get(key) {
+            self.changes.fields.insert(field.id, field.row(key));
+            self.dirty_fields.insert(key.clone());
+        }
+    }
+
+    /// Notes when a field's gate wants to be asked again.
+    pub(crate) fn note_due(&mut self, key: &FieldKey) {
+        let Some(field) = self.fields.get_mut(key) else { return };
+        let due = field.gate.due();
+        if due != field.noted_due {
+            if let Some(noted) = field.noted_due {
+                self.due.remove(&(noted, key.clone()));
+            }
+            if let Some(due) = due {
+                self.due.insert((due, key.clone()));
+            }
+            field.noted_due = due;
+        }
+    }
+
+    /// At the start: everything that the twin shows and the engine runs.
+    pub(super) fn show_everything(&mut self) {
+        for (id, network) in &self.networks {
+            if network.message.is_some() {
+                self.aftermath.twin.push(TwinWork::Apply(id.clone()));
+            }
+        }
+        for field in self.fields.values() {
+            if field.decision.is_open_for(ValueSource::Mapping)
+                && let Some(mapping) = &field.decision.mapping
+            {
+                let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
+                self.aftermath.mappings.push(work);
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Values: through the gate, into reports. This is the only way a value leaves.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use asi_model::{
+    DataValue, DateTime, FieldKey, FieldName,
+    messages::ValueSource,
+    pubsub::{
+        DataSetMessage, NetworkMessage, PayloadField,
+        json::encode,
+    },
+};
+use mapping_engine::TransformState;
+
+use super::{Books, ConnectorEvent, range_of};
+use crate::{
+    disclosure::Outcome,
+    ledger::{Event, SALT_BYTES, values_root},
+    store::NewReport,
+};
+
+/// Largest NetworkMessage that several reports share, in bytes.
+const SHARED_BYTES_MAX: usize = 64 * 1024;
+
+impl Books {
+    /// A candidate for a field, whoever brought it. `None` where the field takes none from this source.
+    pub fn candidate(
+        &mut self,
+        key: &FieldKey,
+        source: ValueSource,
+        value: DataValue,
+        transform: Option<TransformState>,
+        now: DateTime,
+    ) -> Option<Outcome> {
+        let field = self.fields.get_mut(key).filter(|field| field.decision.is_open_for(source))?;
+        if transform.is_some() {
+            field.transform = transform;
+        }
+        let outcome = field.gate.on(now, value);
+        self.after_gate(key);
+        Some(outcome)
+    }
+
+    /// Asks every gate that wanted to be asked by now.
+    pub fn release_due(&mut self, now: DateTime) {
+        while let Some((at, key)) = self.due.first().cloned() {
+            if at > now {
+                break;
+            }
+            self.due.pop_first();
+            if let Some(field) = self.fields.get_mut(&key) {
+                field.noted_due = None;
+                field.gate.on_time(now);
+                self.after_gate(&key);
+            }
+        }
+    }
+
+    /// When the next gate wants to be asked.
+    #[must_use]
+    pub fn next_due(&self) -> Option<DateTime> {
+        self.due.first().map(|(at, _)| *at)
+    }
+
+    /// There are values to report.
+    #[must_use]
+    pub fn has_news(&self) -> bool {
+        !self.dirty_writers.is_empty()
+    }
+
+    fn after_gate(&mut self, key: &FieldKey) {
+        let Some(field) = self.fields.get_mut(key) else { return };
+        let has_news = field.gate.take_news();
+        let writer = field.writer;
+        self.dirty_fields.insert(key.clone());
+        self.note_due(key);
+        if has_news {
+            self.dirty_writers.insert(writer);
+            if let Some(value) = self.fields.get(key).and_then(|field| field.gate.disclosed()) {
+                self.aftermath.values.push((key.clone(), value.clone()));
+                self.aftermath.events.push(ConnectorEvent::Field(key.clone()));
+            }
+        }
+    }
+
+    /// Makes one key frame per data set with news, and notes everything that has to be stored with it.
+    ///
+    /// `salt` yields fresh random bytes for each report.
+    pub fn report(&mut self, now: DateTime, mut salt: impl FnMut() -> [u8; SALT_BYTES]) {
+        let writers = std::mem::take(&mut self.dirty_writers);
+        let mut shared: Vec<NewReport> = Vec::new();
+        let mut shared_bytes = 0;
+        for id in writers {
+            let Some((frame, consents)) = self.key_frame(id, now) else { continue };
+            let Some(body) = self.body_of(&frame) else { continue };
+            let Some(writer) = self.writers.get_mut(&id) else { continue };
+            let (epoch, sequence, request) = (writer.epoch, writer.next_sequence, writer.request.clone());
+            writer.next_sequence = writer.next_sequence.wrapping_add(1);
+            writer.last_sign_at = now;
+            self.store_writer(id);
+            let report = NewReport {
+                id: self.next_row(),
+                message: 0,
+                data_set_writer_id: id,
+                epoch,
+                sequence,
+                created_at: now,
+                recipients: self.recipients(&request),
+                body,
+                salt: salt(),
+                is_purged: false,
+            };
+            let root = values_root(&report.body, &report.salt).expect("our own encoder writes a JSON object");
+            let event = Event::Queued { range: range_of(id, epoch, sequence), values: hex::encode(root), consents };
+            self.record(&report.recipients.clone(), now, Some(report.id), &event);
+            if !shared.is_empty() && shared_bytes + report.body.len() > SHARED_BYTES_MAX {
+                self.close_message(&mut shared);
+                shared_bytes = 0;
+            }
+            shared_bytes += report.body.len();
+            shared.push(report);
+        }
+        self.close_message(&mut shared);
+        for key in std::mem::take(&mut self.dirty_fields) {
+            if let Some(field) = self.fields.get(&key) {
+                self.changes.field_values.insert(field.id, field.value_row());
+            }
+        }
+    }
+
+    /// Reports that travel together get the number of the last one of them.
+    fn close_message(&mut self, shared: &mut Vec<NewReport>) {
+        let Some(message) = shared.last().map(|report| report.id) else { return };
+        self.aftermath.is_spool_filled = true;
+        self.changes.reports.extend(shared.drain(..).map(|report| NewReport { message, ..report }));
+    }
+
+    /// The newest disclosed values of a writer's data set, in payload order.
+    pub(crate) fn key_frame(&self, id: u16, now: DateTime) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
+        let writer = self.writers.get(&id).filter(|writer| !writer.fields.is_empty())?;
+        let (message, request) = self.request(&writer.request)?;
+        let mut values = Vec::with_capacity(writer.fields.len() * 2);
+        let mut consents = BTreeMap::new();
+        let mut newest: Option<DateTime> = None;
+        for name in &writer.fields {
+            let Some(field) = self.fields.get(&writer.request.field(name.clone())) else { continue };
+            let Some(value) = field.gate.disclosed() else { continue };
+            newest = newest.max(value.source_timestamp);
+            consents.insert(name.clone(), field.decision.version);
+            let shown = DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
+            values.push(PayloadField::with(Arc::from(name.as_str()), shown));
+            if let Some(unit) = &field.definition.unit {
+                values.push(PayloadField::new(format!("{name}Unit"), unit.as_str()));
+            }
+        }
+        if consents.is_empty() {
+            return None;
+        }
+        let step = writer
+            .fields
+            .iter()
+            .filter_map(|name| self.fields.get(&writer.request.field(name.clone())))
+            .map(|field| field.decision.policy.time_step())
+            .max()
+            .unwrap_or_default();
+        let mut fields = vec![
+            PayloadField::new("reportName", request.report_data_format.report_name.as_str()),
+            PayloadField::new("dynamicDataRequestId", writer.request.dynamic_data_request_id.as_str()),
+            PayloadField::new("operationId", writer.request.operation_id.as_str()),
+            PayloadField::new("operationNetworkId", message.operation_network.operation_network_id.as_str()),
+            PayloadField::new("shopfloorTimestamp", newest.unwrap_or(now).floor_to(step)),
+        ];
+        fields.append(&mut values);
+        let frame = DataSetMessage {
+            data_set_writer_id: Some(id),
+            sequence_number: Some(writer.next_sequence),
+            meta_data_version: Some(writer.version()),
+            timestamp: Some(now.floor_to(step)),
+            fields,
+            ..DataSetMessage::default()
+        };
+        Some((frame, consents))
+    }
+
+    /// A DataSetMessage as JSON text: the envelope is put around it when it is sent.
+    fn body_of(&self, frame: &DataSetMessage) -> Option<String> {
+        let message = NetworkMessage { messages: vec![frame.clone()], ..NetworkMessage::default() };
+        let text = String::from_utf8(encode(&message, self.config.encoding)).ok()?;
+        inner_message(&text).map(str::to_owned)
+    }
+}
+
+/// The single DataSetMessage within an encoded NetworkMessage.
+pub(crate) fn inner_message(network_message: &str) -> Option<&str> {
+    let start = network_message.find("\"Messages\":[")? + "\"Messages\":[".len();
+    network_message.strip_suffix("]}").and_then(|text| text.get(start..))
+}

@@ -1,0 +1,271 @@
+//! What one transaction writes.
+
+use std::collections::BTreeMap;
+
+use asi_model::{
+    DateTime, FieldKey, FieldName, MessageId, OperationNetworkId, OrganisationId, RequestKey,
+    messages::{Comment, MappingState, ValueSource},
+};
+
+use crate::ledger::{LinkedEntry, SALT_BYTES};
+
+/// Everything of one transaction. Later entries about the same thing win.
+#[derive(Debug, Default)]
+pub struct Changes {
+    /// Networks that came, changed or were withdrawn.
+    pub networks: Vec<NetworkRow>,
+    /// Fields that are new or decided anew.
+    pub fields: BTreeMap<i64, FieldRow>,
+    /// Fields that are gone.
+    pub removed_fields: Vec<i64>,
+    /// Fields whose values, waiting values or transform state changed.
+    pub field_values: BTreeMap<i64, FieldValueRow>,
+    /// Consents given.
+    pub consents: Vec<ConsentRow>,
+    /// Writers that are new, retired or moved on.
+    pub writers: BTreeMap<u16, WriterRow>,
+    /// New reports.
+    pub reports: Vec<NewReport>,
+    /// Reports whose state changed.
+    pub report_moves: Vec<ReportMove>,
+    /// New control messages.
+    pub controls: Vec<ControlRow>,
+    /// Control messages that are done with.
+    pub controls_done: Vec<i64>,
+    /// Control messages to set aside.
+    pub controls_parked: Vec<i64>,
+    /// Control messages with one failed attempt more.
+    pub controls_attempted: Vec<i64>,
+    /// Ledger entries with the report they are about.
+    pub ledger: Vec<(LinkedEntry, Option<i64>)>,
+    /// A signed checkpoint: number, time, text, signature, public key.
+    pub checkpoint: Option<(u64, DateTime, String, [u8; 64], [u8; 32])>,
+    /// Messages whose effect this is.
+    pub seen: Vec<(MessageId, DateTime)>,
+    /// Remarks, and whether they are our own.
+    pub comments: Vec<CommentRow>,
+    /// What was rejected.
+    pub dead_letters: Vec<DeadLetterRow>,
+    /// Sources that are new or changed.
+    pub sources: Vec<SourceRow>,
+    /// Sources that are gone.
+    pub removed_sources: Vec<String>,
+}
+
+impl Changes {
+    /// Nothing to write.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.networks.is_empty()
+            && self.fields.is_empty()
+            && self.removed_fields.is_empty()
+            && self.field_values.is_empty()
+            && self.consents.is_empty()
+            && self.writers.is_empty()
+            && self.reports.is_empty()
+            && self.report_moves.is_empty()
+            && self.controls.is_empty()
+            && self.controls_done.is_empty()
+            && self.controls_parked.is_empty()
+            && self.controls_attempted.is_empty()
+            && self.ledger.is_empty()
+            && self.checkpoint.is_none()
+            && self.seen.is_empty()
+            && self.comments.is_empty()
+            && self.dead_letters.is_empty()
+            && self.sources.is_empty()
+            && self.removed_sources.is_empty()
+    }
+}
+
+/// A network as last received.
+#[derive(Debug, Clone)]
+pub struct NetworkRow {
+    /// Its id.
+    pub operation_network_id: OperationNetworkId,
+    /// Its revision, or that of its withdrawal.
+    pub revision: u64,
+    /// The message as JSON; `None` once withdrawn.
+    pub message: Option<String>,
+    /// When it came.
+    pub received_at: DateTime,
+}
+
+/// A field with its decision.
+#[derive(Debug, Clone)]
+pub struct FieldRow {
+    /// Our number for it.
+    pub id: i64,
+    /// Its name.
+    pub key: FieldKey,
+    /// The decision.
+    pub mapping_state: MappingState,
+    /// Where values come from.
+    pub value_source: Option<ValueSource>,
+    /// Why it was decided so.
+    pub reason: Option<String>,
+    /// Who decided.
+    pub decided_by: Option<String>,
+    /// When.
+    pub decided_at: Option<DateTime>,
+    /// The mapping as JSON.
+    pub mapping: Option<String>,
+    /// The disclosure policy as JSON.
+    pub policy: String,
+    /// Counts the consents.
+    pub consent_version: u32,
+}
+
+/// Where a field's values stand.
+#[derive(Debug, Clone)]
+pub struct FieldValueRow {
+    /// The gate's state as JSON.
+    pub gate: String,
+    /// The transform's state as JSON.
+    pub transform: Option<String>,
+}
+
+/// A consent, kept for ever.
+#[derive(Debug, Clone)]
+pub struct ConsentRow {
+    /// The field's key as text.
+    pub field: String,
+    /// Its number.
+    pub version: u32,
+    /// The decision.
+    pub mapping_state: MappingState,
+    /// Where values come from.
+    pub value_source: Option<ValueSource>,
+    /// The policy as JSON.
+    pub policy: String,
+    /// Why.
+    pub reason: Option<String>,
+    /// Who.
+    pub decided_by: Option<String>,
+    /// When.
+    pub decided_at: DateTime,
+}
+
+/// A DataSetWriter.
+#[derive(Debug, Clone)]
+pub struct WriterRow {
+    /// The request it reports about.
+    pub request: RequestKey,
+    /// MajorVersion.
+    pub epoch: u32,
+    /// MinorVersion.
+    pub minor_version: u32,
+    /// The next report's number.
+    pub next_sequence: u32,
+    /// The fields that the metadata describes, in payload order.
+    pub fields: Vec<FieldName>,
+    /// When it was retired.
+    pub retired_at: Option<DateTime>,
+}
+
+/// A report on its way out.
+#[derive(Debug, Clone)]
+pub struct NewReport {
+    /// Its number in the spool.
+    pub id: i64,
+    /// The number of the message it travels in.
+    pub message: i64,
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch.
+    pub epoch: u32,
+    /// Its sequence number.
+    pub sequence: u32,
+    /// When it was made.
+    pub created_at: DateTime,
+    /// Who may see it.
+    pub recipients: Vec<OrganisationId>,
+    /// The DataSetMessage as JSON.
+    pub body: String,
+    /// The salt of its hashes.
+    pub salt: [u8; SALT_BYTES],
+    /// Taken back before it was ever committed.
+    pub is_purged: bool,
+}
+
+/// A change of reports in the spool.
+#[derive(Debug, Clone)]
+pub enum ReportMove {
+    /// The broker accepted these messages.
+    Sent {
+        /// The messages' numbers.
+        messages: Vec<i64>,
+        /// When.
+        at: DateTime,
+    },
+    /// They are sent again.
+    Waiting(Vec<i64>),
+    /// The broker refused these messages once more.
+    Attempted(Vec<i64>),
+    /// The broker will never take these messages.
+    Parked(Vec<i64>),
+    /// The spool is done with these reports.
+    Done(Vec<i64>),
+    /// These are not sent again, whatever becomes of them.
+    Revoked(Vec<i64>),
+}
+
+/// A control message.
+#[derive(Debug, Clone)]
+pub struct ControlRow {
+    /// Its number in the spool.
+    pub id: i64,
+    /// Its id.
+    pub message_id: MessageId,
+    /// Its type.
+    pub subject: String,
+    /// What it answers.
+    pub correlation_id: Option<MessageId>,
+    /// The body.
+    pub body: String,
+    /// When it was made.
+    pub created_at: DateTime,
+    /// How long it is of use, in milliseconds.
+    pub ttl_ms: Option<u64>,
+}
+
+/// A remark.
+#[derive(Debug, Clone)]
+pub struct CommentRow {
+    /// The remark.
+    pub comment: Comment,
+    /// Said by this factory.
+    pub is_own: bool,
+    /// When.
+    pub written_at: DateTime,
+}
+
+/// A message that was rejected.
+#[derive(Debug, Clone)]
+pub struct DeadLetterRow {
+    /// Received here, or sent from here.
+    pub is_received: bool,
+    /// Its id, where it has one.
+    pub message_id: Option<MessageId>,
+    /// Its type, as far as it is known.
+    pub subject: String,
+    /// Why, as a code.
+    pub code: String,
+    /// Why, in words.
+    pub reason: String,
+    /// What it said.
+    pub body: Vec<u8>,
+    /// When.
+    pub occurred_at: DateTime,
+}
+
+/// A source of values.
+#[derive(Debug, Clone)]
+pub struct SourceRow {
+    /// Its name.
+    pub source_id: String,
+    /// Its configuration as JSON, without the password.
+    pub config: String,
+    /// The password.
+    pub password: Option<String>,
+}

@@ -1,0 +1,185 @@
+//! Opening the file: one process at a time, tables up to date, restored copies recognised.
+
+use std::{
+    fs::{File, TryLockError},
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use asi_model::{DateTime, FactoryId};
+use sqlx::{
+    ConnectOptions as _, Connection as _, Row as _, SqliteConnection, SqlitePool, SqlSafeStr as _,
+    migrate::{Migration, MigrationType, Migrator},
+    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
+};
+use uuid::Uuid;
+
+use super::StoreError;
+
+/// The migrations, oldest first. They only go forward and never change after a release.
+const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "initial", include_str!("../../migrations/0001_initial.sql"))];
+
+const DATABASE_FILE: &str = "connector.sqlite";
+const LOCK_FILE: &str = "connector.lock";
+const GENERATION_FILE: &str = "generation";
+const READERS_MAX: u32 = 4;
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+/// The write-ahead log is cut back to this after a checkpoint, in bytes.
+const LOG_BYTES: &str = "67108864";
+
+/// Who a store belongs to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Identity {
+    /// The factory.
+    pub factory_id: FactoryId,
+    /// The file is not the one that was used last, but an older copy of it: what was numbered since is unknown.
+    pub is_restored: bool,
+}
+
+/// The open file. The writing connection is the desk's alone.
+pub struct Store {
+    pub(super) writer: SqliteConnection,
+    pub(super) readers: SqlitePool,
+    identity: Identity,
+    directory: PathBuf,
+    /// Held as long as the store is open; a second connector finds it locked.
+    _lock: File,
+}
+
+impl Store {
+    /// Opens the store in a folder, making both where they are missing.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the folder is in use, belongs to another factory, or cannot be read and written.
+    pub async fn open(directory: &Path, factory_id: &FactoryId, now: DateTime) -> Result<Self, StoreError> {
+        let access = |path: &Path| {
+            let path = path.to_owned();
+            move |source| StoreError::Access { path, source }
+        };
+        std::fs::create_dir_all(directory).map_err(access(directory))?;
+        let lock = lock(directory)?;
+        let database = directory.join(DATABASE_FILE);
+        let options = options(&database);
+        let mut writer =
+            options.clone().create_if_missing(true).connect().await.map_err(StoreError::while_doing("open the store"))?;
+        migrator().run(&mut writer).await?;
+        let generation_file = directory.join(GENERATION_FILE);
+        let known = std::fs::read_to_string(&generation_file).ok();
+        let generation = Uuid::new_v4().to_string();
+        let identity = identify(&mut writer, factory_id, known.as_deref(), &generation, now).await?;
+        std::fs::write(&generation_file, &generation).map_err(access(&generation_file))?;
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS_MAX)
+            .connect_with(options.read_only(true))
+            .await
+            .map_err(StoreError::while_doing("open the store for reading"))?;
+        Ok(Self { writer, readers, identity, directory: directory.to_owned(), _lock: lock })
+    }
+
+    /// Opens the store beside a running connector, for a command that reads or changes people.
+    ///
+    /// # Errors
+    /// [`StoreError`] where there is no store.
+    pub async fn connect(directory: &Path) -> Result<SqliteConnection, StoreError> {
+        let mut connection = options(&directory.join(DATABASE_FILE))
+            .create_if_missing(true)
+            .connect()
+            .await
+            .map_err(StoreError::while_doing("open the store"))?;
+        migrator().run(&mut connection).await?;
+        Ok(connection)
+    }
+
+    /// Whose the store is.
+    #[must_use]
+    pub const fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Connections for reading.
+    #[must_use]
+    pub fn readers(&self) -> SqlitePool {
+        self.readers.clone()
+    }
+
+    /// Closes the file in good order.
+    pub async fn close(self) {
+        self.readers.close().await;
+        if let Err(error) = self.writer.close().await {
+            tracing::warn!(%error, "The store could not be closed in good order; it will be recovered at the next start.");
+        }
+    }
+}
+
+fn options(database: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(database)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+        .pragma("journal_size_limit", LOG_BYTES)
+        .disable_statement_logging()
+}
+
+fn migrator() -> Migrator {
+    let migrations = MIGRATIONS.into_iter().map(|(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect())
+}
+
+fn lock(directory: &Path) -> Result<File, StoreError> {
+    let path = directory.join(LOCK_FILE);
+    let access = |source| StoreError::Access { path: path.clone(), source };
+    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(access)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse { path: directory.to_owned() }),
+        Err(TryLockError::Error(source)) => Err(access(source)),
+    }
+}
+
+/// Reads or writes the identity, and marks this start in it. A generation that differs from the one in the file beside
+/// the database tells that the database was exchanged for an older copy.
+async fn identify(
+    writer: &mut SqliteConnection,
+    factory_id: &FactoryId,
+    known: Option<&str>,
+    generation: &str,
+    now: DateTime,
+) -> Result<Identity, StoreError> {
+    let action = "read the store's identity";
+    let stored = sqlx::query("SELECT factory_id, generation FROM identity")
+        .fetch_optional(&mut *writer)
+        .await
+        .map_err(StoreError::while_doing(action))?;
+    let is_restored = match stored {
+        None => false,
+        Some(row) => {
+            let found: String = row.try_get(0).map_err(StoreError::while_doing(action))?;
+            let stored: String = row.try_get(1).map_err(StoreError::while_doing(action))?;
+            if found != factory_id.as_str() {
+                return Err(StoreError::ForeignFactory { found, wanted: factory_id.to_string() });
+            }
+            known.is_none_or(|known| known != stored)
+        }
+    };
+    sqlx::query(
+        "INSERT INTO identity (id, factory_id, generation, created_at) VALUES (1, ?, ?, ?) \
+         ON CONFLICT (id) DO UPDATE SET generation = excluded.generation",
+    )
+    .bind(factory_id.as_str())
+    .bind(generation)
+    .bind(now.unix_micros())
+    .execute(writer)
+    .await
+    .map_err(StoreError::while_doing("mark this start in the store"))?;
+    Ok(Identity { factory_id: factory_id.clone(), is_restored })
+}
