@@ -27,7 +27,6 @@ use uuid::Uuid;
 pub use aftermath::{Aftermath, ConnectorEvent, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision};
-pub(crate) use values::inner_message;
 pub use writer::Writer;
 
 use crate::{
@@ -131,10 +130,10 @@ impl Books {
         (std::mem::take(&mut self.changes), std::mem::take(&mut self.aftermath))
     }
 
-    /// There is something to write.
+    /// There is something to write that must not wait for the publishing interval.
     #[must_use]
-    pub fn has_changes(&self) -> bool {
-        !self.changes.is_empty() || !self.aftermath.is_empty() || !self.purges.is_empty()
+    pub fn has_urgent_changes(&self) -> bool {
+        !self.changes.is_empty() || !self.purges.is_empty()
     }
 
     /// The next number in the spool.

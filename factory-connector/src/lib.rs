@@ -1,13 +1,17 @@
 //! The daemon in each factory.
 //!
 //! - [`books`]: what the connector knows about networks, decisions and values, in memory, as pure functions.
+//! - [`desk`]: the one task that changes anything: books, one transaction, then the other rooms.
+//! - [`outbox`]: the two ends of the link.
 //! - [`store`]: the durable file.
 //! - [`disclosure`]: the one gate through which values leave.
 //! - [`ledger`]: everything that left, provable.
 //! - [`values`]: values as stored and as shown.
 
 pub mod books;
+pub mod desk;
 pub mod disclosure;
 pub mod ledger;
+pub mod outbox;
 pub mod store;
 pub mod values;

@@ -206,6 +206,30 @@ impl Store {
         rows.iter().map(kept).collect()
     }
 
+    /// Bytes of everything the spool holds.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be read.
+    pub async fn kept_bytes(&mut self) -> Result<u64, StoreError> {
+        let row = sqlx::query("SELECT coalesce(sum(bytes), 0) FROM report WHERE state IN ('WAITING', 'SENT')")
+            .fetch_one(&mut self.writer)
+            .await
+            .map_err(StoreError::while_doing("measure the spool"))?;
+        Ok(unsigned(get(&row, 0)?))
+    }
+
+    /// The newest report of each writer.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be read.
+    pub async fn newest_reports(&mut self) -> Result<std::collections::HashSet<RowId>, StoreError> {
+        let rows = sqlx::query("SELECT max(id) FROM report WHERE state IN ('WAITING', 'SENT') GROUP BY writer_id")
+            .fetch_all(&mut self.writer)
+            .await
+            .map_err(StoreError::while_doing("read the spool"))?;
+        rows.iter().map(|row| Ok(RowId(get(row, 0)?))).collect()
+    }
+
     /// The reports that travel in these messages and still wait.
     ///
     /// # Errors

@@ -1,0 +1,193 @@
+//! What others ask of the desk.
+
+use asi_model::{DataValue, FieldKey, StatusCode, messages::{Comment, ValueSource}};
+use messaging::{Delivery, RowOutcome, Settlement};
+use tokio::sync::{mpsc, oneshot};
+
+use crate::{
+    books::{Books, DecisionError, Verdict},
+    disclosure::Outcome,
+    store::SourceRow,
+};
+
+/// Why the desk did not do what was asked.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DeskError {
+    /// The decision cannot be taken.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// Nothing was changed since it could not be written.
+    #[error("it could not be written to disk; nothing was changed")]
+    NotWritten,
+    /// The connector is stopping.
+    #[error("the connector is stopping")]
+    Stopped,
+}
+
+/// What became of a value that a person or an OPC UA client brought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Taken {
+    /// It went through the gate.
+    Through(Outcome),
+    /// It was not taken.
+    Not(StatusCode),
+}
+
+pub(crate) type Reading = Box<dyn FnOnce(&Books) + Send>;
+
+/// Asks the desk.
+pub enum Command {
+    #[doc(hidden)]
+    Deliver(Vec<Delivery>, oneshot::Sender<Vec<Settlement>>),
+    #[doc(hidden)]
+    Outcomes(Vec<RowOutcome>, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    Value(FieldKey, ValueSource, DataValue, oneshot::Sender<Result<Taken, DeskError>>),
+    #[doc(hidden)]
+    Decide(Box<DecideCommand>, oneshot::Sender<Result<(), DeskError>>),
+    #[doc(hidden)]
+    Comment(Comment, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    PutSource(SourceRow, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    RemoveSource(String, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    Read(Reading),
+}
+
+pub struct DecideCommand {
+    pub(super) field: FieldKey,
+    pub(super) verdict: Verdict,
+    pub(super) reason: Option<String>,
+    pub(super) decided_by: String,
+}
+
+/// An answer that is given when the transaction is committed, or has failed.
+pub(super) enum Reply {
+    Settle(Vec<Settlement>, oneshot::Sender<Vec<Settlement>>),
+    Value(Taken, oneshot::Sender<Result<Taken, DeskError>>),
+    Decided(oneshot::Sender<Result<(), DeskError>>),
+    Done(oneshot::Sender<bool>),
+}
+
+impl Reply {
+    /// Who asked may have gone meanwhile; that is no concern of ours.
+    pub(super) fn give(self, is_written: bool) {
+        match self {
+            Self::Settle(settlements, reply) => {
+                let settlements =
+                    if is_written { settlements } else { vec![Settlement::Release; settlements.len()] };
+                reply.send(settlements).ok();
+            }
+            Self::Value(taken, reply) => {
+                reply.send(if is_written { Ok(taken) } else { Err(DeskError::NotWritten) }).ok();
+            }
+            Self::Decided(reply) => {
+                reply.send(if is_written { Ok(()) } else { Err(DeskError::NotWritten) }).ok();
+            }
+            Self::Done(reply) => {
+                reply.send(is_written).ok();
+            }
+        }
+    }
+}
+
+/// Speaks to the desk.
+#[derive(Clone)]
+pub struct DeskHandle {
+    commands: mpsc::Sender<Command>,
+}
+
+impl DeskHandle {
+    pub(super) const fn new(commands: mpsc::Sender<Command>) -> Self {
+        Self { commands }
+    }
+
+    /// Messages of the platform, in order; answered when their effects are stored.
+    pub async fn deliver(&self, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        let count = deliveries.len();
+        let answer = self.ask(|reply| Command::Deliver(deliveries, reply)).await;
+        answer.unwrap_or_else(|_| vec![Settlement::Release; count])
+    }
+
+    /// What became of messages in the spool.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn outcomes(&self, outcomes: Vec<RowOutcome>) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::Outcomes(outcomes, reply)).await?)
+    }
+
+    /// A value for a field from a person or an OPC UA client; answered when it is committed.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn value(&self, field: FieldKey, source: ValueSource, value: DataValue) -> Result<Taken, DeskError> {
+        self.ask(|reply| Command::Value(field, source, value, reply)).await?
+    }
+
+    /// Decides about a field; answered when the decision is committed.
+    ///
+    /// # Errors
+    /// [`DeskError`].
+    pub async fn decide(
+        &self,
+        field: FieldKey,
+        verdict: Verdict,
+        reason: Option<String>,
+        decided_by: &str,
+    ) -> Result<(), DeskError> {
+        let command = Box::new(DecideCommand { field, verdict, reason, decided_by: decided_by.to_owned() });
+        self.ask(|reply| Command::Decide(command, reply)).await?
+    }
+
+    /// Says something to the partners.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn comment(&self, comment: Comment) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::Comment(comment, reply)).await?)
+    }
+
+    /// Keeps a source.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn put_source(&self, row: SourceRow) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::PutSource(row, reply)).await?)
+    }
+
+    /// Forgets a source.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn remove_source(&self, source_id: String) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::RemoveSource(source_id, reply)).await?)
+    }
+
+    /// Looks into the books.
+    ///
+    /// # Errors
+    /// [`DeskError::Stopped`].
+    pub async fn read<T: Send + 'static>(
+        &self,
+        look: impl FnOnce(&Books) -> T + Send + 'static,
+    ) -> Result<T, DeskError> {
+        self.ask(|reply| {
+            Command::Read(Box::new(move |books| {
+                reply.send(look(books)).ok();
+            }))
+        })
+        .await
+    }
+
+    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, DeskError> {
+        let (reply, answer) = oneshot::channel();
+        self.commands.send(command(reply)).await.map_err(|_| DeskError::Stopped)?;
+        answer.await.map_err(|_| DeskError::Stopped)
+    }
+}
+
+fn written(is_written: bool) -> Result<(), DeskError> {
+    if is_written { Ok(()) } else { Err(DeskError::NotWritten) }
+}

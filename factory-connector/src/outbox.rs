@@ -1,0 +1,155 @@
+//! The two ends of the link: what it sends comes from the spool, what it receives goes to the desk.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use asi_model::{FactoryId, MessageId};
+use async_trait::async_trait;
+use messaging::{
+    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, Settlement, SpoolRow, SpoolStore,
+    spool::{Fetch, Lane, StoreError},
+};
+use parking_lot::Mutex;
+use sha2::{Digest, Sha256};
+
+use crate::{
+    desk::DeskHandle,
+    store::{Message, SpoolReader},
+};
+
+/// Messages that are made when they are sent and never kept: keep-alives.
+#[derive(Default)]
+pub struct Ephemerals(Mutex<BTreeMap<i64, (MessageId, Vec<u8>)>>);
+
+/// Most of them that wait; beyond, the oldest go.
+const EPHEMERALS_MAX: usize = 65_536;
+
+impl Ephemerals {
+    /// Lets one wait to be sent.
+    pub fn put(&self, id: i64, message_id: MessageId, body: Vec<u8>) {
+        let mut waiting = self.0.lock();
+        waiting.insert(id, (message_id, body));
+        while waiting.len() > EPHEMERALS_MAX {
+            waiting.pop_first();
+        }
+    }
+
+    /// One was sent, or never will be.
+    pub fn remove(&self, id: i64) {
+        self.0.lock().remove(&id);
+    }
+
+    fn after(&self, fetch: Fetch) -> Vec<(i64, MessageId, Vec<u8>)> {
+        let through = fetch.through.map_or(i64::MAX, |id| id.0);
+        let waiting = self.0.lock();
+        waiting
+            .range((std::ops::Bound::Excluded(fetch.after.0), std::ops::Bound::Included(through)))
+            .take(fetch.limit)
+            .map(|(id, (message_id, body))| (*id, message_id.clone(), body.clone()))
+            .collect()
+    }
+}
+
+/// The spool as the link sees it.
+pub struct Outbox {
+    factory_id: FactoryId,
+    reader: SpoolReader,
+    desk: DeskHandle,
+    ephemerals: Arc<Ephemerals>,
+}
+
+impl Outbox {
+    /// Over the spool's tables.
+    #[must_use]
+    pub const fn new(
+        factory_id: FactoryId,
+        reader: SpoolReader,
+        desk: DeskHandle,
+        ephemerals: Arc<Ephemerals>,
+    ) -> Self {
+        Self { factory_id, reader, desk, ephemerals }
+    }
+
+    fn row(&self, message: Message) -> SpoolRow {
+        let address = LogicalAddress::FactoryIngress(self.factory_id.clone());
+        match message {
+            Message::Control { id, message_id, subject, correlation_id, body, created_at, ttl_ms, attempts } => {
+                let mut envelope = Envelope::new(message_id, subject, body);
+                envelope.correlation_id = correlation_id;
+                envelope.creation_time = Some(created_at.into());
+                envelope.ttl = ttl_ms.map(std::time::Duration::from_millis);
+                SpoolRow { id: RowId(id), address, envelope, attempts }
+            }
+            Message::Reports { id, reports, created_at, attempts } => {
+                let message_id = self.message_id(id, &reports);
+                let mut body = format!(
+                    "{{\"MessageId\":\"{message_id}\",\"MessageType\":\"ua-data\",\"PublisherId\":\"{}\",\"Messages\":[",
+                    self.factory_id
+                );
+                for (place, (_, report)) in reports.iter().enumerate() {
+                    if place > 0 {
+                        body.push(',');
+                    }
+                    body.push_str(report);
+                }
+                body.push_str("]}");
+                let mut envelope = Envelope::new(message_id, "ua-data", body);
+                envelope.creation_time = Some(created_at.into());
+                SpoolRow { id: RowId(id), address, envelope, attempts }
+            }
+        }
+    }
+
+    /// The id of a message of reports: the same whenever the same reports travel together again.
+    fn message_id(&self, id: i64, reports: &[(i64, String)]) -> MessageId {
+        let mut hasher = Sha256::new();
+        hasher.update(self.factory_id.as_str());
+        hasher.update(id.to_be_bytes());
+        for (_, report) in reports {
+            hasher.update(report.as_bytes());
+        }
+        let mut bytes = [0_u8; 16];
+        bytes.copy_from_slice(&hasher.finalize()[..16]);
+        uuid::Builder::from_custom_bytes(bytes).into_uuid().into()
+    }
+}
+
+#[async_trait]
+impl SpoolStore for Outbox {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+        let mut rows: Vec<SpoolRow> =
+            self.reader.fetch(fetch).await?.into_iter().map(|message| self.row(message)).collect();
+        if fetch.lane == Lane::Control {
+            rows.extend(self.ephemerals.after(fetch).into_iter().map(|(id, message_id, body)| SpoolRow {
+                id: RowId(id),
+                address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
+                envelope: Envelope::new(message_id, "ua-data", body),
+                attempts: 0,
+            }));
+            rows.sort_by_key(|row| row.id);
+            rows.truncate(fetch.limit);
+        }
+        Ok(rows)
+    }
+
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+        Ok(self.desk.outcomes(outcomes).await?)
+    }
+
+    async fn last_row(&self) -> Result<RowId, StoreError> {
+        Ok(self.reader.last_row().await?)
+    }
+
+    async fn backlog(&self) -> Result<Backlog, StoreError> {
+        Ok(self.reader.backlog().await?)
+    }
+}
+
+/// What the link receives.
+pub struct PlatformInbox(pub DeskHandle);
+
+#[async_trait]
+impl Inbox for PlatformInbox {
+    async fn receive(&self, _: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        self.0.deliver(deliveries).await
+    }
+}
