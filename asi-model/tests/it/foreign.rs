@@ -1,0 +1,346 @@
+//! What we write, read by other people's stacks: values by node-opcua-json, node sets by node-opcua and asyncua.
+//!
+//! The vectors are the same on every run.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+    sync::Arc,
+};
+
+use asi_model::{
+    BuiltInType, DataValue, DateTime, NodeId, Scalar, StatusCode, Variant, asi_types,
+    instance::{self, Instance},
+    messages::PlatformMessage,
+    node_set::{self, Node, NodeClass, NodeSet},
+    opcua_json::{DataEncoding, Encoder},
+    units,
+    validation::parse_any_platform_message,
+    values::{
+        Array, ExpandedNodeId, ExtensionBody, ExtensionObject, Identifier, LocalizedText, Namespace, QualifiedName,
+        Server, StructureValue,
+    },
+};
+use serde_json::{Value, json};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn peers() -> PathBuf {
+    let root = root();
+    let status = Command::new(root.join("tests/foreign/setup.sh")).status().expect("bash runs");
+    assert!(status.success(), "tests/foreign/setup.sh could not install the foreign peers");
+    root.join("tests/foreign/asi")
+}
+
+fn scratch(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+fn run(command: &mut Command) {
+    let output = command.output().expect("the peer's interpreter is installed");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
+}
+
+/// The namespaces that indexes in the vectors refer to.
+fn namespaces() -> Vec<Arc<str>> {
+    vec!["urn:one".into(), "urn:two".into()]
+}
+
+/// A generator of repeatable numbers (splitmix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+}
+
+fn texts() -> [&'static str; 6] {
+    ["", "x", "MakeFrame1", "ü € 😀", "line\nbreak\t\"quoted\" \\ /", "\u{1}\u{7f}"]
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // Any bits will do.
+fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
+    let mut all = vec![
+        Scalar::Boolean(true),
+        Scalar::Boolean(false),
+        Scalar::String(None),
+        Scalar::DateTime("2019-03-26T18:28:54.2940194Z".parse().unwrap()),
+        Scalar::DateTime("1970-01-01T00:00:00Z".parse().unwrap()),
+        Scalar::Double(f64::NAN),
+        Scalar::Double(f64::INFINITY),
+        Scalar::Float(f32::NEG_INFINITY),
+        Scalar::Double(f64::MIN_POSITIVE),
+        Scalar::Double(1.797e308),
+        Scalar::StatusCode(StatusCode::GOOD),
+        Scalar::StatusCode(StatusCode::BAD_NOT_CONNECTED),
+        // An empty one it takes for null.
+        Scalar::ByteString(Some(Arc::from(*b"abc"))),
+        Scalar::ExtensionObject(Box::new(range(0.0, 359.99))),
+        Scalar::ExtensionObject(Box::new(units::lookup("PIECE").unwrap().to_extension_object())),
+    ];
+    for value in [i64::MIN, i64::MAX, 0, -1, 1 << 53] {
+        all.extend([
+            Scalar::Int64(value),
+            Scalar::UInt64(value as u64),
+            Scalar::Int32(value as i32),
+            Scalar::UInt32(value as u32),
+            Scalar::Int16(value as i16),
+            Scalar::UInt16(value as u16),
+            Scalar::SByte(value as i8),
+            Scalar::Byte(value as u8),
+        ]);
+    }
+    for text in texts() {
+        all.push(text.into());
+        all.push(Scalar::XmlElement(Some(text.into())));
+        if text.is_empty() {
+            // node-opcua-json takes empty texts inside structured values for null.
+            continue;
+        }
+        all.push(Scalar::LocalizedText(Box::new(LocalizedText { locale: Some("en".into()), text: Some(text.into()) })));
+        all.push(Scalar::QualifiedName(Box::new(QualifiedName {
+            namespace: Namespace::uri("urn:two"),
+            name: Some(text.into()),
+        })));
+    }
+    for _ in 0..40 {
+        let bits = numbers.next();
+        let id = match bits % 4 {
+            0 => Identifier::Numeric(bits as u32),
+            1 => Identifier::String(format!("Node {bits}").into()),
+            2 => Identifier::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
+            _ => Identifier::Opaque(bits.to_be_bytes().as_slice().into()),
+        };
+        let namespace = if bits & 16 == 0 { Namespace::Ua } else { Namespace::uri("urn:one") };
+        let node_id = NodeId { namespace, identifier: id };
+        let number = f64::from_bits(numbers.next());
+        all.extend([
+            Scalar::UInt64(bits),
+            Scalar::Int64(bits as i64),
+            Scalar::Double(if number.is_nan() { 0.1 } else { number }),
+            Scalar::Float((bits as i32 as f32) / 1000.0),
+            Scalar::DateTime(DateTime::from_ticks(125_000_000_000_000_000 + (bits % 20_000_000_000_000_000) as i64)),
+            Scalar::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
+            Scalar::ByteString(Some(bits.to_le_bytes()[..1 + (bits % 7) as usize].into())),
+            Scalar::ExpandedNodeId(Box::new(ExpandedNodeId { node_id: node_id.clone(), server: Server::Local })),
+            Scalar::NodeId(Box::new(node_id)),
+            // It knows the standard's codes only.
+            Scalar::StatusCode(
+                [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN][bits as usize % 3],
+            ),
+        ]);
+    }
+    all
+}
+
+fn range(low: f64, high: f64) -> ExtensionObject {
+    let mut structure = StructureValue::default();
+    structure.fields.insert("Low".into(), low.into());
+    structure.fields.insert("High".into(), high.into());
+    ExtensionObject { type_id: NodeId::ua(884).into(), body: ExtensionBody::Structure(structure) }
+}
+
+fn variants(scalars: &[Scalar]) -> Vec<Variant> {
+    let mut all: Vec<Variant> = scalars.iter().cloned().map(Variant::Scalar).collect();
+    for built_in_type in BuiltInType::ALL {
+        let elements: Vec<Scalar> =
+            scalars.iter().filter(|scalar| scalar.built_in_type() == built_in_type).take(6).cloned().collect();
+        if elements.len() < 4 {
+            continue;
+        }
+        for (count, dimensions) in [(3, None), (4, Some(vec![2, 2]))] {
+            let elements = elements[..count].to_vec();
+            all.push(Variant::Array(Arc::new(Array { element_type: built_in_type, elements, dimensions })));
+        }
+    }
+    let mixed = scalars.iter().step_by(7).map(|scalar| Scalar::Variant(Box::new(Variant::Scalar(scalar.clone()))));
+    all.push(Variant::Array(Arc::new(Array {
+        element_type: BuiltInType::Variant,
+        elements: mixed.collect(),
+        dimensions: None,
+    })));
+    all
+}
+
+/// What a foreign stack is expected to have read. Times are compared to the millisecond, as JavaScript knows them.
+fn expected(value: &Variant) -> Value {
+    match value {
+        Variant::Null => Value::Null,
+        Variant::Scalar(scalar) => json!({ "type": scalar.built_in_type().name(), "value": expected_scalar(scalar) }),
+        Variant::Array(array) => {
+            let elements: Vec<Value> = array.elements.iter().map(expected_scalar).collect();
+            let mut found = json!({ "type": array.element_type.name(), "value": elements });
+            if let Some(dimensions) = &array.dimensions {
+                found["dimensions"] = json!(dimensions);
+            }
+            found
+        }
+    }
+}
+
+fn expected_scalar(scalar: &Scalar) -> Value {
+    match scalar {
+        Scalar::Boolean(value) => json!(value),
+        Scalar::Int64(value) => json!(value.to_string()),
+        Scalar::UInt64(value) => json!(value.to_string()),
+        Scalar::Double(value) if !value.is_finite() => json!(special(*value)),
+        Scalar::Float(value) if !value.is_finite() => json!(special(f64::from(*value))),
+        Scalar::Double(value) => json!(value),
+        Scalar::Float(value) => json!(f64::from(*value)),
+        Scalar::String(text) | Scalar::XmlElement(text) => json!(text.as_deref()),
+        Scalar::DateTime(time) => json!(milliseconds(*time)),
+        Scalar::Guid(value) => json!(value.hyphenated().to_string()),
+        Scalar::ByteString(bytes) => {
+            json!(bytes.as_deref().unwrap_or_default().iter().map(|byte| format!("{byte:02x}")).collect::<String>())
+        }
+        Scalar::NodeId(id) => json!(indexed(id)),
+        Scalar::ExpandedNodeId(id) => json!(indexed(&id.node_id)),
+        Scalar::StatusCode(status) => json!(status.0),
+        Scalar::QualifiedName(name) => json!({ "namespace": index(&name.namespace), "name": name.name.as_deref() }),
+        Scalar::LocalizedText(text) => json!({ "locale": text.locale.as_deref(), "text": text.text.as_deref() }),
+        Scalar::ExtensionObject(object) => {
+            let ExtensionBody::Structure(structure) = &object.body else { return Value::Null };
+            let name = if object.type_id.node_id == NodeId::ua(884) { "Range" } else { "EUInformation" };
+            let members: serde_json::Map<String, Value> = structure
+                .fields
+                .iter()
+                .map(|(name, value)| (name.to_lowercase(), value.as_scalar().map_or(Value::Null, expected_scalar)))
+                .collect();
+            json!({ "type": name, "members": members })
+        }
+        Scalar::Variant(inner) => expected(inner),
+        other => json!(i64::try_from(other.as_i128().unwrap()).unwrap()),
+    }
+}
+
+fn special(value: f64) -> &'static str {
+    if value.is_nan() {
+        "NaN"
+    } else if value > 0.0 {
+        "Infinity"
+    } else {
+        "-Infinity"
+    }
+}
+
+fn milliseconds(time: DateTime) -> String {
+    let whole = time.to_string();
+    let (seconds, fraction) = whole.trim_end_matches('Z').split_once('.').unwrap_or((whole.trim_end_matches('Z'), ""));
+    format!("{seconds}.{:0<3}Z", fraction.get(..3).unwrap_or(fraction))
+}
+
+fn index(namespace: &Namespace) -> usize {
+    match namespace {
+        Namespace::Uri(uri) => namespaces().iter().position(|known| known == uri).unwrap() + 1,
+        _ => 0,
+    }
+}
+
+fn indexed(id: &NodeId) -> String {
+    format!("ns={};{}", index(&id.namespace), id.identifier)
+}
+
+#[test]
+fn foreign_digicor_values_decode_identically_with_node_opcua_json() {
+    let peers = peers();
+    let table = namespaces();
+    let encoder = Encoder::described(DataEncoding::Reversible104, &table, &[]);
+    let scalars = scalars(&mut Numbers(1));
+    let mut lines = String::new();
+    for value in variants(&scalars) {
+        let mut text = Vec::new();
+        encoder.variant(&mut text, &value);
+        let text = String::from_utf8(text).unwrap();
+        lines.push_str(&format!("{}\n", json!({ "form": "variant", "text": text, "expected": expected(&value) })));
+        let time: DateTime = "2019-03-26T18:28:54.2940194Z".parse().unwrap();
+        let mut text = Vec::new();
+        encoder.data_value(&mut text, &DataValue::good(value.clone(), time));
+        let text = String::from_utf8(text).unwrap();
+        let expected = json!({ "value": expected(&value), "sourceTimestamp": milliseconds(time) });
+        lines.push_str(&format!("{}\n", json!({ "form": "dataValue", "text": text, "expected": expected })));
+    }
+    let file = scratch("digicor-vectors.jsonl");
+    std::fs::write(&file, lines).unwrap();
+    run(Command::new("node").arg(peers.join("decode_digicor.js")).arg(&file));
+}
+
+fn class_name(node: &Node) -> &'static str {
+    match node.class {
+        NodeClass::Object => "Object",
+        NodeClass::Variable { .. } => "Variable",
+        NodeClass::Method => "Method",
+        NodeClass::ObjectType { .. } => "ObjectType",
+        NodeClass::VariableType { .. } => "VariableType",
+        NodeClass::ReferenceType { .. } => "ReferenceType",
+        NodeClass::DataType { .. } => "DataType",
+    }
+}
+
+/// Nodes and references as the peers are expected to have them.
+fn expected_nodes(sets: &[NodeSet]) -> Value {
+    let nodes = || sets.iter().flat_map(|set| &set.nodes);
+    let list: Vec<Value> = nodes()
+        .map(|node| {
+            json!({ "id": node.node_id.to_string(), "class": class_name(node),
+                "browseName": node.browse_name.name.as_deref() })
+        })
+        .collect();
+    let references: Vec<String> = nodes()
+        .flat_map(|node| {
+            node.references.iter().map(move |reference| {
+                let (from, to) = if reference.is_forward {
+                    (&node.node_id, &reference.target)
+                } else {
+                    (&reference.target, &node.node_id)
+                };
+                format!("{from} {} {to}", reference.reference_type)
+            })
+        })
+        .collect();
+    let values: Vec<Value> = nodes()
+        .filter_map(|node| match &node.class {
+            NodeClass::Variable { value, .. } => {
+                value.as_str().map(|text| json!({ "id": node.node_id.to_string(), "text": text }))
+            }
+            _ => None,
+        })
+        .collect();
+    let namespaces: Vec<&str> = sets.iter().flat_map(|set| &set.models).map(|model| model.uri.as_str()).collect();
+    json!({ "namespaces": namespaces, "nodes": list, "references": references, "values": values })
+}
+
+#[test]
+fn foreign_stacks_load_the_node_sets() {
+    let peers = peers();
+    let types = asi_types::node_set();
+    let types_file = root().join("asi-model/node-set/Verbund.ASI.NodeSet2.xml");
+    let (mut sets, mut files) = (vec![types], vec![types_file]);
+    for name in ["operation-network", "operation-network.inspection", "operation-network.transportation"] {
+        let text = std::fs::read(root().join(format!("asi-model/examples/{name}.json"))).unwrap();
+        let PlatformMessage::OperationNetwork(message) = parse_any_platform_message(&text).unwrap() else {
+            panic!("{name} is an operation network")
+        };
+        let nodes = instance::node_set(&Instance::new(&message));
+        let file = scratch(&format!("{name}.xml"));
+        std::fs::write(&file, node_set::write(&nodes)).unwrap();
+        sets.push(nodes);
+        files.push(file);
+    }
+    let expected_file = scratch("nodes.json");
+    std::fs::write(&expected_file, expected_nodes(&sets).to_string()).unwrap();
+    let mut asyncua = Command::new(root().join("target/foreign/python/bin/python"));
+    asyncua.arg(peers.join("load_node_set.py"));
+    let mut node_opcua = Command::new("node");
+    node_opcua.arg(peers.join("load_node_set.js"));
+    for peer in [&mut asyncua, &mut node_opcua] {
+        run(peer.arg(&expected_file).args(&files));
+    }
+}

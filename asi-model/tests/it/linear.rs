@@ -1,0 +1,73 @@
+//! Hostile input costs time linear in its size: four times the size takes about four times as long.
+
+use std::time::{Duration, Instant};
+
+use asi_model::{
+    node_set,
+    pubsub::json::decode,
+    validation::{parse_any_platform_message, parse_factory_message},
+};
+
+/// The quickest of several runs, which disturbances of the machine touch least.
+fn quickest(work: &dyn Fn()) -> Duration {
+    (0..4)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed()
+        })
+        .min()
+        .unwrap()
+}
+
+#[test]
+fn hostile_input_costs_linear_time() {
+    type Make = fn(usize) -> String;
+    let fields: Make = |count| {
+        let fields: Vec<String> =
+            (0..count).map(|n| format!("{{\"name\":\"f{n}\",\"type\":99,\"unit\":\"?\"}}")).collect();
+        format!(
+            "{{\"messageType\":\"operation-network\",\"operationNetwork\":{{\"operationList\":[{{\
+             \"dynamicDataRequestList\":[{{\"reportDataFormat\":{{\"reportFieldList\":[{}]}}}}]}}]}}}}",
+            fields.join(",")
+        )
+    };
+    let payload: Make = |count| {
+        let members: Vec<String> = (0..count).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
+        format!("{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"Payload\":{{{}}}}}]}}", members.join(","))
+    };
+    let repeated: Make = |count| format!("{{{}\"a\":1}}", "\"a\":1,".repeat(count));
+    let structures: Make =
+        |count| format!("{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}", "{\"UaTypeId\":\"i=12079\"},".repeat(count));
+    let xml: Make =
+        |count| format!("<UANodeSet>{}</UANodeSet>", "<UAObject NodeId=\"i=1\" BrowseName=\"a\"/>".repeat(count));
+    for (name, make, count) in [
+        ("fields", fields, 4_000),
+        ("payload", payload, 4_000),
+        ("repeated members", repeated, 8_000),
+        ("structures", structures, 2_000),
+        ("node set", xml, 4_000),
+    ] {
+        let time_of = |count: usize| {
+            let text = make(count);
+            quickest(&|| {
+                let bytes = text.as_bytes();
+                let _ = decode(bytes);
+                let _ = parse_any_platform_message(bytes);
+                let _ = parse_factory_message(bytes);
+                let _ = node_set::read(bytes);
+            })
+        };
+        // Four times the size; a quadratic reader would need sixteen times as long. Several tries, should the machine be
+        // busy with something else in one of them.
+        let mut ratios = Vec::new();
+        for _ in 0..5 {
+            let ratio = time_of(4 * count).as_secs_f64() / time_of(count).as_secs_f64().max(1e-9);
+            ratios.push(ratio);
+            if ratio < 8.0 {
+                break;
+            }
+        }
+        assert!(ratios.last().is_some_and(|ratio| *ratio < 8.0), "{name}: {ratios:?}");
+    }
+}
