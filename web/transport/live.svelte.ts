@@ -41,13 +41,18 @@ export class LiveFeed {
     source.onopen = () => {
       this.#pause = BACKOFF_MIN_MS
       this.#become('live')
-      if (this.#wasLive) for (const catchUp of this.#catchUps) catchUp()
       this.#wasLive = true
+      // Also the first time: what happened between reading the page's state and listening is in no event we got.
+      this.#catchUp()
     }
     source.onerror = () => {
       this.#become(this.#wasLive ? 'interrupted' : 'connecting')
       if (source.readyState === EventSource.CLOSED) this.#startAgain()
     }
+    // More happened than the server remembers.
+    source.addEventListener('reset', () => {
+      this.#catchUp()
+    })
     for (const type of this.#types) {
       source.addEventListener(type, (message) => {
         this.#hear(type, message as MessageEvent<string>)
@@ -98,6 +103,10 @@ export class LiveFeed {
       body = message.data
     }
     for (const listener of this.#of(type)) listener(body)
+  }
+
+  #catchUp(): void {
+    for (const catchUp of this.#catchUps) catchUp()
   }
 
   #of(type: string): Set<Listener> {

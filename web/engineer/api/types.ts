@@ -131,17 +131,34 @@ export interface Decision {
 }
 
 export interface Diagnostic {
+  severity: 'hint' | 'warning' | 'error'
+  /** JSON pointer into the mapping, as `/steps/2/factor`. */
+  pointer: string
+  code: string
   message: string
-  severity?: string
-  step?: number | null
   line?: number | null
   column?: number | null
 }
 
+export interface TraceFault {
+  kind: string
+  message: string
+  line?: number | null
+  column?: number | null
+}
+
+export interface TraceStep {
+  step: number
+  function: string
+  value?: DataValue | null
+  fault?: TraceFault | null
+}
+
 export interface Preview {
   inputs: (DataValue & { name: string })[]
-  steps: { function: string; value?: DataValue | null; message?: string | null }[]
+  steps: TraceStep[]
   candidate?: DataValue | null
+  fault?: TraceFault | null
   disclosed?: DataValue | null
   message?: string | null
   diagnostics?: Diagnostic[]

@@ -17,7 +17,12 @@ export class PreviewRun {
   }
 
   diagnosticsOf(step: number): Diagnostic[] {
-    return this.diagnostics.filter((diagnostic) => diagnostic.step === step)
+    return this.diagnostics.filter((diagnostic) => stepOf(diagnostic) === step)
+  }
+
+  /** What keeps the draft from being consented to. */
+  get errors(): Diagnostic[] {
+    return this.diagnostics.filter((diagnostic) => diagnostic.severity === 'error')
   }
 
   /** Follows a draft until the returned function is called. Reactive: to be called in an effect. */
@@ -53,4 +58,10 @@ export class PreviewRun {
       running.abort()
     }
   }
+}
+
+/** The function that a diagnostic is about; `undefined` where it is about the mapping as a whole. */
+export function stepOf(diagnostic: Diagnostic): number | undefined {
+  const match = /\/steps\/(\d+)(\/|$)/.exec(diagnostic.pointer)
+  return match === null ? undefined : Number(match[1])
 }

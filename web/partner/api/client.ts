@@ -1,6 +1,6 @@
 import { path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
-import type { Collaboration, DeadLetter, DynamicDataRequest, EnrolmentToken, Factory, NetworkSummary, NetworkView, OperationNetwork, Organisation, Page, PlatformStatus, Report, Writer } from './types'
+import type { Collaboration, Comment, DeadLetter, DynamicDataRequest, EnrolmentToken, Factory, NetworkSummary, NetworkView, NewComment, NewFactory, OperationNetwork, Organisation, Page, PlatformStatus, Report, Writer } from './types'
 
 /** The platform's API. */
 export const platform = {
@@ -9,7 +9,7 @@ export const platform = {
   collaborations: (signal?: AbortSignal) => request<Page<Collaboration>>('GET', '/collaborations', { signal }),
 
   factories: (signal?: AbortSignal) => request<Page<Factory>>('GET', '/factories', { signal }),
-  addFactory: (factory: Factory) => request<Factory>('POST', '/factories', { body: factory }),
+  addFactory: (factory: NewFactory) => request<Factory>('POST', '/factories', { body: factory }),
   enrol: (factoryId: string) => request<EnrolmentToken>('POST', path('factories', factoryId, 'enrolment-tokens')),
   revokeCredentials: (factoryId: string) => request<unknown>('DELETE', path('factories', factoryId, 'credentials')),
   writers: (factoryId: string, signal?: AbortSignal) => request<Page<Writer>>('GET', path('factories', factoryId, 'writers'), { signal }),
@@ -22,10 +22,12 @@ export const platform = {
   addRequest: (id: string, operationId: string, wanted: DynamicDataRequest) => request<unknown>('POST', path('operation-networks', id, 'operations', operationId, 'requests'), { body: wanted }),
   withdrawRequest: (id: string, operationId: string, requestId: string) => request<unknown>('DELETE', path('operation-networks', id, 'operations', operationId, 'requests', requestId)),
 
-  reports: (network: string, dataRequest: string, limit: number, signal?: AbortSignal) =>
-    request<Page<Report>>('GET', `/reports${query({ network, request: dataRequest, limit })}`, { signal }),
+  reports: (network: string, dataRequest: string, after: string | undefined, signal?: AbortSignal) =>
+    request<Page<Report>>('GET', `/reports${query({ network, request: dataRequest, after, limit: 1000 })}`, { signal }),
+  comments: (id: string, signal?: AbortSignal) => request<Page<Comment>>('GET', path('operation-networks', id, 'comments'), { signal }),
+  comment: (id: string, comment: NewComment) => request<Comment>('POST', path('operation-networks', id, 'comments'), { body: comment }),
   deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),
 }
 
 /** What happens at the factories, as it arrives. */
-export const feed = new LiveFeed('/api/v1/live', ['value', 'decision', 'part', 'factory', 'progress'])
+export const feed = new LiveFeed('/api/v1/live', ['value', 'decision', 'part', 'factory', 'progress', 'network', 'comment'])

@@ -1,45 +1,51 @@
-/** What the platform's API says, as this UI uses it. */
+/**
+ * What the platform's API says, as this UI uses it: the generated types, with those members made precise that the
+ * description leaves open because they are wire contracts of their own or values of any type.
+ */
+import type { components } from './generated'
 
-export interface FieldKey {
-  operationNetworkId: string
-  operationId: string
-  dynamicDataRequestId: string
-  fieldName: string
-}
+type Schemas = components['schemas']
+
+export type FieldKey = Schemas['FieldKey']
+export type Organisation = Schemas['Organisation']
+export type NewFactory = Schemas['NewFactory']
+export type Factory = Schemas['Factory']
+export type Collaboration = Schemas['Collaboration']
+export type NetworkSummary = Schemas['NetworkSummary']
+export type OperationProgress = Schemas['OperationProgress']
+export type Writer = Schemas['WriterView']
+export type EnrolmentToken = Schemas['TokenView']
+export type PlatformStatus = Schemas['Status']
+export type DeadLetter = Schemas['DeadLetterView']
+export type Comment = Schemas['CommentEntry']
+export type NewComment = Schemas['AddComment']
 
 export interface Page<T> {
   items: T[]
   nextCursor?: string | null
 }
 
-export interface Organisation {
-  organisationId: string
-  name: string
+export interface Fault {
+  pointer: string
+  code: string
+  message: string
 }
 
-export interface Factory {
-  factoryId: string
-  name?: string | null
-  organisationId?: string | null
-  lastSeenAt?: string | null
-  enrolledAt?: string | null
-  state?: string | null
+export type Part = Omit<Schemas['PartView'], 'faultList'> & { faultList: Fault[] }
+
+export interface DisclosureStatement {
+  description: string
+  roundingStep?: number | null
+  minimumIntervalMs?: number | null
+  timeStepMs?: number | null
+  delayMs?: number | null
 }
 
-export interface Collaboration {
-  collaborationId: string
-  name?: string | null
-  memberList?: string[]
-}
+export type FieldState = Omit<Schemas['FieldView'], 'value' | 'disclosure'> & { value?: unknown; disclosure?: DisclosureStatement | null }
 
-export interface NetworkSummary {
-  operationNetworkId: string
-  collaborationId: string
-  name?: string | null
-  revision: number
-  updatedAt?: string | null
-  withdrawn?: boolean
-}
+export type NetworkView = Omit<Schemas['NetworkView'], 'network' | 'parts' | 'fields'> & { network: OperationNetwork; parts: Part[]; fields: FieldState[] }
+
+export type Report = Omit<Schemas['Report'], 'fields'> & { fields: Record<string, { value: unknown; status?: string | null; sourceTimestamp?: string | null }> }
 
 export interface ReportField {
   name: string
@@ -48,6 +54,8 @@ export interface ReportField {
   semantic?: string | null
   description?: string | null
 }
+
+export type UpdateFrequencyUnit = 'SECOND' | 'MINUTE' | 'HOUR' | 'DAY' | 'WEEK'
 
 export interface DynamicDataRequest {
   dynamicDataRequestId: string
@@ -63,8 +71,6 @@ export interface DynamicDataRequest {
   updateFrequencyUnit?: UpdateFrequencyUnit
   reportDataFormat: { reportName: string; reportFieldList: ReportField[] }
 }
-
-export type UpdateFrequencyUnit = 'SECOND' | 'MINUTE' | 'HOUR' | 'DAY' | 'WEEK'
 
 export interface Operation {
   operationId: string
@@ -93,96 +99,4 @@ export interface OperationNetwork {
     successorOperationId: string
     conditionList?: { conditionId: string; conditionKind: string; time?: string; duration?: string }[]
   }[]
-}
-
-export interface Fault {
-  pointer: string
-  code: string
-  message: string
-}
-
-export interface Part {
-  factoryId: string
-  revision: number
-  state: 'SENT' | 'ACCEPTED' | 'UNCHANGED' | 'REJECTED'
-  faultList?: Fault[] | null
-  answeredAt?: string | null
-}
-
-export interface OperationProgress {
-  operationId: string
-  owningFactoryId?: string | null
-  state?: string | null
-  quantity?: number | null
-  plannedQuantity?: number | null
-  percentComplete?: number | null
-  actualStart?: string | null
-  actualEnd?: string | null
-  expectedEnd?: string | null
-  lastReportAt?: string | null
-}
-
-export interface DisclosureStatement {
-  description: string
-  roundingStep?: number | null
-  minimumIntervalMs?: number | null
-  timeStepMs?: number | null
-  delayMs?: number | null
-}
-
-export interface FieldState {
-  key: FieldKey
-  mappingState: string
-  reason?: string | null
-  disclosure?: DisclosureStatement | null
-  value?: unknown
-  status?: number | string | null
-  sourceTimestamp?: string | null
-  reportTimestamp?: string | null
-  receivedAt?: string | null
-  sequence?: number | null
-}
-
-export interface NetworkView {
-  collaborationId?: string
-  network: OperationNetwork
-  revision: number
-  parts: Part[]
-  operations: OperationProgress[]
-  fields: FieldState[]
-}
-
-export interface Report {
-  sequence: number
-  reportTimestamp?: string | null
-  receivedAt: string
-  fields: Record<string, { value: unknown; status?: number | string | null }>
-}
-
-export interface Writer {
-  dataSetWriterId: number
-  epoch: number
-  throughSequence: number
-  missing: number[]
-  gaps: { firstSequence: number; lastSequence: number; cause: string }[]
-  received: number
-  duplicates: number
-}
-
-export interface EnrolmentToken {
-  token: string
-  expiresAt: string
-}
-
-export interface PlatformStatus {
-  version?: string
-  startedAt?: string
-}
-
-export interface DeadLetter {
-  id: string
-  at: string
-  reason: string
-  subject?: string | null
-  factoryId?: string | null
 }

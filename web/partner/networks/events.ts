@@ -1,23 +1,31 @@
 import type { Resource } from '@/transport/resource.svelte'
-import type { FieldKey, FieldState, NetworkView } from '../api/types'
+import type { FieldKey, FieldState, NetworkView, OperationProgress } from '../api/types'
 
 /**
- * Puts the value of an event into the network it belongs to, at once; progress that follows from it is read again in a
- * moment. An event we cannot place makes the network be read again.
+ * Puts the value of an event into the network it belongs to, at once. An event we cannot place makes the network be read
+ * again.
  */
 export function takeEvent(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   const changed = fieldsOf(event).filter((field) => field.key.operationNetworkId === networkId)
   if (changed.length > 0) {
     view.amend((known) => ({ ...known, fields: known.fields.map((field) => merge(field, changed)) }))
-    view.refreshSoon()
-  } else if (!isPlaced(event)) view.refreshSoon()
+  } else if (fieldsOf(event).length === 0) view.refreshSoon()
+}
+
+/** Puts the progress of an event into the network it belongs to. */
+export function takeProgress(view: Resource<NetworkView>, networkId: string, event: unknown): void {
+  if (event === null || typeof event !== 'object' || !('operationId' in event) || !('operationNetworkId' in event)) return
+  if (event.operationNetworkId !== networkId) return
+  const news = event as unknown as OperationProgress
+  view.amend((known) => ({ ...known, operations: known.operations.map((operation) => (operation.operationId === news.operationId ? { ...operation, ...news } : operation)) }))
 }
 
 function merge(field: FieldState, changed: readonly FieldState[]): FieldState {
   const news = changed.find((each) => sameField(each.key, field.key))
   if (news === undefined) return field
   // Values that were delayed on their way do not replace newer ones.
-  if (news.sequence != null && field.sequence != null && news.sequence < field.sequence) return field
+  const isSameEpoch = news.epoch === field.epoch
+  if (isSameEpoch && news.sequence != null && field.sequence != null && news.sequence < field.sequence) return field
   return { ...field, ...Object.fromEntries(Object.entries(news).filter(([, value]) => value !== undefined)) }
 }
 
@@ -25,10 +33,6 @@ function fieldsOf(event: unknown): FieldState[] {
   if (event === null || typeof event !== 'object') return []
   if ('key' in event) return [event as FieldState]
   return 'fields' in event && Array.isArray(event.fields) ? (event.fields as FieldState[]).filter((field) => typeof field === 'object' && 'key' in field) : []
-}
-
-function isPlaced(event: unknown): boolean {
-  return fieldsOf(event).length > 0
 }
 
 export function sameField(a: FieldKey, b: FieldKey): boolean {

@@ -1,10 +1,49 @@
 import { valueNumber } from '@/format/value'
-import type { Report } from '../api/types'
+import type { Resource } from '@/transport/resource.svelte'
+import { platform } from '../api/client'
+import type { FieldState } from '../api/types'
+
+/** As much of a report as a curve needs. */
+export interface Point {
+  at: string
+  fields: Record<string, unknown>
+}
+
+const KEPT = 300
+const PAGES_MAX = 10
+
+/** The newest reports about a request, oldest first. The platform lists from the oldest on, so older ones pass by. */
+export async function newestReports(networkId: string, dynamicDataRequestId: string, signal: AbortSignal): Promise<Point[]> {
+  let points: Point[] = []
+  let after: string | undefined
+  for (let page = 0; page < PAGES_MAX; page += 1) {
+    const next = await platform.reports(networkId, dynamicDataRequestId, after, signal)
+    const news = next.items.map((report) => ({
+      at: report.reportTimestamp ?? report.receivedAt,
+      fields: Object.fromEntries(Object.entries(report.fields).map(([name, field]) => [name, field.value])),
+    }))
+    points = [...points, ...news].slice(-KEPT)
+    after = next.nextCursor ?? undefined
+    if (after === undefined) break
+  }
+  return points
+}
+
+/** Adds what a live event says about a request. */
+export function takeReport(points: Resource<Point[]>, request: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string }, event: unknown): void {
+  if (event === null || typeof event !== 'object' || !('fields' in event) || !Array.isArray(event.fields)) return
+  const fields = (event.fields as FieldState[]).filter(
+    ({ key }) => key.operationNetworkId === request.operationNetworkId && key.operationId === request.operationId && key.dynamicDataRequestId === request.dynamicDataRequestId,
+  )
+  const at = fields[0]?.reportTimestamp ?? fields[0]?.receivedAt
+  if (at === undefined || at === null) return
+  points.amend((known) => [...known.slice(1 - KEPT), { at, fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])) }])
+}
 
 /** The numbers that reports said about a field, oldest first. */
-export function series(reports: readonly Report[], fieldName: string): { at: number; value: number }[] {
-  return reports
-    .map((report) => ({ at: Date.parse(report.reportTimestamp ?? report.receivedAt), value: valueNumber(report.fields[fieldName]?.value) }))
+export function series(points: readonly Point[], fieldName: string): { at: number; value: number }[] {
+  return points
+    .map((point) => ({ at: Date.parse(point.at), value: valueNumber(point.fields[fieldName]) }))
     .filter((point): point is { at: number; value: number } => point.value !== undefined && !Number.isNaN(point.at))
     .sort((a, b) => a.at - b.at)
 }
