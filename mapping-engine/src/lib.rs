@@ -8,6 +8,7 @@ mod convert;
 mod diagnostic;
 mod dry_run;
 mod engine;
+pub mod exchange;
 mod expression;
 mod fault;
 mod inputs;
@@ -19,6 +20,7 @@ mod script;
 mod script_source;
 mod state;
 mod stored;
+pub mod suggestion;
 mod text;
 mod transform;
 
