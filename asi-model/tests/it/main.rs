@@ -5,6 +5,7 @@ mod allocations;
 mod corpus;
 mod foreign;
 mod linear;
+mod vectors;
 
 #[global_allocator]
 static ALLOCATOR: allocations::Counting = allocations::Counting;

@@ -1,0 +1,151 @@
+//! The command as partners use it: files, standard input, outputs and exit codes.
+#![allow(clippy::unwrap_used)]
+
+use std::{
+    io::Write as _,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+struct Run {
+    code: i32,
+    out: String,
+    err: String,
+}
+
+fn asi(arguments: &[&str], input: &str) -> Run {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_asi"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that does not read its input may be gone already.
+    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    Run { code: output.status.code().unwrap(), out: text(&output.stdout), err: text(&output.stderr) }
+}
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
+}
+
+fn path(name: &str) -> String {
+    example(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn every_example_is_valid_and_explained() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(example("")).unwrap() {
+        let file = entry.unwrap().path();
+        let file = file.to_str().unwrap();
+        let run = asi(&["validate", file], "");
+        assert_eq!(run.code, 0, "{file}: {}", run.out);
+        assert!(run.out.ends_with('\n') && run.out.contains("valid: "), "{}", run.out);
+        let run = asi(&["explain", file], "");
+        assert_eq!((run.code, run.out.is_empty()), (0, false), "{file}: {}", run.err);
+        count += 1;
+    }
+    assert!(count > 20);
+}
+
+#[test]
+fn faults_end_with_one_and_troubles_with_two() {
+    for (arguments, input, code, part) in [
+        (
+            vec!["validate"],
+            r#"{"messageType":"withdraw"}"#,
+            1,
+            "/revision: The member revision is missing. [MISSING_MEMBER]",
+        ),
+        (vec!["validate", "-"], "frames!", 1, "[NOT_JSON]"),
+        (vec!["validate"], r#"{"Messages":[{"Payload":{"a":{"Type":1,"Body":"false"}}}]}"#, 0, "note: "),
+        (
+            vec!["validate", "--strict"],
+            r#"{"MessageType":"ua-data","Messages":[{"Payload":{"a":{"Type":1,"Body":"no"}}}]}"#,
+            1,
+            "[DEVIATION]",
+        ),
+        (vec!["validate", "--factory", "OTHER", &path("operation-network.json")], "", 1, "[WRONG_FACTORY]"),
+        (vec!["nodeset", "types"], "", 0, "ActivityStatusInterfaceType"),
+        (vec!["explain"], r#"{"messageType":"gap"}"#, 1, "MISSING_MEMBER"),
+    ] {
+        let run = asi(&arguments, input);
+        assert_eq!(run.code, code, "{arguments:?}: {} {}", run.out, run.err);
+        assert!(run.out.contains(part), "{arguments:?}: {}", run.out);
+    }
+    for arguments in [
+        vec!["validate", "/does/not/exist"],
+        vec!["convert", "--to", "uadp"],
+        vec!["nodeset", "instance", &path("ua-data.json")],
+        vec!["validate", "--factory", "a b"],
+        vec!["rubbish"],
+    ] {
+        let run = asi(&arguments, "");
+        // A PubSub message where a request is needed is a fault of the input.
+        let expected = if arguments[0] == "nodeset" { 1 } else { 2 };
+        assert_eq!((run.code, run.err.is_empty()), (expected, false), "{arguments:?}: {}", run.out);
+    }
+}
+
+#[test]
+fn the_acknowledgement_is_printed() {
+    let run = asi(&["validate", "--json", &path("operation-network.json")], "");
+    let message: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!(message["result"], "ACCEPTED");
+    assert_eq!(message["correlationId"], "0190c0de-0000-7000-8000-000000000001");
+    let text =
+        std::fs::read_to_string(example("operation-network.json")).unwrap().replace("\"type\": 9", "\"type\": 99");
+    let run = asi(&["validate", "--json", "--factory", "FOR_MUC"], &text);
+    assert_eq!(run.code, 1);
+    let message: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!(message["result"], "REJECTED");
+    assert_eq!(message["faultList"][0]["code"], "UNKNOWN_TYPE");
+    // What is printed is itself a valid message.
+    let again = asi(&["validate"], &run.out);
+    assert_eq!(again.code, 0, "{}", again.out);
+}
+
+#[test]
+fn encodings_convert_into_each_other() {
+    let digicor: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(example("ua-data.json")).unwrap()).unwrap();
+    let compact = asi(&["convert", "--to", "1.05-compact", &path("ua-data.json")], "");
+    assert_eq!((compact.code, compact.err.as_str()), (0, ""));
+    assert!(compact.out.contains(r#""progressStatus":{"UaType":9,"Value":"1"}"#), "{}", compact.out);
+    let back = asi(&["convert", "--to", "digicor"], &compact.out);
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&back.out).unwrap(), digicor);
+    // Bare values need the metadata's types.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("verbose.json");
+    let verbose = asi(&["convert", "--to", "1.05-verbose", &path("ua-data.json")], "");
+    std::fs::write(&file, &verbose.out).unwrap();
+    let guessed = asi(&["convert", "--to", "digicor", file.to_str().unwrap()], "");
+    assert!(guessed.out.contains(r#""progressStatus":{"Type":12,"Body":"1"}"#) && guessed.err.contains("guess"));
+    let told =
+        asi(&["convert", "--to", "digicor", "--meta-data", &path("ua-metadata.json"), file.to_str().unwrap()], "");
+    assert!(told.out.contains(r#""progressStatus":{"Type":9,"Body":"1"}"#), "{}", told.out);
+    let explained = asi(&["explain", "--meta-data", &path("ua-metadata.json"), &path("ua-data.json")], "");
+    assert!(explained.out.contains("progressStatus: UInt64 \"1\" piece (PRODUCED_QUANTITY)"), "{}", explained.out);
+}
+
+#[test]
+fn interfaces_go_to_node_sets_and_back() {
+    let nodes = asi(&["nodeset", "instance", &path("operation-network.transportation.json")], "");
+    assert_eq!(nodes.code, 0, "{}", nodes.err);
+    assert_eq!(asi(&["validate"], &nodes.out).code, 0);
+    let back = asi(&["nodeset", "read"], &nodes.out);
+    let message: serde_json::Value = serde_json::from_str(&back.out).unwrap();
+    assert_eq!(message["operationNetwork"]["operationList"][0]["destination"], "Hamburg");
+    assert_eq!(message["factoryId"], "LOG_NUE");
+}
+
+#[test]
+fn schemas_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(asi(&["schema", folder.path().to_str().unwrap()], "").code, 0);
+    assert!(folder.path().join("operation-network.schema.json").exists());
+}
