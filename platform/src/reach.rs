@@ -3,7 +3,7 @@
 //! [`Reach::reconcile`] compares what the store says with what is in force and may run any number of times: at the
 //! start, after every change, after a revocation.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use asi_model::{FactoryId, ToolId};
 use broker::{
@@ -12,11 +12,15 @@ use broker::{
 use daemon::web::session::random_token;
 use messaging::{LinkHandle, LogicalAddress};
 use parking_lot::Mutex;
+use tokio_util::sync::CancellationToken;
 
 use crate::{
     config::BrokerUserConfig,
     store::{BrokerCredential, Holder, Scope, Store, StoreError},
 };
+
+/// Between two attempts at the start.
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The platform's own user on the embedded broker.
 pub const PLATFORM_USER: &str = "platform";
@@ -109,6 +113,16 @@ impl Reach {
         }
     }
 
+    /// Brings the users in line with the store; before the broker runs, so that nobody is refused by mistake.
+    ///
+    /// # Errors
+    /// [`ReachError::Store`].
+    pub async fn load_users(&self, store: &Store) -> Result<(), ReachError> {
+        let credentials = store.read().await?.credentials().list().await?;
+        self.0.users.replace(self.users_of(&credentials));
+        Ok(())
+    }
+
     /// Brings users, queues and the addresses that are read in line with the store.
     ///
     /// # Errors
@@ -119,10 +133,8 @@ impl Reach {
             work.factories().list(&Scope::Platform).await?.into_iter().map(|factory| factory.factory_id).collect();
         let tools: Vec<ToolId> =
             work.tools().list(&Scope::Platform).await?.into_iter().map(|tool| tool.tool_id).collect();
-        let credentials = work.credentials().list().await?;
         drop(work);
-
-        self.0.users.replace(self.users_of(&credentials));
+        self.load_users(store).await?;
         if let Some(broker) = self.broker() {
             for address in addresses(&factories, &tools) {
                 let options = QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() };
@@ -139,6 +151,18 @@ impl Reach {
             link.set_consumed(read);
         }
         Ok(())
+    }
+
+    /// Reconciles at the start of the daemon, again and again until it has succeeded once; from then on every change
+    /// does it.
+    pub async fn reconcile_at_start(self, store: Store, shutdown: CancellationToken) {
+        let reconciling = async {
+            while let Err(error) = self.reconcile(&store).await {
+                tracing::warn!(%error, "Users and queues are not yet in line with the store; trying again.");
+                tokio::time::sleep(RETRY_INTERVAL).await;
+            }
+        };
+        shutdown.run_until_cancelled(reconciling).await;
     }
 
     /// After a revocation: the holder is unknown from now on and its connections are cut.

@@ -130,13 +130,12 @@ impl Platform {
         let (ingest, ingest_handle) =
             Ingest::new(store.clone(), live.clone(), reach.clone(), progress, clock.clone(), resend_after).await?;
 
-        reach.reconcile(&store).await?;
+        reach.load_users(&store).await?;
         let (broker, access, link_config) = open_broker(&config, &reach, started_at).await?;
         let broker_addresses = reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default();
         let (link, link_handle) =
             Link::new(link_config, Arc::new(StoredSpool::new(store.clone())), Arc::new(ingest_handle.clone()))?;
         reach.set_link(link_handle);
-        reach.reconcile(&store).await?;
 
         let web_tls = config.web.tls.as_ref().map(server::TlsFiles::load).transpose()?;
         let web_listener = server::listen(config.web.listen).await?;
@@ -176,6 +175,12 @@ impl Platform {
             lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
         }
         lifecycle.spawn("ingest", Importance::Essential, ingest.run(lifecycle.shutdown()));
+        // Queues can only be declared once the broker runs, so this is the first task's work and not the opening's.
+        let reconciling = reach.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
+        lifecycle.spawn("reach", Importance::Optional, async move {
+            reconciling.await;
+            Ok::<(), Infallible>(())
+        });
         let link_shutdown = lifecycle.shutdown();
         lifecycle.spawn("link", Importance::Essential, async move {
             link.run(link_shutdown).await;
@@ -233,10 +238,10 @@ pub async fn start_broker_alone(
         ..config.clone()
     };
     let (broker, _, _) = open_broker(&embedded, &reach, clock.now()).await?;
-    reach.reconcile(&store).await?;
     if let Some(broker) = broker {
         lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
     }
+    reach.reconcile(&store).await?;
     Ok(reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
 }
 
