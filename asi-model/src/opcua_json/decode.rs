@@ -368,7 +368,9 @@ impl<'d> Decoder<'d> {
         let structure = hint.structure();
         match node.kind() {
             Kind::Null => Ok(Variant::Null),
-            _ if hint.built_in_type == BuiltInType::Variant && hint.value_rank < 0 => self.variant(node),
+            _ if hint.built_in_type == BuiltInType::Variant && hint.value_rank < 0 => {
+                self.variant(node).map(|value| Variant::Scalar(Scalar::Variant(Box::new(value))))
+            }
             Kind::Array if hint.value_rank == -1 => Err(Mismatch::new(node, "expected a single value, not an array")),
             Kind::Array if node.elements().next().is_some_and(|first| first.kind() == Kind::Array) => {
                 self.matrix(node, hint.built_in_type, structure)
