@@ -1,7 +1,7 @@
 //! What a factory engineer writes down: inputs, a chain of functions, and the field that gets the result.
 //!
-//! A mapping is plain data. It is checked by [`crate::check`], compiled by the engine, and kept, versioned and
-//! published by whoever owns it. Sources and nodes are named as in the factory; namespaces are URIs, so that a mapping
+//! A mapping is plain data. It is checked and compiled by the engine, and kept, versioned and published by whoever owns
+//! it. Sources and nodes are named as in the factory; namespaces are URIs, so that a mapping
 //! survives a server whose namespace indexes moved.
 
 mod literal;

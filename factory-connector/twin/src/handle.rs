@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use asi_model::{DataValue, FieldKey, OperationNetworkId};
+use opcua_stack::opcua::types::{DataValue as StackValue, NodeId};
 use tokio::sync::watch;
 
 use crate::{
     asi::AsiProvider,
     document::{Applied, AsiDocument, FieldRecord},
     error::TwinError,
+    host::NodeHost,
+    provider::NodeProvider,
     security::trust::TrustList,
 };
 
@@ -17,6 +20,7 @@ use crate::{
 #[derive(Clone)]
 pub struct TwinHandle {
     interfaces: Arc<AsiProvider>,
+    host: Arc<NodeHost>,
     trust_list: TrustList,
     endpoint: watch::Receiver<Option<Arc<str>>>,
 }
@@ -24,10 +28,11 @@ pub struct TwinHandle {
 impl TwinHandle {
     pub(crate) fn new(
         interfaces: Arc<AsiProvider>,
+        host: Arc<NodeHost>,
         trust_list: TrustList,
         endpoint: watch::Receiver<Option<Arc<str>>>,
     ) -> Self {
-        Self { interfaces, trust_list, endpoint }
+        Self { interfaces, host, trust_list, endpoint }
     }
 
     /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the nodes of the one that
@@ -51,6 +56,28 @@ impl TwinHandle {
     /// Shows a decision, after the commit. False where the field does not exist.
     pub fn publish_decision(&self, field: &FieldKey, record: FieldRecord) -> bool {
         self.interfaces.publish_decision(field, record)
+    }
+
+    /// The index of a namespace on this server, for a provider to be made with. New namespaces get new indexes, which
+    /// stay theirs while the server runs.
+    #[must_use]
+    pub fn namespace_index(&self, uri: &str) -> u16 {
+        self.host.namespace_index(uri)
+    }
+
+    /// Hosts a further provider: its namespaces, types and nodes are there from now on, for connected clients too.
+    pub fn add_provider(&self, provider: Arc<dyn NodeProvider>) {
+        self.host.add_provider(provider);
+    }
+
+    /// Takes a provider and all it brought away.
+    pub fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
+        self.host.remove_provider(provider);
+    }
+
+    /// Pushes new values of a provider's variables into the monitored items of clients.
+    pub fn notify_values(&self, values: &[(NodeId, StackValue)]) {
+        self.host.notify(values);
     }
 
     /// The certificates of clients, for the engineer to approve or reject.

@@ -17,7 +17,7 @@ use opcua_stack::opcua::{
     core::sync::RwLock,
     nodes::DefaultTypeTree,
     server::{SubscriptionCache, node_manager::ServerContext},
-    types::{AttributeId, DataValue, NodeId, VariableId, Variant},
+    types::{AttributeId, DataValue, DateTime, NodeId, StatusCode, VariableId, Variant},
 };
 
 use crate::provider::{Node, NodeProvider};
@@ -90,7 +90,6 @@ impl NodeHost {
     }
 
     /// Takes a provider and its namespaces away.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the providers of today stay as long as the server runs"))]
     pub(crate) fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
         self.table.rcu(|table| {
             let kept = table.providers.iter().filter(|other| !Arc::ptr_eq(other, provider)).cloned();
@@ -102,7 +101,20 @@ impl NodeHost {
                 tree.remove(&id);
             }
         }
+        let gone = DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() };
+        let gone: Vec<_> = provider.variables().into_iter().map(|id| (id, gone.clone())).collect();
+        self.notify(&gone);
+        tracing::debug!(provider = provider.name(), "The twin hosts a provider of nodes no longer.");
         self.notify_namespace_array();
+    }
+
+    /// Pushes values into the monitored items of variables.
+    pub(crate) fn notify(&self, values: &[(NodeId, DataValue)]) {
+        let now = DateTime::now();
+        let told = values
+            .iter()
+            .map(|(id, value)| (DataValue { server_timestamp: Some(now), ..value.clone() }, id, AttributeId::Value));
+        self.subscriptions.notify_data_change(told);
     }
 
     fn notify_namespace_array(&self) {

@@ -4,10 +4,10 @@
 //! The connector gives it documents ([`AsiDocument`]) and newly disclosed values; standard OPC UA clients of the plant
 //! browse, read, subscribe and - where the engineer decided so - write. *What the node shows is what the partner gets.*
 //!
-//! - [`host`]: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
-//! - [`asi`]: the provider of the interfaces, which computes nodes from compact records.
-//! - [`events`]: model changes and the audit trail.
-//! - [`security`]: own certificate, trust list, users and roles.
+//! - `host`: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
+//! - `asi`: the provider of the interfaces, which computes nodes from compact records.
+//! - `events`: model changes and the audit trail.
+//! - `security`: own certificate, trust list, users and roles.
 
 mod access;
 mod asi;
@@ -17,7 +17,7 @@ mod error;
 mod events;
 mod handle;
 mod host;
-mod provider;
+pub mod provider;
 mod security;
 mod server;
 

@@ -1,7 +1,7 @@
 //! What the twin hosts: providers of nodes, whose namespaces and nodes come and go while clients are connected.
 //!
 //! A provider computes its nodes when it is asked for them; nothing obliges it to store one object per node. The
-//! [host](crate::host) turns the answers into OPC UA services and keeps everything that is alike for all providers:
+//! host turns the answers into OPC UA services and keeps everything that is alike for all providers:
 //! filters, continuation, roles, attributes.
 
 use std::ops::ControlFlow;
@@ -178,6 +178,11 @@ pub trait NodeProvider: Send + Sync + 'static {
     /// enumerating; `None` means enumerate.
     fn targets_named(&self, _node_id: &NodeId, _browse_name: &QualifiedName) -> Option<Vec<Reference>> {
         None
+    }
+
+    /// Every variable that it has now: whose monitored items are told when the provider is taken away.
+    fn variables(&self) -> Vec<NodeId> {
+        Vec::new()
     }
 
     /// The types it brings: (type, supertype, class). The server needs to know them for filters.

@@ -85,7 +85,7 @@ impl Twin {
 
         let (endpoint, receiver) = watch::channel(None);
         let trust_list = TrustList::new(&config.pki_directory);
-        let twin_handle = TwinHandle::new(interfaces, trust_list, receiver);
+        let twin_handle = TwinHandle::new(interfaces, Arc::clone(host), trust_list, receiver);
         Ok((Self { server, handle, listener, url, endpoint }, twin_handle))
     }
 
@@ -195,7 +195,7 @@ fn interfaces(
     events: Arc<EventReporter>,
 ) -> AsiProvider {
     let uri = model::instance_namespace_uri(factory_id);
-    let types = host.namespace_index(model::TYPE_NAMESPACE_URI);
+    let types = host.namespace_index(model::ASI_NAMESPACE_URI);
     let instances = host.namespace_index(&uri);
     host.add_provider(Arc::new(TypeProvider::new(types)));
     AsiProvider::new(AsiSurroundings {

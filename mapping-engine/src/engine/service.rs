@@ -21,7 +21,7 @@ use crate::{inputs::Inputs, script::lane::Lane};
 /// How long the consumer may take for what is left at shutdown.
 const FAREWELL_BUDGET: Duration = Duration::from_secs(2);
 
-/// The service. See [`crate::engine`].
+/// The service: takes changes of inputs, runs the chains, yields candidates.
 pub struct MappingEngine {
     config: MappingEngineConfig,
     inputs: Box<dyn Inputs>,

@@ -60,6 +60,10 @@ impl Bench {
         config.script.engine = worker.engine;
         config.script.worker_path = Some(worker.path.clone());
         adjust(&mut config.script);
+        Self::start_with(config)
+    }
+
+    pub fn start_with(config: MappingEngineConfig) -> Self {
         let inputs = PlayedInputs::default();
         let (changes, for_engine) = mpsc::channel(64);
         let (engine, handle, candidates) = MappingEngine::new(config, inputs.clone(), for_engine);
@@ -97,9 +101,19 @@ impl Bench {
     }
 
     pub async fn send(&mut self, id: &str, input: &str, values: Vec<DataValue>) {
-        let key = *self.inputs.0.lock().expect("no panic").get(&node(id, input)).expect("the input is monitored");
+        let key = self.key(id, input);
         let changes = values.into_iter().map(|value| InputChange { input: key, value }).collect();
         self.changes.send(changes).await.expect("the engine runs");
+    }
+
+    /// The key that an input is monitored under.
+    pub fn key(&self, id: &str, input: &str) -> InputKey {
+        *self.inputs.0.lock().expect("no panic").get(&node(id, input)).expect("the input is monitored")
+    }
+
+    /// Where changes go in.
+    pub fn changes(&self) -> mpsc::Sender<Vec<InputChange>> {
+        self.changes.clone()
     }
 
     /// The next candidate of a mapping; those of others stay for later.

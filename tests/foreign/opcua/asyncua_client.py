@@ -8,6 +8,7 @@
     subscribe NODE COUNT      COUNT changes of a value
     call OBJECT METHOD ARGS   ARGS is a JSON list of [TYPE, VALUE]
     events COUNT [TYPE]       COUNT events of the server of a standard type (name without `Type`) and its subtypes
+    batch COMMANDS            a JSON list of [COMMAND, ARGUMENT...]; prints {"results": [...]} in that order
 
 NODE is `nsu=<uri>;s=<id>`, `i=85` or `ns=3;s=<id>`. `subscribe` and `events` write `ready` to the standard error once
 they listen. The line is {"ok": true, ...} or {"ok": false, "status": "<symbolic name>"}; the exit status is 0 either way,
@@ -38,7 +39,7 @@ def arguments():
     parser.add_argument("--pki", required=True, type=Path)
     parser.add_argument("--policy", default="Basic256Sha256")
     parser.add_argument("--timeout", default=20.0, type=float)
-    parser.add_argument("command", choices=["browse", "read", "write", "subscribe", "call", "events"])
+    parser.add_argument("command", choices=["browse", "read", "write", "subscribe", "call", "events", "batch"])
     parser.add_argument("rest", nargs="*")
     return parser.parse_args()
 
@@ -122,6 +123,8 @@ async def listen(client, listener, subscribe):
 
 
 async def run(client, command, rest):
+    if command == "batch":
+        return {"results": [await run(client, one, arguments) for one, *arguments in json.loads(rest[0])]}
     if command == "events":
         count, type_name = int(rest[0]), (rest[1] if len(rest) > 1 else "BaseEvent") + "Type"
         event_type = getattr(ua.ObjectIds, type_name)

@@ -96,6 +96,11 @@ const EVENT_FIELDS = [
 ];
 
 async function run(session, command, rest) {
+  if (command === 'batch') {
+    const results = [];
+    for (const [one, ...its] of JSON.parse(rest[0])) results.push(await run(session, one, its));
+    return { results };
+  }
   if (command === 'events') {
     const eventType = opcua.ObjectTypeIds[`${rest[1] ?? 'BaseEvent'}Type`];
     const filter = opcua.constructEventFilter(EVENT_FIELDS, opcua.ofType(opcua.resolveNodeId(eventType)));

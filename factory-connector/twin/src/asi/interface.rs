@@ -209,6 +209,12 @@ impl Interface {
         key.field(definition.name.clone())
     }
 
+    /// The DataSetWriterIds, by request.
+    pub fn writers(&self) -> HashMap<RequestKey, u16> {
+        let with_writer = self.network().requests().zip(&self.requests);
+        with_writer.filter_map(|((key, _, _), slot)| Some((key, slot.data_set_writer_id?))).collect()
+    }
+
     /// The field that says an operation's state, if the operation has one.
     pub fn state_field(&self, operation: u32) -> Option<u32> {
         self.requests_of(operation)

@@ -5,6 +5,7 @@ use asi_model::{
     DateTime,
     messages::MappingState,
     network::{OperationKind, OperationState, ReportField, Semantic},
+    units,
 };
 use opcua_stack::{
     opcua::types::{
@@ -17,15 +18,12 @@ use opcua_stack::{
 use super::{
     interface::Interface,
     model::{
-        self, ArgumentModel, DataTypeRef, FIELD_PARTS, INPUT_ARGUMENTS, MethodModel, OUTPUT_ARGUMENTS, PartKind,
-        PartModel, UNIT_PART, parts_of_type,
+        self, DataType, DeclaredArgument, FIELD_PARTS, INPUT_ARGUMENTS, Method, OUTPUT_ARGUMENTS, Part, PartKind,
+        UNIT_PART, parts_of_type,
     },
     place::Place,
 };
 use crate::document::FieldRecord;
-
-/// The namespace of UNECE units.
-const UNECE_URI: &str = "http://www.opcfoundation.org/UA/units/un/cefact";
 
 impl Interface {
     /// The object type of a place; fields are variables and have none.
@@ -48,28 +46,28 @@ impl Interface {
     }
 
     /// The parts that this place has now. Component objects are places of their own and not among them.
-    pub fn parts(&self, place: Place) -> Vec<&'static PartModel> {
+    pub fn parts(&self, place: Place) -> Vec<&'static Part> {
         self.possible_parts(place).into_iter().filter(|part| self.has_part(place, part)).collect()
     }
 
     /// The part of this place with a name, if it has it now.
-    pub fn part(&self, place: Place, name: &str) -> Option<&'static PartModel> {
+    pub fn part(&self, place: Place, name: &str) -> Option<&'static Part> {
         self.possible_parts(place).into_iter().find(|part| part.name == name && self.has_part(place, part))
     }
 
-    fn possible_parts(&self, place: Place) -> Vec<&'static PartModel> {
+    fn possible_parts(&self, place: Place) -> Vec<&'static Part> {
         match self.type_of(place) {
             Some(id) => parts_of_type(id).filter(|part| !matches!(part.kind, PartKind::Object(_))).collect(),
             None => FIELD_PARTS.iter().collect(),
         }
     }
 
-    fn has_part(&self, place: Place, part: &PartModel) -> bool {
+    fn has_part(&self, place: Place, part: &Part) -> bool {
         matches!(part.kind, PartKind::Method(_)) || self.part_value(place, part).is_some()
     }
 
     /// The properties below a part: a method's arguments, a component's unit.
-    pub fn parts_of_part(&self, place: Place, part: &PartModel) -> Vec<&'static PartModel> {
+    pub fn parts_of_part(&self, place: Place, part: &Part) -> Vec<&'static Part> {
         match part.kind {
             PartKind::Method(method) => method_parts(method),
             PartKind::Component(_) if self.unit_of(place, part).is_some() => vec![&UNIT_PART],
@@ -78,13 +76,7 @@ impl Interface {
     }
 
     /// The value of a property below a part.
-    pub fn part_of_part_value(
-        &self,
-        place: Place,
-        part: &PartModel,
-        below: &PartModel,
-        types: u16,
-    ) -> Option<DataValue> {
+    pub fn part_of_part_value(&self, place: Place, part: &Part, below: &Part, types: u16) -> Option<DataValue> {
         match part.kind {
             PartKind::Method(method) => Some(fixed(argument_values(method, below, types), self.received_at)),
             _ => Some(fixed(engineering_units(self.unit_of(place, part)?).into(), self.received_at)),
@@ -92,7 +84,7 @@ impl Interface {
     }
 
     /// The unit of a component variable.
-    pub fn unit_of(&self, place: Place, part: &PartModel) -> Option<&str> {
+    pub fn unit_of(&self, place: Place, part: &Part) -> Option<&str> {
         match (place, part.name) {
             (Place::Operation(operation), "PlannedQuantity") => self.operation(operation).quantity_unit.as_deref(),
             _ => None,
@@ -100,7 +92,7 @@ impl Interface {
     }
 
     /// The value of a property or component variable; `None` where the place does not have it.
-    pub fn part_value(&self, place: Place, part: &PartModel) -> Option<DataValue> {
+    pub fn part_value(&self, place: Place, part: &Part) -> Option<DataValue> {
         if part.name == "NodeVersion" {
             return Some(fixed(Variant::from(self.version(place).to_string()), self.received_at));
         }
@@ -296,7 +288,7 @@ fn field_part(
     definition: &ReportField,
     planned_quantity: Option<f64>,
     record: &FieldRecord,
-    part: &PartModel,
+    part: &Part,
 ) -> Option<Result<DataValue, Variant>> {
     let decided = |value: Variant, status: StatusCode| DataValue {
         value: Some(value),
@@ -346,32 +338,33 @@ pub(super) fn engineering_range(definition: &ReportField, planned_quantity: Opti
     (high > 0.0).then_some(Range { low: 0.0, high })
 }
 
-/// The unit as OPC 10000-8 §5.6.3 writes it: the UNECE code's bytes as number.
+/// The unit as OPC 10000-8 §5.6.3 writes it; one that the table does not know keeps its name only.
 pub(super) fn engineering_units(unit: &str) -> ExtensionObject {
-    let unit_id = unit.bytes().take(4).fold(0_i32, |id, byte| (id << 8) | i32::from(byte));
+    let known = units::lookup(unit);
+    let text = |text: &str| LocalizedText::new("en", text);
     ExtensionObject::from_message(EUInformation {
-        namespace_uri: UNECE_URI.into(),
-        unit_id,
-        display_name: LocalizedText::from(unit),
-        description: LocalizedText::from(unit),
+        namespace_uri: units::UNECE_NAMESPACE_URI.into(),
+        unit_id: known.map_or(-1, |known| known.unit_id()),
+        display_name: text(known.map_or(unit, |known| known.display_name)),
+        description: text(known.map_or(unit, |known| known.description)),
     })
 }
 
-fn method_parts(method: &'static MethodModel) -> Vec<&'static PartModel> {
+fn method_parts(method: &'static Method) -> Vec<&'static Part> {
     let inputs = (!method.inputs.is_empty()).then_some(&INPUT_ARGUMENTS);
     let outputs = (!method.outputs.is_empty()).then_some(&OUTPUT_ARGUMENTS);
     inputs.into_iter().chain(outputs).collect()
 }
 
 /// The value of a method's InputArguments or OutputArguments.
-pub(super) fn argument_values(method: &MethodModel, part: &PartModel, types: u16) -> Variant {
+pub(super) fn argument_values(method: &Method, part: &Part, types: u16) -> Variant {
     let arguments = if part.name == INPUT_ARGUMENTS.name { method.inputs } else { method.outputs };
     let objects: Vec<ExtensionObject> =
         arguments.iter().map(|argument| ExtensionObject::from_message(argument_value(argument, types))).collect();
     Variant::from(objects)
 }
 
-fn argument_value(argument: &ArgumentModel, types: u16) -> Argument {
+fn argument_value(argument: &DeclaredArgument, types: u16) -> Argument {
     Argument {
         name: argument.name.into(),
         data_type: data_type_id(argument.data_type, types),
@@ -382,10 +375,10 @@ fn argument_value(argument: &ArgumentModel, types: u16) -> Argument {
 }
 
 /// The NodeId of a data type; `types` is the index of the type namespace.
-pub(super) fn data_type_id(data_type: DataTypeRef, types: u16) -> NodeId {
+pub(super) fn data_type_id(data_type: DataType, types: u16) -> NodeId {
     match data_type {
-        DataTypeRef::Standard(id) => id.into(),
-        DataTypeRef::Enumeration(model) => NodeId::new(types, model.id),
+        DataType::Standard(id) => NodeId::new(0, id),
+        DataType::Enumeration(model) => NodeId::new(types, model.id),
     }
 }
 

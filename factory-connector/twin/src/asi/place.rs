@@ -6,6 +6,8 @@
 
 use std::borrow::Cow;
 
+use asi_model::instance::encode_segment;
+
 use super::interface::Interface;
 
 /// Where a node sits: an object, or a report field's variable. Numbers are positions within the interface.
@@ -22,26 +24,10 @@ pub(super) enum Place {
     Field(u32),
 }
 
-/// The identifier of the folder that holds all interfaces. `#` keeps it apart from every network's id.
-pub(super) const FOLDER_ID: &str = "#CollaborativeProcessTwin";
-/// The BrowseName of that folder.
-pub(super) const FOLDER_NAME: &str = "CollaborativeProcessTwin";
 const OPERATION_NETWORK: &str = "OperationNetwork";
 const REPORT_DATA_FORMAT: &str = "ReportDataFormat";
 
-/// Appends an id with its separators percent-encoded.
-pub(super) fn push_encoded(out: &mut String, id: &str) {
-    for character in id.chars() {
-        match character {
-            '%' => out.push_str("%25"),
-            '/' => out.push_str("%2F"),
-            '#' => out.push_str("%23"),
-            other => out.push(other),
-        }
-    }
-}
-
-/// The id behind its encoded form; `None` where it was not encoded by [`push_encoded`].
+/// The id behind its encoded form; `None` where it was not encoded by [`encode_segment`].
 fn decode(text: &str) -> Option<Cow<'_, str>> {
     if !text.contains('%') {
         return Some(Cow::Borrowed(text));
@@ -126,7 +112,7 @@ impl Interface {
     /// The identifier of a place.
     pub fn identifier(&self, place: Place) -> String {
         let mut out = String::with_capacity(64);
-        push_encoded(&mut out, self.network().operation_network_id.as_str());
+        encode_segment(&mut out, self.network().operation_network_id.as_str());
         match place {
             Place::Interface => {}
             Place::OperationNetwork => {
@@ -225,5 +211,5 @@ impl Interface {
 
 fn push_segment(out: &mut String, separator: &str, id: &str) {
     out.push_str(separator);
-    push_encoded(out, id);
+    encode_segment(out, id);
 }

@@ -6,7 +6,12 @@ use std::{
     sync::Arc,
 };
 
-use asi_model::{OperationNetworkId, messages::OperationNetworkMessage, network::ReportField};
+use asi_model::{
+    OperationNetworkId,
+    instance::{FOLDER_ID, FOLDER_NAME, encode_segment},
+    messages::OperationNetworkMessage,
+    network::ReportField,
+};
 use async_trait::async_trait;
 use opcua_stack::{
     NamespaceTable,
@@ -23,9 +28,9 @@ use parking_lot::{Mutex, RwLock};
 
 use super::{
     interface::Interface,
-    model::{self, FOLDER_PARTS, PartKind, PartModel, ValueModel},
+    model::{self, FOLDER_PARTS, Part, PartKind, ValueType},
     parts::{built_in_type_id, data_type_id},
-    place::{self, FOLDER_ID, FOLDER_NAME, Place},
+    place::{self, Place},
     types::folder_type,
 };
 use crate::{
@@ -79,7 +84,7 @@ pub(crate) struct AsiSurroundings {
 
 /// A node that was found.
 pub(super) enum Located {
-    Folder(Option<&'static PartModel>),
+    Folder(Option<&'static Part>),
     Node(At),
 }
 
@@ -87,8 +92,8 @@ pub(super) enum Located {
 pub(super) struct At {
     pub interface: Arc<Interface>,
     pub place: Place,
-    pub part: Option<&'static PartModel>,
-    pub below: Option<&'static PartModel>,
+    pub part: Option<&'static Part>,
+    pub below: Option<&'static Part>,
 }
 
 impl AsiProvider {
@@ -163,7 +168,7 @@ impl AsiProvider {
         DataValue { value: Some(version.into()), status: Some(StatusCode::Good), ..DataValue::default() }
     }
 
-    fn folder_node(&self, part: Option<&'static PartModel>) -> Node {
+    fn folder_node(&self, part: Option<&'static Part>) -> Node {
         match part {
             Some(part) => self.part_node(part, None),
             None => Node {
@@ -206,7 +211,7 @@ impl AsiProvider {
 
     fn organizes(&self, id: &OperationNetworkId) -> Reference {
         let mut identifier = String::new();
-        place::push_encoded(&mut identifier, id.as_str());
+        encode_segment(&mut identifier, id.as_str());
         reference(ReferenceTypeId::Organizes, true, self.id(identifier))
     }
 
@@ -262,8 +267,8 @@ impl AsiProvider {
         }
     }
 
-    fn part_node(&self, part: &PartModel, unit: Option<&str>) -> Node {
-        let variable = |value: ValueModel| NodeKind::Variable {
+    fn part_node(&self, part: &Part, unit: Option<&str>) -> Node {
+        let variable = |value: ValueType| NodeKind::Variable {
             data_type: data_type_id(value.data_type, self.types),
             value_rank: value.value_rank,
             is_writable: false,
@@ -275,7 +280,7 @@ impl AsiProvider {
             }
             PartKind::Component(value) => (variable(value), Some(VariableTypeId::BaseDataVariableType.into())),
             PartKind::Object(id) => (NodeKind::Object, Some(self.type_id(id))),
-            PartKind::Method(method) => (NodeKind::Method { callable_by: method.callable_by }, None),
+            PartKind::Method(_) => (NodeKind::Method { callable_by: model::callable_by(part.name) }, None),
         };
         Node {
             browse_name: QualifiedName::new(if part.is_standard { 0 } else { self.types }, part.name),
@@ -344,7 +349,7 @@ impl AsiProvider {
         }
     }
 
-    fn part_references(&self, at: &At, part: &'static PartModel) -> Vec<Reference> {
+    fn part_references(&self, at: &At, part: &'static Part) -> Vec<Reference> {
         let owner = at.interface.identifier(at.place);
         let own = format!("{owner}#{}", part.name);
         let mut references = Vec::new();
@@ -372,7 +377,7 @@ pub(super) fn reference(reference_type: ReferenceTypeId, is_forward: bool, targe
     Reference { reference_type: reference_type.into(), is_forward, target }
 }
 
-fn part_reference(part: &PartModel) -> ReferenceTypeId {
+fn part_reference(part: &Part) -> ReferenceTypeId {
     match part.kind {
         PartKind::Property(_) => ReferenceTypeId::HasProperty,
         _ => ReferenceTypeId::HasComponent,

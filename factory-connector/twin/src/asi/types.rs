@@ -10,8 +10,8 @@ use opcua_stack::opcua::types::{
 
 use super::{
     model::{
-        self, ENUMERATIONS, EnumerationModel, INPUT_ARGUMENTS, OBJECT_TYPES, OUTPUT_ARGUMENTS, ObjectTypeModel,
-        PartKind, PartModel, REFERENCE_TYPES, ReferenceSupertype, Supertype,
+        self, ENUMERATIONS, Enumeration, INPUT_ARGUMENTS, OBJECT_TYPES, OUTPUT_ARGUMENTS, ObjectType, Part, PartKind,
+        REFERENCE_TYPES, ReferenceSupertype,
     },
     parts::{argument_values, data_type_id},
 };
@@ -49,7 +49,7 @@ impl TypeProvider {
         }
         for model in &REFERENCE_TYPES {
             let supertype = match model.supertype {
-                ReferenceSupertype::Standard(id) => id.into(),
+                ReferenceSupertype::Standard(id) => NodeId::new(0, id),
                 ReferenceSupertype::Asi(id) => NodeId::new(index, id),
             };
             let class = NodeKind::ReferenceType {
@@ -93,10 +93,10 @@ impl TypeProvider {
         self.refer(&supertype, ReferenceTypeId::HasSubtype, &node_id);
     }
 
-    fn add_object_type(&mut self, model: &'static ObjectTypeModel) {
+    fn add_object_type(&mut self, model: &'static ObjectType) {
         let supertype = match model.supertype {
-            Supertype::Base => model::BASE_OBJECT_TYPE.into(),
-            Supertype::Asi(id) => self.id(id),
+            None => ObjectTypeId::BaseObjectType.into(),
+            Some(id) => self.id(id),
         };
         let class = NodeKind::ObjectType { is_abstract: model.is_abstract };
         self.add_type(model.id, model.name, model.description, class, supertype);
@@ -106,7 +106,7 @@ impl TypeProvider {
     }
 
     /// Adds the instance declaration of a part (OPC 10000-3 §6.2).
-    fn add_declaration(&mut self, type_id: u32, id: u32, part: &'static PartModel) {
+    fn add_declaration(&mut self, type_id: u32, id: u32, part: &'static Part) {
         let (class, type_definition, reference_type): (_, Option<NodeId>, _) = match part.kind {
             PartKind::Property(value) => {
                 (self.variable(value), Some(model::PROPERTY_TYPE.into()), ReferenceTypeId::HasProperty)
@@ -115,8 +115,8 @@ impl TypeProvider {
                 (self.variable(value), Some(VariableTypeId::BaseDataVariableType.into()), ReferenceTypeId::HasComponent)
             }
             PartKind::Object(id) => (NodeKind::Object, Some(self.id(id)), ReferenceTypeId::HasComponent),
-            PartKind::Method(method) => {
-                (NodeKind::Method { callable_by: method.callable_by }, None, ReferenceTypeId::HasComponent)
+            PartKind::Method(_) => {
+                (NodeKind::Method { callable_by: model::callable_by(part.name) }, None, ReferenceTypeId::HasComponent)
             }
         };
         let namespace = if part.is_standard { 0 } else { self.index };
@@ -150,7 +150,7 @@ impl TypeProvider {
         }
     }
 
-    fn add_enumeration(&mut self, model: &'static EnumerationModel) {
+    fn add_enumeration(&mut self, model: &'static Enumeration) {
         let fields = (0_i64..).zip(model.values).map(|(value, name)| EnumField {
             value,
             display_name: LocalizedText::from(*name),
@@ -186,7 +186,7 @@ impl TypeProvider {
         self.references.entry(from.clone()).or_default().push(reference);
     }
 
-    fn variable(&self, value: model::ValueModel) -> NodeKind {
+    fn variable(&self, value: model::ValueType) -> NodeKind {
         NodeKind::Variable {
             data_type: data_type_id(value.data_type, self.index),
             value_rank: value.value_rank,
@@ -203,7 +203,7 @@ impl TypeProvider {
 
     /// The node id of a method's declaration, so that clients may call the type's method on an object.
     pub fn method_declaration(index: u16, type_id: u32, name: &str) -> Option<NodeId> {
-        let number = model::object_type(type_id).parts.iter().position(|part| part.name == name)?;
+        let number = model::object_type(type_id)?.parts.iter().position(|part| part.name == name)?;
         Some(NodeId::new(index, type_id * DECLARATIONS_PER_TYPE + u32::try_from(number).ok()? + 1))
     }
 }
@@ -221,8 +221,8 @@ impl NodeProvider for TypeProvider {
     fn namespaces(&self) -> Vec<ProvidedNamespace> {
         vec![ProvidedNamespace {
             index: self.index,
-            uri: model::TYPE_NAMESPACE_URI.to_owned(),
-            version: Some(model::TYPE_MODEL_VERSION.to_owned()),
+            uri: model::ASI_NAMESPACE_URI.to_owned(),
+            version: Some(model::ASI_MODEL_VERSION.to_owned()),
         }]
     }
 

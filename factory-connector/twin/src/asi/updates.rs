@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use asi_model::{DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, messages::MappingState};
+use asi_model::{
+    DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, instance::FOLDER_ID, messages::MappingState,
+};
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,
     types::{AttributeId, DataValue, DateTime as StackTime, StatusCode},
@@ -11,7 +13,7 @@ use opcua_stack::opcua::{
 use super::{
     difference::{Difference, verb},
     interface::Interface,
-    place::{FOLDER_ID, Place},
+    place::Place,
     provider::AsiProvider,
 };
 use crate::{

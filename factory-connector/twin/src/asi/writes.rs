@@ -1,14 +1,16 @@
 //! What clients write and call: checked here, decided by the connector.
 
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use asi_model::{
     BuiltInType, Variant as ModelVariant,
+    instance::{self, FieldState, Instance},
     messages::MappingState,
     network::{OperationState, ReportField, Semantic, VALUE_RANK_SCALAR},
+    node_set,
 };
 use opcua_stack::{
-    opcua::types::{AttributeId, DateTime, Identifier, NodeId, StatusCode, Variant},
+    opcua::types::{AttributeId, ByteString, DateTime, Identifier, NodeId, StatusCode, Variant},
     values::{from_stack, status_to_stack},
 };
 
@@ -107,7 +109,7 @@ impl AsiProvider {
         };
         match (place, name) {
             (Place::Request(request), "Decide") => self.decide(user, &interface, request, arguments).await,
-            (Place::Interface, "ExportNodeSet") if arguments.is_empty() => self.export(&interface),
+            (Place::Interface, "ExportNodeSet") if arguments.is_empty() => Self::export(&interface),
             (Place::Interface, "ExportNodeSet") => CallOutcome::failed(StatusCode::BadTooManyArguments),
             _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
         }
@@ -117,7 +119,7 @@ impl AsiProvider {
     fn method_name(&self, interface: &Interface, place: Place, method: &NodeId) -> Option<&'static str> {
         let type_id = interface.type_of(place)?;
         let identifier = interface.identifier(place);
-        model::object_type(type_id).parts.iter().map(|part| part.name).find(|name| match &method.identifier {
+        model::object_type(type_id)?.parts.iter().map(|part| part.name).find(|name| match &method.identifier {
             Identifier::String(id) if method.namespace == self.instances => {
                 id.as_ref().strip_prefix(identifier.as_str()).and_then(|rest| rest.strip_prefix('#')) == Some(name)
             }
@@ -174,8 +176,30 @@ impl AsiProvider {
         CallOutcome { status, outputs: Vec::new(), argument_statuses: Vec::new() }
     }
 
-    fn export(&self, _interface: &Interface) -> CallOutcome {
-        CallOutcome::failed(StatusCode::BadNotSupported)
+    /// The interface as it stands, in the form that other servers load.
+    fn export(interface: &Interface) -> CallOutcome {
+        let records = interface.records.read().clone();
+        let fields = (0_u32..).zip(&records).map(|(number, record)| {
+            let owned = |text: &Option<Arc<str>>| text.as_deref().map(ToOwned::to_owned);
+            let state = FieldState {
+                mapping_state: record.mapping_state,
+                value_source: record.value_source,
+                value: record.shown_value().value,
+                disclosure: owned(&record.disclosure),
+                reason: owned(&record.reason),
+                decided_by: owned(&record.decided_by),
+                decision_time: record.decision_time,
+            };
+            (interface.key_of(number), state)
+        });
+        let instance = Instance {
+            message: &interface.message,
+            received_at: Some(interface.received_at),
+            writers: interface.writers(),
+            fields: fields.collect(),
+        };
+        let document = node_set::write(&instance::node_set(&instance));
+        CallOutcome::good(vec![ByteString::from(document.into_bytes()).into()])
     }
 }
 

@@ -125,6 +125,7 @@ fn rename(from: &Path, to: PathBuf) -> Result<(), TwinError> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
 mod tests {
     use super::*;
 

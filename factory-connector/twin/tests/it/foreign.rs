@@ -92,6 +92,12 @@ impl<'a> Foreign<'a> {
         serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{:?} said: {complaints}", self.peer))
     }
 
+    /// Runs several commands in one session.
+    async fn batch(&self, commands: &[&[&str]]) -> Vec<Value> {
+        let result = self.run(&["batch", &json!(commands).to_string()]).await;
+        result["results"].as_array().unwrap_or_else(|| panic!("{:?}: {result}", self.peer)).clone()
+    }
+
     /// Runs a command that listens; `when_ready` is done once it does.
     async fn listen(&self, arguments: &[&str], when_ready: impl AsyncFnOnce()) -> Value {
         installed().await;
@@ -126,23 +132,38 @@ async fn works_with(peer: Peer) {
     let (engineer, operator, viewer) =
         (Foreign::new(peer, &twin, "anna"), Foreign::new(peer, &twin, "otto"), Foreign::new(peer, &twin, "vera"));
     let id = nsu(&field_id("net", "progressStatus"));
+    let (object, method) =
+        (nsu("net/op/MakeFrame1/req/ReqResponse1"), nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"));
+    let refusal = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
 
-    let found = viewer.run(&["browse", &nsu("net#OperationNetwork")]).await;
-    let names: Vec<&str> =
-        found["children"].as_array().unwrap().iter().map(|c| c["browseName"].as_str().unwrap()).collect();
-    for name in ["OperationNetworkId", "MakeFrame1", "InspectFrame1", "rel1"] {
-        assert!(names.contains(&name), "{found}");
-    }
-
-    assert_eq!(operator.run(&["write", &id, "UInt64", "5"]).await, json!({"ok": true, "status": "Good"}));
-    let read = viewer.run(&["read", &id]).await;
-    assert_eq!((&read["value"], &read["status"]), (&json!(5), &json!("Good")), "{read}");
-    let unit = viewer.run(&["read", &format!("{id}#EngineeringUnits")]).await;
-    assert_eq!(unit["status"], "Good", "{unit}");
     let undecided = nsu(&field_id("net", "percent"));
-    assert_eq!(operator.run(&["write", &undecided, "Double", "5.0"]).await["status"], "BadNotWritable");
-    assert_eq!(viewer.run(&["write", &id, "UInt64", "6"]).await["status"], "BadUserAccessDenied");
-    assert_eq!(operator.run(&["write", &id, "Int32", "6"]).await["status"], "BadTypeMismatch");
+    let statuses = operator
+        .batch(&[
+            &["write", &id, "UInt64", "5"],
+            &["write", &undecided, "Double", "5.0"],
+            &["write", &id, "Int32", "6"],
+            &["call", &object, &method, refusal],
+        ])
+        .await;
+    let statuses: Vec<&Value> = statuses.iter().map(|result| &result["status"]).collect();
+    assert_eq!(statuses, ["Good", "BadNotWritable", "BadTypeMismatch", "BadUserAccessDenied"]);
+
+    let found = viewer
+        .batch(&[
+            &["browse", &nsu("net#OperationNetwork")],
+            &["read", &id],
+            &["read", &format!("{id}#EngineeringUnits")],
+            &["write", &id, "UInt64", "6"],
+        ])
+        .await;
+    let children = found[0]["children"].as_array().unwrap();
+    let names: Vec<&str> = children.iter().map(|c| c["browseName"].as_str().unwrap()).collect();
+    for name in ["OperationNetworkId", "MakeFrame1", "InspectFrame1", "rel1"] {
+        assert!(names.contains(&name), "{found:?}");
+    }
+    assert_eq!((&found[1]["value"], &found[1]["status"]), (&json!(5), &json!("Good")), "{found:?}");
+    assert_eq!(found[2]["status"], "Good", "{found:?}");
+    assert_eq!(found[3]["status"], "BadUserAccessDenied", "{found:?}");
 
     let changes = viewer
         .listen(&["subscribe", &id, "3"], async || {
@@ -154,14 +175,10 @@ async fn works_with(peer: Peer) {
     let values: Vec<&Value> = changes["changes"].as_array().unwrap().iter().map(|c| &c["value"]).collect();
     assert_eq!(values, [&json!(5), &json!(8), &json!(9)], "{changes}");
 
-    let (object, method) =
-        (nsu("net/op/MakeFrame1/req/ReqResponse1"), nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"));
-    let refusal = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
-    let call = ["call", &object, &method, refusal];
-    assert_eq!(operator.run(&call).await["status"], "BadUserAccessDenied");
-    assert_eq!(engineer.run(&call).await["status"], "Good");
-    let reason = viewer.run(&["read", &format!("{undecided}#DecisionReason")]).await;
-    assert_eq!(reason["value"], "not ours to tell");
+    let decided = engineer
+        .batch(&[&["call", &object, &method, refusal], &["read", &format!("{undecided}#DecisionReason")]])
+        .await;
+    assert_eq!((&decided[0]["status"], &decided[1]["value"]), (&json!("Good"), &json!("not ours to tell")));
 
     let changed = viewer
         .listen(&["events", "1", "GeneralModelChangeEvent"], async || {

@@ -6,5 +6,6 @@ mod address_space;
 mod changes;
 mod foreign;
 mod harness;
+mod providers;
 mod security;
 mod writes;

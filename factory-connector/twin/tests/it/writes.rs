@@ -64,6 +64,32 @@ async fn values_must_fit_the_field() {
     twin.stop().await;
 }
 
+#[tokio::test]
+async fn an_interface_is_exported_as_a_node_set() {
+    let twin = TestTwin::start().await;
+    twin.handle.apply(document(message("net", 1)));
+    let client = twin.client("vera").await;
+    let request = CallMethodRequest {
+        object_id: instance("net"),
+        method_id: instance("net#ExportNodeSet"),
+        input_arguments: None,
+    };
+    let result = client.session.call_one(request).await.unwrap();
+    assert_eq!(result.status_code, StatusCode::Good);
+    let Some(Variant::ByteString(document)) = result.output_arguments.unwrap().pop() else {
+        panic!("the document is a byte string")
+    };
+    let read = asi_model::node_set::read(document.as_ref()).unwrap();
+    let json = asi_model::instance::to_json(&read, "again").unwrap();
+    let again = asi_model::validation::parse_platform_message(json.to_string().as_bytes(), &"FOR_MUC".parse().unwrap());
+    let Ok(asi_model::messages::PlatformMessage::OperationNetwork(again)) = again else {
+        panic!("what was exported can be read: {again:?}")
+    };
+    assert_eq!(again.operation_network, message("net", 1).operation_network);
+    client.close().await;
+    twin.stop().await;
+}
+
 async fn decide(client: &Client, method: NodeId, arguments: Vec<Variant>) -> (StatusCode, Vec<StatusCode>) {
     let request = CallMethodRequest {
         object_id: instance("net/op/MakeFrame1/req/ReqResponse1"),

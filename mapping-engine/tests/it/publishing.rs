@@ -1,0 +1,103 @@
+//! Publishing, replacing, withdrawing, and what comes back with candidates.
+
+use asi_model::{DataValue, DateTime, StatusCode, Variant};
+use mapping_engine::{EngineError, Mapping, Published, ScriptEngine, Step, TransformState};
+use serde_json::json;
+
+use crate::bench::{Bench, Worker, script_mapping};
+
+/// These tests need no scripts.
+pub fn no_worker() -> Worker {
+    Worker { engine: ScriptEngine::QuickJs, path: "/nonexistent".into() }
+}
+
+pub fn chain(id: &str, inputs: &[&str], target: &str, steps: serde_json::Value) -> Mapping {
+    let mut mapping = script_mapping(id, inputs, target, "(v) => v");
+    mapping.steps = serde_json::from_value::<Vec<Step>>(steps).expect("steps");
+    mapping
+}
+
+#[tokio::test]
+async fn values_become_candidates_with_status_and_time() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    let steps = json!([{ "function": "scale", "factor": 0.5 }]);
+    bench.handle.put(chain("half", &["a"], "Double", steps), None).await.expect("fine");
+    let time = DateTime::from_unix_micros(1_700_000_000_000_000);
+    let value = DataValue { status: StatusCode::UNCERTAIN, ..DataValue::good(7_i32, time) };
+    bench.send("half", "a", vec![DataValue { server_timestamp: Some(time), ..value.clone() }]).await;
+    let candidate = bench.next("half").await;
+    assert_eq!(candidate.value, DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value });
+    assert_eq!(candidate.target.to_string(), "n-half/o/r/f");
+    assert_eq!(candidate.state, None, "nothing is remembered");
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn state_comes_with_the_last_candidate_of_a_batch_and_goes_back_in() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    let counter = || chain("count", &["a"], "UInt64", json!([{ "function": "counter" }]));
+    bench.handle.put(counter(), None).await.expect("fine");
+    bench.feed_all("count", "a", [10_u64, 12, 15].map(Variant::from)).await;
+    let mut candidates = Vec::new();
+    for _ in 0..3 {
+        candidates.push(bench.next("count").await);
+    }
+    let last = candidates.pop().expect("three came");
+    assert_eq!(last.value.value, 5_u64.into());
+    let state = last.state.expect("the last one carries it");
+    bench.stop().await;
+
+    let json = serde_json::to_string(&state).expect("serialises");
+    assert_eq!(json, r#"[{"function":"counter","total":5,"last":15,"level":null}]"#);
+    let state: TransformState = serde_json::from_str(&json).expect("reads back");
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    bench.handle.put(counter(), Some(state)).await.expect("fine");
+    assert_eq!(bench.ask("count", 20_u64).await.value, 10_u64.into());
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_same() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    let wrong = chain("wrong", &["a", "a"], "Int32", json!([{ "function": "scale", "divisor": 0 }]));
+    let right = chain("right", &["a"], "Int32", json!([]));
+    let put = bench.handle.put_many(vec![wrong.into(), right.into()]).await.expect("runs");
+    let Err(EngineError::Rejected(found)) = &put[0] else { panic!("{put:?}") };
+    let pointers: Vec<&str> = found.iter().map(|d| d.pointer.as_str()).collect();
+    assert_eq!(pointers, ["/inputs/1/name", "/steps/0/divisor"]);
+    assert!(put[1].as_ref().is_ok_and(Vec::is_empty), "{put:?}");
+    assert_eq!(bench.ask("right", 4_i32).await.value, 4_i32.into());
+    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
+    bench.remove("right").await;
+    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 0);
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn a_mapping_is_replaced_in_place() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
+    assert_eq!(bench.ask("m", 4_i32).await.value, 4_i32.into());
+    let doubled = json!([{ "function": "expression", "expression": "value * 2" }]);
+    let published = Published { mapping: chain("m", &["a"], "Int32", doubled), state: None, last: None };
+    bench.handle.put_many(vec![published]).await.expect("runs").pop().expect("one").expect("fine");
+    assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
+    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn debounce_and_windows_wake_by_themselves() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    bench
+        .handle
+        .put(chain("calm", &["a"], "Int32", json!([{ "function": "debounce", "quietMs": 20 }])), None)
+        .await
+        .expect("fine");
+    let counting = json!([{ "function": "window", "aggregate": "count", "durationMs": 30 }]);
+    bench.handle.put(chain("count", &["a"], "Int64", counting), None).await.expect("fine");
+    assert_eq!(bench.ask("calm", 4_i32).await.value, 4_i32.into());
+    assert_eq!(bench.ask("count", 4_i32).await.value, 1_i64.into());
+    assert_eq!(bench.next("count").await.value.value, 0_i64.into());
+    bench.stop().await;
+}
