@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use opcua_stack::opcua::types::{DataValue, NodeId};
 
-use super::{interface::Interface, place::Place, provider::AsiProvider};
+use super::{interface::Interface, model::PartKind, place::Place, provider::AsiProvider};
 
 /// The verbs of a model change (OPC 10000-5 §12.16); they may stand together.
 pub(super) mod verb {
@@ -26,8 +26,10 @@ pub(super) struct Affected {
 /// What differs.
 #[derive(Debug, Default)]
 pub(super) struct Difference {
-    /// Objects, fields and parts that are gone.
+    /// Objects and fields that are gone.
     pub gone: Vec<String>,
+    /// Parts that are gone, or might be: those that a place of that kind can have.
+    pub gone_parts: Vec<String>,
     /// Variables with another value, and those that came.
     pub changed: Vec<(String, DataValue)>,
     /// Objects and fields in a model change, by identifier.
@@ -100,11 +102,16 @@ impl AsiProvider {
         let identifier = interface.identifier(place);
         difference.nodes_removed += 1;
         difference.affect(interface, place, verb::NODE_DELETED);
-        let variables = self.variables(interface, place, &identifier).into_iter().map(|(id, _)| id);
-        difference.gone.extend(variables);
-        if !matches!(place, Place::Field(_)) {
-            difference.gone.push(identifier);
+        // Without looking which parts there were: that would cost computing their values.
+        for part in interface.possible_parts(place) {
+            let part_id = format!("{identifier}#{}", part.name);
+            if !matches!(part.kind, PartKind::Property(_)) {
+                let below = interface.parts_of_part(place, part).into_iter();
+                difference.gone_parts.extend(below.map(|below| format!("{part_id}#{}", below.name)));
+            }
+            difference.gone_parts.push(part_id);
         }
+        difference.gone.push(identifier);
     }
 
     /// What differs between two states of the same interface.
@@ -176,7 +183,7 @@ impl AsiProvider {
         for id in before.into_keys() {
             is_changed = true;
             difference.affect(new, place, verb::REFERENCE_DELETED);
-            difference.gone.push(id);
+            difference.gone_parts.push(id);
         }
         if let (Place::Field(before), Place::Field(now)) = (earlier, place) {
             let (before, now) = (old.field(before).1, new.field(now).1);

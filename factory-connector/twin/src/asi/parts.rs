@@ -55,7 +55,8 @@ impl Interface {
         self.possible_parts(place).into_iter().find(|part| part.name == name && self.has_part(place, part))
     }
 
-    fn possible_parts(&self, place: Place) -> Vec<&'static Part> {
+    /// The parts that a place of this kind can have.
+    pub fn possible_parts(&self, place: Place) -> Vec<&'static Part> {
         match self.type_of(place) {
             Some(id) => parts_of_type(id).filter(|part| !matches!(part.kind, PartKind::Object(_))).collect(),
             None => FIELD_PARTS.iter().collect(),

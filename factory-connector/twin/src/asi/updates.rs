@@ -22,7 +22,7 @@ use crate::{
     provider::NodeProvider as _,
 };
 
-/// The attributes of which a removed node's monitored items are told.
+/// The attributes of which a removed node's monitored items are told; Value comes first.
 const ATTRIBUTES_TOLD: [AttributeId; 9] = [
     AttributeId::Value,
     AttributeId::NodeId,
@@ -201,8 +201,11 @@ impl AsiProvider {
         };
         {
             let mut notifier = self.subscriptions.data_notifier();
-            for identifier in &difference.gone {
-                for attribute in ATTRIBUTES_TOLD {
+            let objects = difference.gone.iter().map(|identifier| (identifier, ATTRIBUTES_TOLD.as_slice()));
+            // Of a property only the value is worth monitoring.
+            let parts = difference.gone_parts.iter().map(|identifier| (identifier, &ATTRIBUTES_TOLD[..1]));
+            for (identifier, attributes) in objects.chain(parts) {
+                for &attribute in attributes {
                     if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), attribute) {
                         items.data_value(gone.clone());
                     }

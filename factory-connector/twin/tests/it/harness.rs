@@ -241,7 +241,7 @@ impl Client {
         });
         let interval = Duration::from_millis(10);
         let subscription = self.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await.unwrap();
-        let items = (1_u32..)
+        let items: Vec<_> = (1_u32..)
             .zip(nodes)
             .map(|(handle, node_id)| MonitoredItemCreateRequest {
                 item_to_monitor: ReadValueId {
@@ -259,8 +259,14 @@ impl Client {
                 },
             })
             .collect();
-        let created = self.session.create_monitored_items(subscription, TimestampsToReturn::Both, items).await.unwrap();
-        assert!(created.iter().all(|item| item.result.status_code.is_good()), "all nodes can be monitored");
+        for chunk in items.chunks(5000) {
+            let created = self
+                .session
+                .create_monitored_items(subscription, TimestampsToReturn::Both, chunk.to_vec())
+                .await
+                .unwrap();
+            assert!(created.iter().all(|item| item.result.status_code.is_good()), "all nodes can be monitored");
+        }
         receiver
     }
 }

@@ -1,11 +1,14 @@
 //! The twin as its clients see it: a real server on loopback, real sessions.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+#![allow(clippy::print_stdout, reason = "figures and seeds are shown when a test fails or is run with --nocapture")]
 
 mod address_space;
 mod changes;
 mod foreign;
 mod harness;
+mod hostile;
 mod providers;
+mod scale;
 mod security;
 mod writes;

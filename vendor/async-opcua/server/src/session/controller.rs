@@ -68,6 +68,10 @@ pub(crate) enum ControllerCommand {
     Close,
 }
 
+/// Most requests of one connection in progress at a time, waiting publish requests included. Further ones stay in the
+/// client's send window.
+const MAX_PENDING_MESSAGES: usize = 1024;
+
 type PendingMessageResponse = dyn Future<Output = Result<Response, String>> + Send + Sync + 'static;
 
 /// Master type managing a single connection.
@@ -195,6 +199,7 @@ impl SessionController {
 
     async fn run(mut self, mut command: tokio::sync::mpsc::Receiver<ControllerCommand>) {
         loop {
+            let may_read = self.pending_messages.len() < MAX_PENDING_MESSAGES;
             let resp_fut = if self.pending_messages.is_empty() {
                 Either::Left(futures::future::pending::<Option<Result<Response, String>>>())
             } else {
@@ -235,7 +240,7 @@ impl SessionController {
                         self.fatal_error(e, "Encoding error");
                     }
                 }
-                res = self.transport.poll(&mut self.channel) => {
+                res = self.transport.poll(&mut self.channel, may_read) => {
                     match res {
                         TransportPollResult::IncomingMessage(req) => {
                             if matches!(self.process_request(req).await, RequestProcessResult::Close) {

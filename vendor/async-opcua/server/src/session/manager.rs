@@ -67,7 +67,18 @@ impl SessionManager {
         certificate_store: &RwLock<CertificateStore>,
         request: &CreateSessionRequest,
     ) -> Result<CreateSessionResponse, StatusCode> {
-        if self.sessions.len() >= self.info.config.limits.max_sessions {
+        if !self.info.endpoint_exists(
+            request.endpoint_url.as_ref(),
+            channel.security_policy(),
+            channel.security_mode(),
+        ) {
+            // Discovery may use any channel, sessions only what an endpoint offers.
+            error!("Create session on a channel whose security no endpoint offers");
+            return Err(StatusCode::BadSecurityPolicyRejected);
+        }
+        if self.sessions.len() >= self.info.config.limits.max_sessions
+            && !self.close_oldest_inactive_session()
+        {
             return Err(StatusCode::BadTooManySessions);
         }
 
@@ -218,6 +229,21 @@ impl SessionManager {
                 "Client signature verification failed, session has no client certificate",
             ))
         }
+    }
+
+    /// Make room by closing the session that has waited longest for its activation (OPC 10000-4 §5.7.2), so that
+    /// creating sessions without activating them locks nobody out. Returns whether there was one.
+    fn close_oldest_inactive_session(&mut self) -> bool {
+        let oldest = self
+            .sessions
+            .iter()
+            .filter(|(_, session)| !session.read().is_activated())
+            .min_by_key(|(_, session)| session.read().deadline())
+            .map(|(id, _)| id.clone());
+        if let Some(id) = &oldest {
+            self.expire_session(id);
+        }
+        oldest.is_some()
     }
 
     pub(crate) fn expire_session(&mut self, id: &NodeId) {

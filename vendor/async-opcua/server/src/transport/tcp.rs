@@ -42,9 +42,15 @@ pub(crate) struct TcpTransport {
     pub(crate) client_protocol_version: u32,
     /// Last decoded sequence number
     sequence_numbers: SequenceNumberHandle,
+    /// Messages that were enqueued since everything was last sent.
+    unsent_messages: usize,
     /// Whether a session was activated on this connection. Until then messages may only have a few chunks.
     is_authenticated: bool,
 }
+
+/// Most messages that wait to be sent before no further requests are read. A client that does not take its responses
+/// otherwise lets them pile up.
+const MAX_UNSENT_MESSAGES: usize = 256;
 
 /// Longest message in chunks that a client may send before it has activated a session. All requests up to then are
 /// short, and anybody can send them.
@@ -264,6 +270,7 @@ impl TcpTransport {
             state: TransportState::Running,
             pending_chunks: Vec::new(),
             sequence_numbers: SequenceNumberHandle::new(true),
+            unsent_messages: 0,
             is_authenticated: false,
             client_protocol_version: 0,
             send_buffer,
@@ -295,6 +302,7 @@ impl TcpTransport {
         message: ResponseMessage,
         request_id: u32,
     ) -> Result<(), StatusCode> {
+        self.unsent_messages += 1;
         match self.send_buffer.write(request_id, message, channel) {
             Ok(_) => Ok(()),
             Err(e) => {
@@ -318,7 +326,13 @@ impl TcpTransport {
         }
     }
 
-    pub(crate) async fn poll(&mut self, channel: &mut SecureChannel) -> TransportPollResult {
+    /// Send what is enqueued, and receive unless the caller has enough to do already (`may_read`) or the client does
+    /// not take its responses.
+    pub(crate) async fn poll(
+        &mut self,
+        channel: &mut SecureChannel,
+        may_read: bool,
+    ) -> TransportPollResult {
         // Either we've got something in the send buffer, which we can send,
         // or we're waiting for more outgoing messages.
         // We won't wait for outgoing messages while sending, since that
@@ -335,6 +349,7 @@ impl TcpTransport {
         // If there is something in the send buffer, write to the stream.
         // If not, wait for outgoing messages.
         // Either way, listen to incoming messages while we do this.
+        let may_read = may_read && self.unsent_messages < MAX_UNSENT_MESSAGES;
         if self.send_buffer.can_read() {
             tokio::select! {
                 r = self.send_buffer.read_into_async(&mut self.write) => {
@@ -344,13 +359,18 @@ impl TcpTransport {
                     }
                     TransportPollResult::OutgoingMessageSent
                 }
-                incoming = self.read.next() => {
+                incoming = self.read.next(), if may_read => {
                     self.handle_incoming_message(incoming, channel)
                 }
             }
         } else {
             if self.is_closing() {
                 return TransportPollResult::Closed;
+            }
+            self.unsent_messages = 0;
+            if !may_read {
+                // Until a request in progress is done.
+                return std::future::pending().await;
             }
             let incoming = self.read.next().await;
             self.handle_incoming_message(incoming, channel)
