@@ -10,7 +10,7 @@ use std::{
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
     Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingId, MappingStatus,
-    Published, ScriptConfig, ScriptEngine,
+    ScriptConfig, ScriptEngine,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -73,15 +73,6 @@ impl Bench {
         Self { handle, inputs, changes, candidates, arrived, shutdown, running, time: 1_600_000_000_000_000 }
     }
 
-    /// Publishes a script mapping `id` of the inputs named, to a field of a type.
-    pub async fn put_script(&self, id: &str, inputs: &[&str], target: &str, source: &str) {
-        let mapping = script_mapping(id, inputs, target, source);
-        let results = self.handle.put_many(vec![Published::from(mapping)]).await.expect("the engine runs");
-        for result in results {
-            result.expect("the mapping is fine");
-        }
-    }
-
     pub async fn remove(&self, id: &str) {
         assert!(self.handle.remove(&mapping_id(id)).await.expect("the engine runs"), "{id} was there");
     }
@@ -103,7 +94,7 @@ impl Bench {
     pub async fn send(&mut self, id: &str, input: &str, values: Vec<DataValue>) {
         let key = self.key(id, input);
         let changes = values.into_iter().map(|value| InputChange { input: key, value }).collect();
-        self.changes.send(changes).await.expect("the engine runs");
+        self.changes().send(changes).await.expect("the engine runs");
     }
 
     /// The key that an input is monitored under.

@@ -13,3 +13,11 @@ pub use lifecycle::{
     a_broken_worker_is_a_diagnostic, checks_and_dry_runs_show_everything, scripts_rest_and_are_reset_by_hand,
     state_survives_the_worker, values_keep_their_order_under_load,
 };
+
+impl bench::Bench {
+    /// Publishes a script mapping `id` of the inputs named, to a field of a type.
+    async fn put_script(&self, id: &str, inputs: &[&str], target: &str, source: &str) {
+        let mapping = bench::script_mapping(id, inputs, target, source);
+        self.handle.put(mapping, None).await.expect("the mapping is fine");
+    }
+}

@@ -29,6 +29,8 @@ async fn values_become_candidates_with_status_and_time() {
     assert_eq!(candidate.value, DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value });
     assert_eq!(candidate.target.to_string(), "n-half/o/r/f");
     assert_eq!(candidate.state, None, "nothing is remembered");
+    let status = bench.status("half").await;
+    assert_eq!((status.received, status.yielded, status.faults), (1, 1, 0));
     bench.stop().await;
 }
 

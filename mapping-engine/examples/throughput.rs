@@ -1,0 +1,168 @@
+//! How many values per second the engine takes from the shop floor's channel to the consumer's, and how much memory a
+//! mapping has. Prints one line of name, value and unit per figure.
+//!
+//! `cargo run --release -p mapping-engine --example throughput` (build `script-quickjs` with the same profile before).
+
+use std::{
+    collections::HashMap,
+    fs,
+    sync::{Arc, Mutex},
+    time::{Duration, Instant},
+};
+
+use asi_model::{DataValue, DateTime};
+use mapping_engine::{
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published, Step,
+};
+use serde_json::json;
+use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+
+/// Nodes and their keys.
+#[derive(Clone, Default)]
+struct Keys(Arc<Mutex<HashMap<String, InputKey>>>);
+
+impl Inputs for Keys {
+    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+        let mut keys = self.0.lock().expect("nobody panics");
+        keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
+        Ok(())
+    }
+    fn unmonitor(&self, _: &[InputKey]) {}
+}
+
+struct Running {
+    handle: MappingEngineHandle,
+    keys: Keys,
+    changes: mpsc::Sender<Vec<InputChange>>,
+    candidates: mpsc::Receiver<Vec<Candidate>>,
+    shutdown: CancellationToken,
+}
+
+impl Running {
+    fn start() -> Self {
+        let keys = Keys::default();
+        let (changes, for_engine) = mpsc::channel(64);
+        let (engine, handle, candidates) = MappingEngine::new(MappingEngineConfig::default(), keys.clone(), for_engine);
+        let shutdown = CancellationToken::new();
+        tokio::spawn(engine.run(shutdown.clone()));
+        Self { handle, keys, changes, candidates, shutdown }
+    }
+
+    async fn put(&self, count: usize, steps: &serde_json::Value) {
+        let mappings = (0..count).map(|index| Published::from(mapping(index, steps)));
+        for result in self.handle.put_many(mappings.collect()).await.expect("the engine runs") {
+            result.expect("the mapping is fine");
+        }
+    }
+
+    /// Feeds so many rounds of so many values per mapping, and takes what comes out. The time it took.
+    async fn feed(&mut self, mappings: usize, per_round: i64, rounds: i64) -> Duration {
+        let keys: Vec<InputKey> =
+            (0..mappings).map(|index| self.keys.0.lock().expect("nobody panics")[&node(index)]).collect();
+        let begun = Instant::now();
+        for round in 0..rounds {
+            let mut batch = Vec::with_capacity(1000);
+            for value in 0..per_round {
+                for key in &keys {
+                    let number = round * per_round + value;
+                    let time = DateTime::from_unix_micros(1_700_000_000_000_000 + number * 1000);
+                    batch.push(InputChange { input: *key, value: DataValue::good(number, time) });
+                    if batch.len() == 1000 {
+                        self.changes.send(std::mem::take(&mut batch)).await.expect("the engine runs");
+                    }
+                }
+            }
+            self.changes.send(batch).await.expect("the engine runs");
+            let mut missing = keys.len() * usize::try_from(per_round).expect("positive");
+            while missing > 0 {
+                missing -= self.candidates.recv().await.expect("the engine runs").len();
+            }
+        }
+        begun.elapsed()
+    }
+}
+
+fn node(index: usize) -> String {
+    format!("nsu=urn:bench;i={index}")
+}
+
+fn mapping(index: usize, steps: &serde_json::Value) -> Mapping {
+    serde_json::from_value(json!({
+        "mappingId": format!("mapping-{index}"),
+        "target": { "operationNetworkId": "frame-4711", "operationId": format!("MakeFrame{index}"),
+                    "dynamicDataRequestId": "ReqResponse1", "fieldName": "progressStatus" },
+        "targetType": "Double",
+        "inputs": [{ "name": "a", "sourceId": "press", "nodeId": node(index), "valueType": "Int64" }],
+        "steps": serde_json::from_value::<Vec<Step>>(steps.clone()).expect("steps"),
+    }))
+    .expect("a mapping")
+}
+
+/// Resident memory of a process, in kB.
+fn resident_kb(process: &str) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|rest| rest.split_whitespace().next()).and_then(|kb| kb.parse().ok()).unwrap_or(0)
+}
+
+/// The processes that this one started.
+fn children() -> Vec<String> {
+    let tasks = fs::read_dir("/proc/self/task").expect("a /proc");
+    let of_task = tasks.flatten().filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+    of_task.flat_map(|list| list.split_whitespace().map(str::to_owned).collect::<Vec<_>>()).collect()
+}
+
+#[allow(clippy::print_stdout)]
+fn say(name: &str, value: f64, unit: &str) {
+    println!("{name}\t{value:.0}\t{unit}");
+}
+
+#[tokio::main(flavor = "multi_thread", worker_threads = 2)]
+async fn main() {
+    built_in().await;
+    scripts().await;
+}
+
+#[allow(clippy::cast_precision_loss)]
+async fn built_in() {
+    const MAPPINGS: usize = 50_000;
+    let steps = json!([
+        { "function": "scale", "factor": 3, "divisor": 2 },
+        { "function": "deadband", "absolute": 0.1 },
+    ]);
+    let mut running = Running::start();
+    let before = resident_kb("self");
+    let begun = Instant::now();
+    running.put(MAPPINGS, &steps).await;
+    say("50 000 built-in mappings put", begun.elapsed().as_secs_f64() * 1000.0, "ms");
+    let rounds = 40;
+    let took = running.feed(MAPPINGS, 1, rounds).await;
+    let values = MAPPINGS as f64 * rounds as f64;
+    say("values per second, built-in", values / took.as_secs_f64(), "1/s");
+    say("memory per built-in mapping", (resident_kb("self") - before) as f64 * 1024.0 / MAPPINGS as f64, "B");
+    running.shutdown.cancel();
+}
+
+#[allow(clippy::cast_precision_loss)]
+async fn scripts() {
+    const MAPPINGS: usize = 1000;
+    let steps = json!([{
+        "function": "script",
+        "source": "(value, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return Number(value) * 0.1 + ctx.state }",
+    }]);
+    let mut running = Running::start();
+    let before = resident_kb("self");
+    let begun = Instant::now();
+    running.put(MAPPINGS, &steps).await;
+    running.feed(MAPPINGS, 1, 1).await;
+    say("1000 JavaScript mappings put and first values", begun.elapsed().as_secs_f64() * 1000.0, "ms");
+    let rounds = 10;
+    let took = running.feed(MAPPINGS, 32, rounds).await;
+    say("values per second, JavaScript", MAPPINGS as f64 * 32.0 * rounds as f64 / took.as_secs_f64(), "1/s");
+    let worker: u64 = children().iter().map(|process| resident_kb(process)).sum();
+    let engine = resident_kb("self").saturating_sub(before);
+    say("memory per JavaScript mapping", (worker + engine) as f64 * 1024.0 / MAPPINGS as f64, "B");
+    running.shutdown.cancel();
+}
