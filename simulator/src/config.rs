@@ -72,6 +72,12 @@ pub struct MachineConfig {
     /// False takes the relay away that network faults need: a little faster, for measurements.
     #[serde(default = "yes")]
     pub relay: bool,
+    /// Most monitored items of one subscription, as small devices have it; declared to clients. 0: plenty.
+    #[serde(default)]
+    pub items_per_subscription_max: u32,
+    /// Most subscriptions of one session. 0: plenty.
+    #[serde(default)]
+    pub subscriptions_per_session_max: u32,
     /// Who may connect and how.
     #[serde(default)]
     pub security: SecurityConfig,
@@ -206,6 +212,8 @@ impl MachineConfig {
             variables: 0,
             changes_per_second: 0.0,
             relay: true,
+            items_per_subscription_max: 0,
+            subscriptions_per_session_max: 0,
             security: SecurityConfig::default(),
         }
     }

@@ -179,7 +179,15 @@ fn assemble(
     pki_directory: PathBuf,
 ) -> Result<(Server, ServerHandle), String> {
     let name = config.name.clone();
-    let builder = limits::raise_server(ServerBuilder::new())
+    let mut builder = limits::raise_server(ServerBuilder::new());
+    let subscriptions = &mut builder.limits_mut().subscriptions;
+    if config.items_per_subscription_max > 0 {
+        subscriptions.max_monitored_items_per_sub = config.items_per_subscription_max as usize;
+    }
+    if config.subscriptions_per_session_max > 0 {
+        subscriptions.max_subscriptions_per_session = config.subscriptions_per_session_max as usize;
+    }
+    let builder = builder
         .application_name(format!("{name} (simulated)"))
         .application_uri(format!("urn:verbund:simulator:server:{name}"))
         .product_uri("urn:verbund:simulator")

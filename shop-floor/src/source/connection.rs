@@ -8,7 +8,7 @@ use std::{
 use opcua_stack::{
     NamespaceTable,
     opcua::{
-        client::{Session, custom_types::DataTypeTreeBuilder},
+        client::{Session, browser::BrowserConfig, custom_types::DataTypeTreeBuilder},
         types::{Error, StatusCode, custom::DynamicTypeLoader},
     },
     values::status_from_stack,
@@ -22,6 +22,8 @@ use crate::{ServerLimits, ShopFloorError, SourceId};
 pub(super) const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// Longest wait for reading all data types of a server.
 const TYPES_TIMEOUT: Duration = Duration::from_secs(60);
+/// Requests for data types that are under way at the same time.
+const TYPE_REQUESTS_AT_ONCE: usize = 4;
 /// Operations per request where the server declares no limit.
 const OPERATIONS_DEFAULT: usize = 1000;
 
@@ -77,7 +79,14 @@ impl Connection {
             .inner
             .types_loaded
             .get_or_init(|| async {
-                let tree = DataTypeTreeBuilder::new(|_| true).build(&self.inner.session);
+                let limits = self.inner.limits;
+                let browsing = BrowserConfig::new()
+                    .max_nodes_per_request(per_request(limits.nodes_per_browse_max).min(100))
+                    .max_concurrent_requests(TYPE_REQUESTS_AT_ONCE);
+                let tree = DataTypeTreeBuilder::new(|_| true)
+                    .config(browsing)
+                    .values_per_read(per_request(limits.nodes_per_read_max))
+                    .build(&self.inner.session);
                 match tokio::time::timeout(TYPES_TIMEOUT, tree).await {
                     Ok(Ok(tree)) => {
                         let tree = Arc::new(tree);

@@ -5,7 +5,7 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         client::Session,
-        types::{NodeId, ReadValueId, TimestampsToReturn, VariableId},
+        types::{DataValue, Error, NodeId, ReadValueId, StatusCode, TimestampsToReturn, VariableId},
     },
     values::from_stack,
 };
@@ -42,7 +42,7 @@ pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
     };
     let ids: Vec<_> = ASKED.iter().map(|id| ReadValueId::from(NodeId::from(*id))).collect();
     let asked_at = now();
-    let answers = tokio::time::timeout(ANSWER_TIMEOUT, session.read(&ids, TimestampsToReturn::Both, 0.0))
+    let answers = tokio::time::timeout(ANSWER_TIMEOUT, ask(session, &ids))
         .await
         .map_err(|_| refused("no answer in time".into()))?
         .map_err(|error| refused(error.to_string()))?;
@@ -75,6 +75,20 @@ pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
     let middle = asked_at.ticks() + (answered_at.ticks() - asked_at.ticks()) / 2;
     let clock_ahead_ms = time(2).map(|server| (server.ticks() - middle) / 10_000);
     Ok(Facts { started_at: time(1), namespaces, limits, clock_ahead_ms })
+}
+
+/// Reads all at once, or one by one from a server whose limit, which we do not know yet, is lower.
+async fn ask(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, Error> {
+    match session.read(ids, TimestampsToReturn::Both, 0.0).await {
+        Err(error) if error.status() == StatusCode::BadTooManyOperations => {
+            let mut answers = Vec::with_capacity(ids.len());
+            for id in ids {
+                answers.extend(session.read(std::slice::from_ref(id), TimestampsToReturn::Both, 0.0).await?);
+            }
+            Ok(answers)
+        }
+        answered => answered,
+    }
 }
 
 /// Asks whether the server runs; the time says nothing, the answer everything.

@@ -258,7 +258,13 @@ impl Session<'_> {
             }
             self.entry.meter.sign_of_life(0);
         }
-        self.subscriptions.retry(memory).await?;
+        if self.subscriptions.is_retry_due() {
+            self.is_busy.store(true, Ordering::Relaxed);
+            self.are_paths_settled = false;
+            self.subscriptions.retry(memory).await?;
+            self.feed.excuse_silence();
+            self.is_busy.store(false, Ordering::Relaxed);
+        }
         if self.audit.round(&self.connection, &self.feed, &self.subscriptions, memory).await? {
             let message = "Values have changed on the server but were not delivered.";
             return Ok(Some(problem(Kind::Stalled, message)));

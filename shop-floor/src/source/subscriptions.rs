@@ -48,6 +48,8 @@ pub(super) struct Subscriptions {
     items: HashMap<InputKey, Item>,
     /// Items per request; halved when the server chokes.
     chunk: usize,
+    /// When something that the server refused is to be tried again.
+    next_retry: Option<Instant>,
     /// Set when the server has no room for any more items.
     is_server_full: bool,
 }
@@ -104,6 +106,7 @@ impl Subscriptions {
             subscriptions: Vec::new(),
             items: HashMap::new(),
             chunk,
+            next_retry: None,
             is_server_full: false,
         }
     }
@@ -160,21 +163,23 @@ impl Subscriptions {
         self.create(to_create, memory).await
     }
 
+    /// True when it is time to try something again that the server refused.
+    pub(super) fn is_retry_due(&self) -> bool {
+        self.next_retry.is_some_and(|at| at <= Instant::now())
+    }
+
     /// Tries again what the server refused, where it is time.
     pub(super) async fn retry(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
         let now = Instant::now();
-        let due: Vec<_> = self
-            .items
-            .values()
-            .filter_map(|item| match item {
-                Item::Refused { request, retry_at, attempts } if *retry_at <= now => {
-                    Some((Arc::clone(request), *attempts))
-                }
-                _ => None,
-            })
-            .collect();
-        if due.is_empty() {
-            return Ok(());
+        let mut due = Vec::new();
+        self.next_retry = None;
+        for item in self.items.values() {
+            let Item::Refused { request, retry_at, attempts } = item else { continue };
+            if *retry_at <= now {
+                due.push((Arc::clone(request), *attempts));
+            } else {
+                self.next_retry = Some(self.next_retry.map_or(*retry_at, |next| next.min(*retry_at)));
+            }
         }
         self.is_server_full = false;
         self.create(due, memory).await
@@ -449,7 +454,9 @@ impl Subscriptions {
             self.outbox.push(vec![InputChange { input, value: DataValue::status_only(status, Some(now())) }]);
         }
         let pause = RETRY_MIN.saturating_mul(1 << attempts.min(10)).min(RETRY_MAX);
-        let item = Item::Refused { request, retry_at: Instant::now() + pause, attempts: attempts.saturating_add(1) };
+        let retry_at = Instant::now() + pause;
+        self.next_retry = Some(self.next_retry.map_or(retry_at, |next| next.min(retry_at)));
+        let item = Item::Refused { request, retry_at, attempts: attempts.saturating_add(1) };
         self.items.insert(input, item);
     }
 }

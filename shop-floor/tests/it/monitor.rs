@@ -141,6 +141,35 @@ async fn many_inputs_share_few_subscriptions_and_all_become_live() {
 }
 
 #[tokio::test]
+async fn a_small_server_is_filled_to_its_limits_and_the_rest_says_so() {
+    let mut bank = MachineConfig::new("Bank", MachineKind::Bank);
+    (bank.variables, bank.changes_per_second) = (100, 1000.0);
+    (bank.items_per_subscription_max, bank.subscriptions_per_session_max) = (20, 3);
+    let simulation = Simulation::of(vec![bank]).await;
+    let bank = simulation.machine("Bank");
+    let floor = Floor::start();
+    let source = floor.connect(&bank).await;
+    for index in 0..100 {
+        floor.monitor(index, &source, node(&bank, &format!("Counter{index}")));
+    }
+    until("three subscriptions are full", || floor.status(&source).live == 60).await;
+    let status = floor.status(&source);
+    assert_eq!((status.inputs, status.not_live.len()), (100, 40));
+    let limit = "the server's limit of monitored items is reached";
+    assert!(status.not_live.iter().all(|problem| problem.reason.contains(limit)), "{:?}", status.not_live[0]);
+
+    // Room is used as soon as there is some.
+    let live: Vec<_> =
+        (0..100).filter(|input| status.not_live.iter().all(|problem| problem.input.0 != *input)).collect();
+    floor.handle.unmonitor_many(&live[..40].iter().map(|input| InputKey(*input)).collect::<Vec<_>>());
+    until("all that are left are live", || {
+        let status = floor.status(&source);
+        (status.inputs, status.live) == (60, 60)
+    })
+    .await;
+}
+
+#[tokio::test]
 async fn values_are_written_and_methods_called() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");

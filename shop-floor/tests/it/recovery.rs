@@ -59,6 +59,40 @@ async fn cut_connections_are_made_again() {
     proves_to_be_live(&cell, &floor, 9002).await;
 }
 
+/// Killed, cut off and restarted with other indexes and ids, a hundred times in a seeded order.
+#[tokio::test]
+async fn a_hundred_faults_later_everything_is_live() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    until("all paths are learned", || floor.status(&source).findable == KEYS.len()).await;
+    let seed = 20_261_121;
+    let mut slowest = Duration::ZERO;
+    for round in 0..100_u32 {
+        let dice = simulator::signals::hash(seed, 0, u64::from(round));
+        let sessions = floor.status(&source).sessions;
+        let layout = Layout { namespaces_before: (dice >> 8) as u16 % 4, renumbered: (dice >> 16) as u32 % 3 };
+        match dice % 3 {
+            0 => cell.inject(Fault::DropConnections).await,
+            1 => cell.inject(Fault::Restart { layout, down_ms: 0 }).await,
+            _ => {
+                cell.inject(Fault::Kill).await.expect("killed");
+                floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
+                cell.inject(Fault::Restart { layout, down_ms: (dice >> 24) % 100 }).await
+            }
+        }
+        .unwrap_or_else(|error| panic!("round {round} of seed {seed}: {error}"));
+        cell.set("Production.PartCounter", round).await.expect("set");
+        let what = format!("all live in round {round} of seed {seed}");
+        let took = within(Duration::from_secs(5), &what, || {
+            let status = floor.status(&source);
+            status.sessions > sessions && status.live == KEYS.len()
+        })
+        .await;
+        slowest = slowest.max(took);
+        floor.until_value(0, round).await;
+    }
+    println!("slowest recovery: {slowest:?}");
+}
+
 #[tokio::test]
 async fn other_namespace_indexes_after_a_restart_do_not_matter() {
     let (_simulation, cell, floor, source) = watched_cell().await;

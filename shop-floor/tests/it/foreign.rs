@@ -1,0 +1,250 @@
+//! Other people's servers: asyncua and node-opcua, killed and restarted with other ids, protected and not.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Stdio,
+    time::{Duration, Instant},
+};
+
+use asi_model::{
+    DataValue, NodeId, Scalar, StatusCode, Variant,
+    values::{ExtensionBody, StructureValue},
+};
+use shop_floor::{Identity, SecurityChoice, SourceConfig, SourceId, SourceProblemKind, TrustState};
+use tempfile::TempDir;
+use tokio::{
+    io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader},
+    process::{Child, ChildStdin, Command},
+    sync::OnceCell,
+};
+
+use crate::support::{Floor, until, within};
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stack {
+    Asyncua,
+    NodeOpcua,
+}
+
+impl Stack {
+    fn namespace(self) -> &'static str {
+        match self {
+            Self::Asyncua => "urn:verbund:test:asyncua",
+            Self::NodeOpcua => "urn:verbund:test:node-opcua",
+        }
+    }
+}
+
+/// A server of another stack in a process of its own, killed when dropped.
+struct Peer {
+    stack: Stack,
+    port: u16,
+    directory: TempDir,
+    is_protected: bool,
+    running: Option<(Child, ChildStdin)>,
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Installs the peers if they are not there.
+async fn install() {
+    static INSTALLED: OnceCell<()> = OnceCell::const_new();
+    INSTALLED
+        .get_or_init(|| async {
+            let installed = Command::new(repository().join("tests/foreign/setup.sh")).status().await;
+            assert!(installed.expect("the script runs").success(), "the foreign peers could not be installed");
+        })
+        .await;
+}
+
+impl Peer {
+    async fn start(stack: Stack, is_protected: bool) -> Self {
+        install().await;
+        let free = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+        let port = free.local_addr().expect("bound").port();
+        drop(free);
+        let directory = tempfile::tempdir().expect("a folder for certificates");
+        let mut peer = Self { stack, port, directory, is_protected, running: None };
+        peer.restart(0, 0).await;
+        peer
+    }
+
+    /// Kills the server, if it runs, and starts it with other indexes and ids; it is ready when this returns.
+    async fn restart(&mut self, before: u32, renumber: u32) {
+        self.kill().await;
+        let scripts = repository().join("shop-floor/tests/foreign");
+        let mut command = match self.stack {
+            Stack::Asyncua => {
+                let mut command = Command::new(repository().join("target/foreign/python/bin/python"));
+                command.arg(scripts.join("asyncua_server.py"));
+                if self.is_protected {
+                    command.arg("--protected").arg(self.directory.path());
+                }
+                command
+            }
+            Stack::NodeOpcua => {
+                let mut command = Command::new("node");
+                command.env("NODE_PATH", repository().join("tests/foreign/node_modules"));
+                command.arg(scripts.join("node_opcua_server.js")).arg("--pki").arg(self.directory.path());
+                if self.is_protected {
+                    command.arg("--protected");
+                }
+                command
+            }
+        };
+        command
+            .args(["--port", &self.port.to_string()])
+            .args(["--before", &before.to_string(), "--renumber", &renumber.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .kill_on_drop(true);
+        let mut child = command.spawn().expect("the server starts");
+        let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+        let ready = async {
+            while let Some(line) = lines.next_line().await.expect("readable") {
+                if line == "ready" {
+                    return;
+                }
+            }
+            panic!("the server ended before it was ready");
+        };
+        tokio::time::timeout(Duration::from_secs(60), ready).await.expect("ready in time");
+        // Somebody must go on listening, or the server dies of its own words.
+        tokio::spawn(async move { while let Ok(Some(_)) = lines.next_line().await {} });
+        let stdin = child.stdin.take().expect("piped");
+        self.running = Some((child, stdin));
+    }
+
+    async fn kill(&mut self) {
+        if let Some((mut child, _)) = self.running.take() {
+            child.kill().await.expect("it can be killed");
+        }
+    }
+
+    async fn set(&mut self, json: &str) {
+        let (_, stdin) = self.running.as_mut().expect("running");
+        stdin.write_all(format!("{json}\n").as_bytes()).await.expect("it listens");
+        stdin.flush().await.expect("it listens");
+    }
+
+    /// The identity that a node had at first.
+    fn node(&self, number: u32) -> NodeId {
+        NodeId::numeric(self.stack.namespace(), 2000 + number)
+    }
+
+    fn source(&self) -> SourceConfig {
+        let id = SourceId::new("machine").expect("valid");
+        let mut source = SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));
+        source.silence_ms_max = 2000;
+        if self.is_protected {
+            source.identity = Identity::UserName { user_name: "connector".into(), password: "machine".into() };
+        } else {
+            source.security = SecurityChoice::None;
+        }
+        source
+    }
+}
+
+const COUNTER: u64 = 1;
+const TEMPERATURE: u64 = 2;
+const TEXT: u64 = 3;
+const POWER: u64 = 4;
+
+fn structure(value: Option<DataValue>) -> Option<StructureValue> {
+    match value?.value {
+        Variant::Scalar(Scalar::ExtensionObject(object)) => match object.body {
+            ExtensionBody::Structure(structure) => Some(structure),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn monitor_all(floor: &Floor, source: &SourceId, peer: &Peer) {
+    for input in [COUNTER, TEMPERATURE, TEXT, POWER] {
+        floor.monitor(input, source, peer.node(u32::try_from(input).expect("small")));
+    }
+}
+
+/// Values, structures and types arrive, and after each of some kills all is live again within 5 s.
+async fn is_a_good_source(stack: Stack, restarts: u32) {
+    let mut peer = Peer::start(stack, false).await;
+    let floor = Floor::start();
+    let source = peer.source();
+    let id = source.source_id.clone();
+    floor.handle.put_source(source).expect("valid");
+    floor.until_connected(&id).await;
+    monitor_all(&floor, &id, &peer);
+    until("all are live", || floor.status(&id).live == 4).await;
+    peer.set(r#"{"counter": 7, "temperature": 21.25, "text": "running"}"#).await;
+    let counter = floor.until_value(COUNTER, 7_i32).await;
+    assert!(counter.source_timestamp.is_some());
+    floor.until_value(TEMPERATURE, 21.25).await;
+    floor.until_value(TEXT, "running").await;
+    until("a decoded structure", || structure(floor.newest(POWER)).is_some()).await;
+    let power = structure(floor.newest(POWER)).expect("it was just there");
+    assert_eq!(power.fields["Watts"], Variant::from(812.5));
+
+    let found = floor.handle.search(&id, "temper", 10).await.expect("search");
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].node_id, peer.node(2));
+    assert_eq!(found[0].browse_path.as_ref().map(ToString::to_string).as_deref(), Some("Machine/Temperature"));
+    until("all paths are learned", || floor.status(&id).findable == 4).await;
+
+    for round in 1..=restarts {
+        peer.kill().await;
+        floor.until_status(COUNTER, StatusCode::BAD_NOT_CONNECTED).await;
+        peer.restart(round % 3, round).await;
+        let returned = Instant::now();
+        let number = i32::try_from(round).expect("few rounds");
+        peer.set(&format!(r#"{{"counter": {number}, "text": "round {round}"}}"#)).await;
+        within(Duration::from_secs(5), "all are live again", || floor.status(&id).live == 4).await;
+        floor.until_value(COUNTER, number).await;
+        floor.until_value(TEXT, format!("round {round}").as_str()).await;
+        assert!(returned.elapsed() < Duration::from_secs(5), "{:?}", returned.elapsed());
+    }
+    // No value of another node was ever taken for the counter's.
+    let is_counter =
+        |value: &DataValue| value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_)));
+    assert!(floor.heard(COUNTER).iter().all(is_counter));
+}
+
+async fn is_a_good_protected_source(stack: Stack) {
+    let mut peer = Peer::start(stack, true).await;
+    let floor = Floor::start();
+    let source = peer.source();
+    let id = source.source_id.clone();
+    floor.handle.put_source(source).expect("valid");
+    let kind = SourceProblemKind::ServerCertificateUntrusted;
+    until("the certificate is shown", || floor.status(&id).problem.is_some_and(|problem| problem.kind == kind)).await;
+    let shown = floor.handle.certificates().await.expect("certificates");
+    floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");
+    floor.until_connected(&id).await;
+    monitor_all(&floor, &id, &peer);
+    peer.set(r#"{"counter": 12}"#).await;
+    floor.until_value(COUNTER, 12_i32).await;
+    until("a decoded structure", || structure(floor.newest(POWER)).is_some()).await;
+}
+
+#[tokio::test]
+async fn asyncua_is_a_good_source_through_kills_and_renumbering() {
+    is_a_good_source(Stack::Asyncua, 4).await;
+}
+
+#[tokio::test]
+async fn node_opcua_is_a_good_source_through_kills_and_renumbering() {
+    is_a_good_source(Stack::NodeOpcua, 3).await;
+}
+
+#[tokio::test]
+async fn asyncua_is_a_good_source_with_protection_and_a_user() {
+    is_a_good_protected_source(Stack::Asyncua).await;
+}
+
+#[tokio::test]
+async fn node_opcua_is_a_good_source_with_protection_and_a_user() {
+    is_a_good_protected_source(Stack::NodeOpcua).await;
+}
