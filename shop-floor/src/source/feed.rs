@@ -38,8 +38,8 @@ pub(crate) struct Feed {
     slots: Mutex<Slots>,
     live: AtomicUsize,
     is_closed: AtomicBool,
-    /// When each subscription was last heard of.
-    heard: Mutex<Vec<Instant>>,
+    /// When each subscription was last heard of; `None` while it has no items and nothing is to be heard.
+    heard: Mutex<Vec<Option<Instant>>>,
     /// Woken when a structure arrived that needs the server's data types.
     pub(super) types_needed: Notify,
     /// Woken when the server ended a subscription.
@@ -98,18 +98,23 @@ impl Feed {
     /// A new subscription's place among those that are listened to.
     pub(super) fn add_subscription(&self) -> usize {
         let mut heard = self.heard.lock();
-        heard.push(Instant::now());
+        heard.push(None);
         heard.len() - 1
     }
 
-    /// The longest time that any subscription has been silent; `None` while there is none.
+    /// From now on a subscription is to be heard of.
+    pub(super) fn expect(&self, subscription: usize) {
+        self.heard.lock()[subscription].get_or_insert_with(Instant::now);
+    }
+
+    /// The longest time that any subscription with items has been silent; `None` while there is none.
     pub(super) fn silence(&self) -> Option<Duration> {
-        self.heard.lock().iter().map(Instant::elapsed).max()
+        self.heard.lock().iter().flatten().map(Instant::elapsed).max()
     }
 
     /// All subscriptions count as heard of just now.
     pub(super) fn excuse_silence(&self) {
-        self.heard.lock().fill(Instant::now());
+        self.heard.lock().iter_mut().flatten().for_each(|heard| *heard = Instant::now());
     }
 
     /// A client handle for an input.
@@ -246,7 +251,7 @@ impl Listener {
 impl OnSubscriptionNotificationCore for Listener {
     fn on_subscription_notification(&mut self, message: NotificationMessage, _items: MonitoredItemMap<'_>) {
         // Any publish response is a sign of life, with or without data.
-        self.feed.heard.lock()[self.subscription] = Instant::now();
+        self.feed.heard.lock()[self.subscription] = Some(Instant::now());
         self.feed.entry.meter.sign_of_life(0);
         for notification in message.notification_data.into_iter().flatten() {
             match_extension_object_owned!(notification,

@@ -56,8 +56,12 @@ pub(super) struct Subscriptions {
 
 struct Subscription {
     id: u32,
+    /// Its place in the feed.
+    place: usize,
     items: usize,
     capacity: usize,
+    /// How many more may fit at most, after more were refused together.
+    room_guess: usize,
 }
 
 enum Item {
@@ -201,6 +205,7 @@ impl Subscriptions {
         for (index, items) in by_subscription {
             let subscription = &mut self.subscriptions[index];
             subscription.items -= items.len();
+            subscription.room_guess = usize::MAX;
             let id = subscription.id;
             for chunk in items.chunks(self.chunk) {
                 let ids: Vec<_> = chunk.iter().map(|(item_id, _)| *item_id).collect();
@@ -261,10 +266,21 @@ impl Subscriptions {
             }
             let Some(index) = self.subscription_with_room().await? else { continue };
             let subscription = &self.subscriptions[index];
-            let count = self.chunk.min(queue.len()).min(subscription.capacity - subscription.items);
+            let room = subscription.capacity - subscription.items;
+            let count = self.chunk.min(queue.len()).min(room).min(subscription.room_guess);
             let chunk: Vec<_> = queue.drain(..count).collect();
             let outcomes = match self.request_items(index, &chunk).await {
                 Ok(outcomes) => outcomes,
+                // Some servers refuse all items of a request that has more than there is room for.
+                Err(ShopFloorError::Refused { status })
+                    if StatusCode::from(status.0) == StatusCode::BadTooManyMonitoredItems && count > 1 =>
+                {
+                    self.subscriptions[index].room_guess = count / 2;
+                    for candidate in chunk.into_iter().rev() {
+                        queue.push_front(candidate);
+                    }
+                    continue;
+                }
                 Err(error) if is_choking(&error) && self.chunk > 1 => {
                     self.chunk = (count / 2).max(1);
                     tracing::info!(source.id = %self.entry.id, chunk = self.chunk, %error,
@@ -329,6 +345,7 @@ impl Subscriptions {
             match outcome {
                 Outcome::Created { item_id, handle } => {
                     self.subscriptions[index].items += 1;
+                    self.feed.expect(self.subscriptions[index].place);
                     let request = candidate.request;
                     self.entry.note([(request.input, None)]);
                     let item = Item::Monitored { request: Arc::clone(&request), subscription: index, item_id, handle };
@@ -367,7 +384,8 @@ impl Subscriptions {
         let count = |duration: Duration| (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32;
         let keep_alive_count = count(keep_alive);
         let life_count = count(SUBSCRIPTION_LIFE).max(keep_alive_count.saturating_mul(3));
-        let listener = Listener::new(Arc::clone(&self.feed), self.feed.add_subscription());
+        let place = self.feed.add_subscription();
+        let listener = Listener::new(Arc::clone(&self.feed), place);
         let session = self.connection.session();
         let created = session.create_subscription(interval, life_count, keep_alive_count, 0, 0, true, listener);
         match self.connection.ask(created).await {
@@ -375,7 +393,7 @@ impl Subscriptions {
                 let limit = self.connection.limits().items_per_subscription_max;
                 let limit = limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
                 let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
-                self.subscriptions.push(Subscription { id, items: 0, capacity });
+                self.subscriptions.push(Subscription { id, place, items: 0, capacity, room_guess: usize::MAX });
                 Ok(Some(self.subscriptions.len() - 1))
             }
             Err(ShopFloorError::Refused { status }) => {

@@ -65,7 +65,6 @@ async fn a_hundred_faults_later_everything_is_live() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     until("all paths are learned", || floor.status(&source).findable == KEYS.len()).await;
     let seed = 20_261_121;
-    let mut slowest = Duration::ZERO;
     for round in 0..100_u32 {
         let dice = simulator::signals::hash(seed, 0, u64::from(round));
         let sessions = floor.status(&source).sessions;
@@ -82,15 +81,13 @@ async fn a_hundred_faults_later_everything_is_live() {
         .unwrap_or_else(|error| panic!("round {round} of seed {seed}: {error}"));
         cell.set("Production.PartCounter", round).await.expect("set");
         let what = format!("all live in round {round} of seed {seed}");
-        let took = within(Duration::from_secs(5), &what, || {
+        within(Duration::from_secs(5), &what, || {
             let status = floor.status(&source);
             status.sessions > sessions && status.live == KEYS.len()
         })
         .await;
-        slowest = slowest.max(took);
         floor.until_value(0, round).await;
     }
-    println!("slowest recovery: {slowest:?}");
 }
 
 #[tokio::test]
@@ -204,4 +201,18 @@ async fn a_removed_source_tells_its_inputs_and_comes_back() {
     assert!(floor.handle.states().is_empty());
     floor.connect(&cell).await;
     within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+}
+
+#[tokio::test]
+async fn a_source_without_inputs_stays_connected() {
+    let (_simulation, cell, floor, source) = watched_cell().await;
+    for input in 0..KEYS.len() as u64 {
+        floor.handle.unmonitor(shop_floor::InputKey(input));
+    }
+    until("nothing is wanted", || floor.status(&source).inputs == 0).await;
+    let begun = std::time::Instant::now();
+    until("some times the allowed silence", || begun.elapsed() > Duration::from_secs(4)).await;
+    assert_eq!(floor.status(&source).sessions, 1);
+    floor.monitor(0, &source, node(&cell, KEYS[0]));
+    proves_to_be_live(&cell, &floor, 5).await;
 }
