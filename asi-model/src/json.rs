@@ -4,10 +4,14 @@
 //! memory linear in its size and nothing more. It keeps numbers as text (64-bit integers stay exact) and reports
 //! member names that occur twice, which general-purpose readers pass over.
 
+mod escapes;
+mod node;
+mod reader;
 mod tape;
 pub mod write;
 
-pub use tape::{Elements, JsonError, Kind, Limits, Members, Node, Tape};
+pub use node::{Elements, Members, Node};
+pub use tape::{JsonError, Kind, Limits, Tape};
 
 /// Appends a member as it came to the text of an object, with the comma it needs.
 pub(crate) fn push_separated(json: &mut String, name: Node<'_, '_>, value: Node<'_, '_>) {

@@ -4,9 +4,11 @@
 //! standard harmlessly is read with a [`Diagnostic`], unless [`Leniency::Strict`] is asked for.
 
 pub(crate) mod decode;
+mod decode_array;
 pub(crate) mod decode_scalar;
 mod decode_structure;
 pub(crate) mod encode;
+mod encode_names;
 mod encode_structure;
 mod shape;
 
