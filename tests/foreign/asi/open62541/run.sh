@@ -13,4 +13,6 @@ if [[ -z "${LIBCLANG_PATH:-}" ]]; then
   LIBCLANG_PATH=$("$folder/python/bin/python" -c 'import clang, pathlib; print(pathlib.Path(clang.__file__).parent / "native")')
   export LIBCLANG_PATH
 fi
+# The wheel brings no compiler headers; those of the C compiler do.
+export BINDGEN_EXTRA_CLANG_ARGS="${BINDGEN_EXTRA_CLANG_ARGS:-} -I$(cc -print-file-name=include)"
 CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$folder/cargo} cargo run --locked --quiet
