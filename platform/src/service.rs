@@ -1,6 +1,8 @@
 //! The platform as a component: opened from its configuration, run until shutdown.
 
-use std::{convert::Infallible, net::SocketAddr, path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    convert::Infallible, net::SocketAddr, os::unix::fs::DirBuilderExt, path::PathBuf, sync::Arc, time::Duration,
+};
 
 use asi_model::DateTime;
 use broker::{Broker, BrokerConfig, BrokerError, Listener, TlsIdentity};
@@ -15,6 +17,7 @@ use daemon::{
 };
 use messaging::{BrokerProfile, BrokerUrl, Link, LinkConfig, LinkError, LinkState, Login, Roots};
 use tokio::{net::TcpListener, sync::watch};
+use tokio_util::sync::CancellationToken;
 
 use crate::{
     accounts::StoredAccounts,
@@ -116,8 +119,7 @@ impl Platform {
         clock: Clock,
         lifecycle: &Lifecycle,
     ) -> Result<(Self, PlatformHandle), StartError> {
-        std::fs::create_dir_all(&config.data_directory)
-            .map_err(|source| StartError::DataDirectory { path: config.data_directory.clone(), source })?;
+        make_data_directory(&config)?;
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         administrator::ensure(&store, &config, clock.now()).await?;
@@ -171,10 +173,12 @@ impl Platform {
     pub fn start(self, lifecycle: &Lifecycle) {
         let Self { application, web_listener, web_tls, broker, link, ingest, board } = self;
         let (store, reach, clock) = (application.store.clone(), application.reach.clone(), application.clock.clone());
+        // At shutdown the link goes first, so that what it has received is still stored and settled; then its two ends.
+        let after_link = CancellationToken::new();
         if let Some(broker) = broker {
-            lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
+            lifecycle.spawn("broker", Importance::Essential, broker.run(after_link.clone()));
         }
-        lifecycle.spawn("ingest", Importance::Essential, ingest.run(lifecycle.shutdown()));
+        lifecycle.spawn("ingest", Importance::Essential, ingest.run(after_link.clone()));
         // Queues can only be declared once the broker runs, so this is the first task's work and not the opening's.
         let reconciling = reach.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
         lifecycle.spawn("reach", Importance::Optional, async move {
@@ -183,6 +187,7 @@ impl Platform {
         });
         let link_shutdown = lifecycle.shutdown();
         lifecycle.spawn("link", Importance::Essential, async move {
+            let _ends_with_it = after_link.drop_guard();
             link.run(link_shutdown).await;
             Ok::<(), Infallible>(())
         });
@@ -220,6 +225,15 @@ impl Platform {
     }
 }
 
+/// What partners entrust to the platform is for its own user only.
+fn make_data_directory(config: &PlatformConfig) -> Result<(), StartError> {
+    std::fs::DirBuilder::new()
+        .recursive(true)
+        .mode(0o700)
+        .create(&config.data_directory)
+        .map_err(|source| StartError::DataDirectory { path: config.data_directory.clone(), source })
+}
+
 /// Runs the embedded broker alone, with the users and queues of the platform's database as they are now.
 ///
 /// # Errors
@@ -229,8 +243,7 @@ pub async fn start_broker_alone(
     clock: &Clock,
     lifecycle: &Lifecycle,
 ) -> Result<Vec<SocketAddr>, StartError> {
-    std::fs::create_dir_all(&config.data_directory)
-        .map_err(|source| StartError::DataDirectory { path: config.data_directory.clone(), source })?;
+    make_data_directory(config)?;
     let store = Store::open(&config.database_path()).await?;
     let reach = Reach::new(config.broker.users.clone());
     let embedded = PlatformConfig {

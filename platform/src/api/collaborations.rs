@@ -35,7 +35,7 @@ pub struct NewCollaboration {
 }
 
 /// Lists the collaborations of the viewer's organisation; administrators see all.
-#[utoipa::path(get, path = "/collaborations", tag = "collaborations", security(("session" = [])),
+#[utoipa::path(get, operation_id = "listCollaborations", path = "/collaborations", tag = "collaborations", security(("session" = [])),
     responses((status = 200, body = Page<Collaboration>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
@@ -45,7 +45,7 @@ pub async fn list(
 }
 
 /// Adds a collaboration.
-#[utoipa::path(post, path = "/collaborations", tag = "collaborations", security(("session" = [])),
+#[utoipa::path(post, operation_id = "addCollaboration", path = "/collaborations", tag = "collaborations", security(("session" = [])),
     request_body = NewCollaboration, responses((status = 201, body = Collaboration), ChangeProblems))]
 pub async fn add(
     State(app): State<Application>,
@@ -75,7 +75,7 @@ pub async fn add(
 }
 
 /// Adds a member; nothing happens where it is one.
-#[utoipa::path(put, path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
+#[utoipa::path(put, operation_id = "addMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path)),
     responses((status = 200, body = Collaboration), ChangeProblems))]
 pub async fn add_member(
@@ -94,7 +94,7 @@ pub async fn add_member(
 }
 
 /// Adds a factory; nothing happens where it takes part.
-#[utoipa::path(put, path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
+#[utoipa::path(put, operation_id = "addCollaborationFactory", path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path)),
     responses((status = 200, body = Collaboration), ChangeProblems))]
 pub async fn add_factory(

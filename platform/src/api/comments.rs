@@ -40,7 +40,7 @@ pub struct AddComment {
 }
 
 /// Lists the comments on a network, oldest first.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
+#[utoipa::path(get, operation_id = "listComments", path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
     security(("session" = [])), params(("operationNetworkId" = String, Path), PageQuery),
     responses((status = 200, body = Page<CommentEntry>), ReadProblems))]
 pub async fn list(
@@ -58,7 +58,7 @@ pub async fn list(
 }
 
 /// Adds a comment; it is sent to the factory.
-#[utoipa::path(post, path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
+#[utoipa::path(post, operation_id = "addComment", path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
     security(("session" = [])), params(("operationNetworkId" = String, Path)), request_body = AddComment,
     responses((status = 201, body = CommentEntry), ChangeProblems))]
 pub async fn add(

@@ -48,7 +48,7 @@ pub struct Replayed {
 }
 
 /// Lists dead letters, newest first; those of the embedded broker come with the first page. For administrators.
-#[utoipa::path(get, path = "/dead-letters", tag = "dead letters", security(("session" = [])), params(PageQuery),
+#[utoipa::path(get, operation_id = "listDeadLetters", path = "/dead-letters", tag = "dead letters", security(("session" = [])), params(PageQuery),
     responses((status = 200, body = Page<DeadLetterView>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
@@ -90,7 +90,7 @@ pub async fn list(
 }
 
 /// Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes back to its queue.
-#[utoipa::path(post, path = "/dead-letters/{deadLetterId}/replay", tag = "dead letters", security(("session" = [])),
+#[utoipa::path(post, operation_id = "replayDeadLetter", path = "/dead-letters/{deadLetterId}/replay", tag = "dead letters", security(("session" = [])),
     params(("deadLetterId" = String, Path)), responses((status = 200, body = Replayed), ChangeProblems))]
 pub async fn replay(
     State(app): State<Application>,

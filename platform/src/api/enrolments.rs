@@ -40,7 +40,7 @@ pub struct Enrolment {
 }
 
 /// Uses a token up. Of a factory's credentials the newest two are alive.
-#[utoipa::path(post, path = "/enrolments", tag = "factories", request_body = Enrol,
+#[utoipa::path(post, operation_id = "enrol", path = "/enrolments", tag = "factories", request_body = Enrol,
     responses((status = 201, body = Enrolment), ChangeProblems))]
 pub async fn enrol(
     State(app): State<Application>,

@@ -28,7 +28,9 @@ pub struct NewFactory {
     factory_id: FactoryId,
     #[schema(value_type = String)]
     organisation_id: OrganisationId,
-    name: String,
+    /// What people call it; the id where absent.
+    #[serde(default)]
+    name: Option<String>,
 }
 
 /// A token to enrol with, shown this once.
@@ -53,14 +55,14 @@ pub struct Revoked {
 }
 
 /// Lists the factories of the viewer's organisation and of its collaborations; administrators see all.
-#[utoipa::path(get, path = "/factories", tag = "factories", security(("session" = [])),
+#[utoipa::path(get, operation_id = "listFactories", path = "/factories", tag = "factories", security(("session" = [])),
     responses((status = 200, body = Page<Factory>), ReadProblems))]
 pub async fn list(State(app): State<Application>, who: SignedIn<Principal>) -> Result<Json<Page<Factory>>, Problem> {
     Ok(Json(Page::whole(app.store.read().await?.factories().list(&who.principal.scope()).await?)))
 }
 
 /// Adds a factory; its queues are made.
-#[utoipa::path(post, path = "/factories", tag = "factories", security(("session" = [])), request_body = NewFactory,
+#[utoipa::path(post, operation_id = "addFactory", path = "/factories", tag = "factories", security(("session" = [])), request_body = NewFactory,
     responses((status = 201, body = Factory), ChangeProblems))]
 pub async fn add(
     State(app): State<Application>,
@@ -72,7 +74,8 @@ pub async fn add(
     if !work.organisations().exists(&new.organisation_id).await? {
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
-    if !work.factories().add(&new.factory_id, &new.organisation_id, &new.name, app.clock.now()).await? {
+    let name = new.name.as_deref().filter(|name| !name.is_empty()).unwrap_or(new.factory_id.as_str());
+    if !work.factories().add(&new.factory_id, &new.organisation_id, name, app.clock.now()).await? {
         return Err(taken("factory"));
     }
     let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
@@ -83,7 +86,7 @@ pub async fn add(
 }
 
 /// Makes a single-use token with which the factory's connector enrols.
-#[utoipa::path(post, path = "/factories/{factoryId}/enrolment-tokens", tag = "factories", security(("session" = [])),
+#[utoipa::path(post, operation_id = "makeEnrolmentToken", path = "/factories/{factoryId}/enrolment-tokens", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 201, body = TokenView), ChangeProblems))]
 pub async fn make_token(
     State(app): State<Application>,
@@ -99,7 +102,7 @@ pub async fn make_token(
 }
 
 /// Takes all credentials of the factory's connector away and cuts its connections.
-#[utoipa::path(delete, path = "/factories/{factoryId}/credentials", tag = "factories", security(("session" = [])),
+#[utoipa::path(delete, operation_id = "revokeFactoryCredentials", path = "/factories/{factoryId}/credentials", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Revoked), ChangeProblems))]
 pub async fn revoke(
     State(app): State<Application>,

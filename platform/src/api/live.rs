@@ -19,7 +19,7 @@ pub struct Query {
 
 /// Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`, and `reset` where events
 /// were missed and the page must load afresh.
-#[utoipa::path(get, path = "/live", tag = "live", security(("session" = [])), params(Query),
+#[utoipa::path(get, operation_id = "streamLive", path = "/live", tag = "live", security(("session" = [])), params(Query),
     responses((status = 200, content_type = "text/event-stream", body = String), ReadProblems))]
 pub async fn stream(
     State(app): State<Application>,

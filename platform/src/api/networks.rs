@@ -47,7 +47,7 @@ pub struct Changed {
 }
 
 /// Lists the networks of the viewer's collaborations, by id.
-#[utoipa::path(get, path = "/operation-networks", tag = "networks", security(("session" = [])), params(PageQuery),
+#[utoipa::path(get, operation_id = "listOperationNetworks", path = "/operation-networks", tag = "networks", security(("session" = [])), params(PageQuery),
     responses((status = 200, body = Page<NetworkSummary>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
@@ -60,7 +60,7 @@ pub async fn list(
 }
 
 /// Shows a network with its parts, progress and the fields that concern the viewer.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+#[utoipa::path(get, operation_id = "showOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), ReadProblems))]
 pub async fn show(
     State(app): State<Application>,
@@ -81,7 +81,7 @@ pub async fn show(
 
 /// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the revision guards
 /// against overwriting somebody else's change. The same network again changes nothing.
-#[utoipa::path(put, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+#[utoipa::path(put, operation_id = "putOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = PutBody,
     responses((status = 200, body = Changed), ChangeProblems))]
 pub async fn put(
@@ -109,7 +109,7 @@ pub async fn put(
 }
 
 /// Withdraws a network: its nodes and mappings go at every factory.
-#[utoipa::path(delete, path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
+#[utoipa::path(delete, operation_id = "withdrawOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = Changed), ChangeProblems))]
 pub async fn withdraw(
     State(app): State<Application>,

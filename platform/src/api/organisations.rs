@@ -23,7 +23,7 @@ pub struct NewOrganisation {
 }
 
 /// Lists the organisations that the viewer shares a collaboration with; administrators see all.
-#[utoipa::path(get, path = "/organisations", tag = "organisations", security(("session" = [])),
+#[utoipa::path(get, operation_id = "listOrganisations", path = "/organisations", tag = "organisations", security(("session" = [])),
     responses((status = 200, body = Page<Organisation>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
@@ -33,7 +33,7 @@ pub async fn list(
 }
 
 /// Adds an organisation.
-#[utoipa::path(post, path = "/organisations", tag = "organisations", security(("session" = [])),
+#[utoipa::path(post, operation_id = "addOrganisation", path = "/organisations", tag = "organisations", security(("session" = [])),
     request_body = NewOrganisation, responses((status = 201, body = Organisation), ChangeProblems))]
 pub async fn add(
     State(app): State<Application>,

@@ -30,10 +30,12 @@ pub struct Query {
     after: Option<u64>,
     /// Most entries wanted, 1 to 1000.
     limit: Option<u32>,
+    /// The newest entries instead of the oldest; still in the order of their arrival, and without a next page.
+    newest: Option<bool>,
 }
 
 /// Lists the reports whose recipient the viewer is, in the order of their arrival.
-#[utoipa::path(get, path = "/reports", tag = "reports", security(("session" = [])), params(Query),
+#[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(Query),
     responses((status = 200, body = Page<Report>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
@@ -41,7 +43,17 @@ pub async fn list(
     ApiQuery(query): ApiQuery<Query>,
 ) -> Result<Json<Page<Report>>, Problem> {
     let limit = limit(query.limit);
-    let wanted = ReportQuery { network: query.network, request: query.request, after: query.after.unwrap_or(0), limit };
+    let is_newest = query.newest.unwrap_or(false);
+    let wanted = ReportQuery {
+        network: query.network,
+        request: query.request,
+        after: query.after.unwrap_or(0),
+        limit,
+        is_newest,
+    };
     let reports = app.store.read().await?.reports().list(&who.principal.scope(), &wanted).await?;
+    if is_newest {
+        return Ok(Json(Page::whole(reports)));
+    }
     Ok(Json(Page::new(reports, limit, |report| report.report_id.to_string())))
 }

@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Adds a dynamic data request to an operation: a new revision goes to its factory.
-#[utoipa::path(post, path = "/operation-networks/{operationNetworkId}/operations/{operationId}/requests",
+#[utoipa::path(post, operation_id = "addDynamicDataRequest", path = "/operation-networks/{operationNetworkId}/operations/{operationId}/requests",
     tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("operationId" = String, Path)),
     request_body(content = Object, description = "A dynamic data request (wire contract)"),
@@ -34,7 +34,7 @@ pub async fn add(
 }
 
 /// Removes a dynamic data request of the own organisation: nodes and mappings go at the factory, the history stays.
-#[utoipa::path(delete,
+#[utoipa::path(delete, operation_id = "removeDynamicDataRequest",
     path = "/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}",
     tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("operationId" = String, Path),

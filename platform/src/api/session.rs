@@ -53,7 +53,7 @@ impl From<SignedIn<Principal>> for Session {
 }
 
 /// Signs in; the answer sets the session's cookie.
-#[utoipa::path(post, path = "/session", tag = "session", request_body = SignIn,
+#[utoipa::path(post, operation_id = "signIn", path = "/session", tag = "session", request_body = SignIn,
     responses((status = 200, body = Session), ChangeProblems,
         (status = 429, body = Problem, content_type = "application/problem+json", description = "Too many attempts")))]
 pub async fn sign_in(
@@ -67,14 +67,14 @@ pub async fn sign_in(
 }
 
 /// Says who is signed in.
-#[utoipa::path(get, path = "/session", tag = "session", security(("session" = [])),
+#[utoipa::path(get, operation_id = "showSession", path = "/session", tag = "session", security(("session" = [])),
     responses((status = 200, body = Session), ReadProblems))]
 pub async fn show(who: SignedIn<Principal>) -> Json<Session> {
     Json(who.into())
 }
 
 /// Signs out.
-#[utoipa::path(delete, path = "/session", tag = "session", security(("session" = [])),
+#[utoipa::path(delete, operation_id = "signOut", path = "/session", tag = "session", security(("session" = [])),
     responses((status = 204, description = "Signed out"), ChangeProblems))]
 pub async fn sign_out(
     State(app): State<Application>,

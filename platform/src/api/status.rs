@@ -35,7 +35,7 @@ pub struct Status {
 }
 
 /// Says how the platform stands.
-#[utoipa::path(get, path = "/status", tag = "status", security(("session" = [])),
+#[utoipa::path(get, operation_id = "showStatus", path = "/status", tag = "status", security(("session" = [])),
     responses((status = 200, body = Status), ReadProblems))]
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
     let link = app.reach.link().map(|link| link.state().borrow().clone());

@@ -45,14 +45,14 @@ pub struct ToolCredential {
 }
 
 /// Lists the tools of the viewer's organisation; administrators see all.
-#[utoipa::path(get, path = "/tools", tag = "tools", security(("session" = [])),
+#[utoipa::path(get, operation_id = "listTools", path = "/tools", tag = "tools", security(("session" = [])),
     responses((status = 200, body = Page<Tool>), ReadProblems))]
 pub async fn list(State(app): State<Application>, who: SignedIn<Principal>) -> Result<Json<Page<Tool>>, Problem> {
     Ok(Json(Page::whole(app.store.read().await?.tools().list(&who.principal.scope()).await?)))
 }
 
 /// Adds a tool; its queues are made.
-#[utoipa::path(post, path = "/tools", tag = "tools", security(("session" = [])), request_body = NewTool,
+#[utoipa::path(post, operation_id = "addTool", path = "/tools", tag = "tools", security(("session" = [])), request_body = NewTool,
     responses((status = 201, body = Tool), ChangeProblems))]
 pub async fn add(
     State(app): State<Application>,
@@ -79,7 +79,7 @@ pub async fn add(
 }
 
 /// Makes a credential for a tool; the newest two are alive.
-#[utoipa::path(post, path = "/tools/{toolId}/credentials", tag = "tools", security(("session" = [])),
+#[utoipa::path(post, operation_id = "makeToolCredential", path = "/tools/{toolId}/credentials", tag = "tools", security(("session" = [])),
     params(("toolId" = String, Path)), responses((status = 201, body = ToolCredential), ChangeProblems))]
 pub async fn make_credential(
     State(app): State<Application>,
@@ -101,7 +101,7 @@ pub async fn make_credential(
 }
 
 /// Takes all credentials of a tool away and cuts its connections.
-#[utoipa::path(delete, path = "/tools/{toolId}/credentials", tag = "tools", security(("session" = [])),
+#[utoipa::path(delete, operation_id = "revokeToolCredentials", path = "/tools/{toolId}/credentials", tag = "tools", security(("session" = [])),
     params(("toolId" = String, Path)), responses((status = 200, body = Revoked), ChangeProblems))]
 pub async fn revoke(
     State(app): State<Application>,

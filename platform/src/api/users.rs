@@ -43,7 +43,7 @@ pub struct UserView {
 }
 
 /// Adds or replaces a user; the user's sessions end.
-#[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
+#[utoipa::path(put, operation_id = "putUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path, description = "The name to sign in with")), request_body = PutUser,
     responses((status = 200, body = UserView), ChangeProblems))]
 pub async fn put(

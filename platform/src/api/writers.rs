@@ -50,7 +50,7 @@ pub struct GapView {
 }
 
 /// Lists what is held of a factory's writers: for its own organisation and administrators.
-#[utoipa::path(get, path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
+#[utoipa::path(get, operation_id = "listWriters", path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Page<WriterView>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,

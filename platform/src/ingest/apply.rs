@@ -38,6 +38,8 @@ pub(super) struct Effects {
     pub(super) has_outgoing: bool,
     /// Metadata that decoding needs from now on.
     pub(super) meta_data: Vec<((FactoryId, u16), DataSetMetaData)>,
+    /// Factories of which something arrived.
+    pub(super) heard: HashMap<FactoryId, Heard>,
     /// Networks whose progress may have changed.
     pub(super) networks: HashSet<OperationNetworkId>,
     /// Reports stored.
@@ -119,6 +121,7 @@ impl<'w> Applier<'w> {
         for (factory, heard) in &self.heard {
             self.work.factories().heard(factory, heard).await?;
         }
+        self.effects.heard = self.heard;
         Ok(self.effects)
     }
 

@@ -8,7 +8,7 @@ use asi_model::{
 };
 use async_trait::async_trait;
 use messaging::{Delivery, LogicalAddress, Settlement};
-use parking_lot::RwLock;
+use parking_lot::{Mutex, RwLock};
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 
@@ -18,14 +18,16 @@ use super::{
 };
 use crate::{
     clock::Clock,
-    live::LiveLog,
+    live::{LiveEvent, LiveLog},
     progress_board::ProgressBoardHandle,
     reach::Reach,
-    store::{Store, StoreError},
+    store::{Heard, Store, StoreError},
 };
 
 /// Batches that wait for the writer.
 const BATCHES_WAITING_MAX: usize = 64;
+/// Between two events that say a factory lives.
+const HEARD_INTERVAL: Duration = Duration::from_secs(1);
 /// Batches written in one transaction.
 const BATCHES_PER_WORK_MAX: usize = 32;
 
@@ -42,6 +44,8 @@ pub struct Ingest {
     resend_after: Duration,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
+    /// When pages were told last that a factory lives.
+    told_heard: Mutex<HashMap<FactoryId, std::time::Instant>>,
 }
 
 /// Brings messages to a running [`Ingest`].
@@ -80,7 +84,8 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
-        Ok((Self { store, live, reach, progress, clock, resend_after, meta_data, batches }, handle))
+        let told_heard = Mutex::default();
+        Ok((Self { store, live, reach, progress, clock, resend_after, meta_data, batches, told_heard }, handle))
     }
 
     /// Runs until shutdown; what was taken by then is written.
@@ -150,12 +155,12 @@ impl Ingest {
         }
         let effects = applier.finish().await?;
         work.commit().await?;
-        self.tell(effects);
+        self.tell(effects).await;
         Ok(())
     }
 
     /// After the commit: pages, link, decoding and metrics.
-    fn tell(&self, effects: Effects) {
+    async fn tell(&self, effects: Effects) {
         if effects.has_outgoing {
             self.reach.wake_link();
         }
@@ -166,11 +171,38 @@ impl Ingest {
         }
         self.live.publish(effects.news);
         self.progress.changed(effects.networks);
+        for (factory, heard) in effects.heard {
+            if let Err(error) = self.tell_heard(factory, heard).await {
+                tracing::warn!(%error, "Pages could not be told that a factory was heard.");
+            }
+        }
         metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
         metrics::counter!("verbund_duplicates_discarded_total").increment(effects.duplicates);
         for code in effects.dead_letters {
             metrics::counter!("verbund_dead_letters_total", "code" => code).increment(1);
         }
+    }
+}
+
+impl Ingest {
+    /// Tells pages that a factory lives, at most once per interval each.
+    async fn tell_heard(&self, factory_id: FactoryId, heard: Heard) -> Result<(), StoreError> {
+        let Some(last_seen_at) = heard.at else { return Ok(()) };
+        let now = std::time::Instant::now();
+        let is_due = {
+            let mut told = self.told_heard.lock();
+            let is_due = told.get(&factory_id).is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
+            if is_due {
+                told.insert(factory_id.clone(), now);
+            }
+            is_due
+        };
+        if is_due || heard.publisher_state.is_some() {
+            let audience = self.store.read().await?.factories().concerned(&factory_id).await?;
+            let publisher_state = heard.publisher_state.map(str::to_owned);
+            self.live.publish([LiveEvent::Factory { factory_id, last_seen_at, publisher_state }.to(audience)]);
+        }
+        Ok(())
     }
 }
 

@@ -113,6 +113,23 @@ impl Factories<'_> {
         Ok(self.list(scope).await?.into_iter().find(|factory| factory.factory_id == *id))
     }
 
+    /// Who may know of a factory: its owner and the members of its collaborations.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn concerned(&mut self, id: &FactoryId) -> Result<Vec<OrganisationId>, StoreError> {
+        let sql = "SELECT organisation_id FROM factory WHERE factory_id = $1
+                   UNION SELECT m.organisation_id FROM collaboration_factory cf
+                   JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id WHERE cf.factory_id = $1
+                   ORDER BY 1";
+        let rows = sqlx::query(sql)
+            .bind(id.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who may know of a factory"))?;
+        rows.iter().map(|row| row.parsed("organisation_id")).collect()
+    }
+
     /// Notes that the connector enrolled.
     ///
     /// # Errors

@@ -87,6 +87,8 @@ pub struct ReportQuery {
     pub after: u64,
     /// At most so many.
     pub limit: u32,
+    /// The newest ones instead of the oldest; listed in the order of arrival all the same.
+    pub is_newest: bool,
 }
 
 /// The repository.
@@ -146,7 +148,15 @@ impl Reports<'_> {
                          SELECT 1 FROM request_recipient r WHERE r.operation_network_id = p.operation_network_id
                          AND r.dynamic_data_request_id = p.dynamic_data_request_id AND r.organisation_id = $1))
                    ORDER BY p.report_id LIMIT $5";
-        let rows = sqlx::query(sql)
+        let newest = "SELECT p.* FROM report p
+                      WHERE p.report_id > $2
+                        AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
+                        AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
+                        AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                            SELECT 1 FROM request_recipient r WHERE r.operation_network_id = p.operation_network_id
+                            AND r.dynamic_data_request_id = p.dynamic_data_request_id AND r.organisation_id = $1))
+                      ORDER BY p.report_id DESC LIMIT $5";
+        let mut rows = sqlx::query(if query.is_newest { newest } else { sql })
             .bind(scope.recipient())
             .bind(i64::try_from(query.after).unwrap_or(i64::MAX))
             .bind(query.network.as_ref().map(OperationNetworkId::as_str))
@@ -155,6 +165,9 @@ impl Reports<'_> {
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list reports"))?;
+        if query.is_newest {
+            rows.reverse();
+        }
         rows.iter().map(read).collect()
     }
 }

@@ -85,6 +85,15 @@ async fn after_an_outage_the_newest_value_stays_in_front_of_the_backlog() {
     })
     .await;
     story::value_is(&buyer, "90").await;
+    let newest = buyer.get(&format!("/reports?network={NETWORK}&newest=true&limit=2")).await.expect_ok();
+    let sequences: Vec<_> =
+        newest["items"].as_array().expect("reports").iter().map(|r| r["sequence"].clone()).collect();
+    assert_eq!(sequences, [7, 8], "the newest in the order of arrival: {newest}");
+    let first = buyer.get(&format!("/reports?network={NETWORK}&limit=1")).await.expect_ok();
+    assert_eq!(first["items"][0]["sequence"], 9);
+    let after = first["nextCursor"].as_str().expect("another page");
+    let second = buyer.get(&format!("/reports?network={NETWORK}&limit=1&after={after}")).await.expect_ok();
+    assert_eq!(second["items"][0]["sequence"], 0);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -182,4 +191,17 @@ async fn comments_go_both_ways() {
         if texts == ["When do you start?", "Tomorrow."] { Ok(()) } else { Err(list.to_string()) }
     })
     .await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pages_hear_that_a_factory_lives_and_catch_up_from_the_beginning() {
+    let world = World::start().await;
+    let (_, buyer, _munich, _hamburg) = story::accepted(&world).await;
+    let newest = buyer.get(&network_path()).await.expect_ok()["lastEventId"].as_str().expect("an id").to_owned();
+    let beginning = format!("{}-0", newest.split('-').next().expect("a mark"));
+    let mut live = buyer.live(Some(&beginning)).await;
+    let (_, first, _) = live.any().await;
+    assert_eq!(first, "network");
+    let (_, event) = live.next("factory").await;
+    assert!(event["lastSeenAt"].is_string(), "{event}");
 }

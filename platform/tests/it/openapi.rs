@@ -18,7 +18,18 @@ async fn the_description_is_served_and_unknown_routes_are_problems() {
     let world = World::start().await;
     let api = world.anonymous();
     let description = api.get("/openapi.json").await.expect_ok();
+    let mut ids: Vec<String> = operation_ids(&description);
+    let count = ids.len();
+    ids.sort();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "operation ids are unique");
     assert!(description["paths"]["/api/v1/operation-networks/{operationNetworkId}"]["put"].is_object());
     api.get("/nothing").await.expect_problem(404, "UNKNOWN_ROUTE");
     api.call(reqwest::Method::PATCH, "/session", None).await.expect_problem(405, "METHOD_NOT_ALLOWED");
+}
+
+fn operation_ids(description: &serde_json::Value) -> Vec<String> {
+    let paths = description["paths"].as_object().expect("paths");
+    let operations = paths.values().filter_map(|methods| methods.as_object()).flat_map(|methods| methods.values());
+    operations.map(|operation| operation["operationId"].as_str().expect("an id").to_owned()).collect()
 }

@@ -1895,6 +1895,8 @@ export interface paths {
                     after?: number;
                     /** @description Most entries wanted, 1 to 1000. */
                     limit?: number;
+                    /** @description The newest entries instead of the oldest; still in the order of their arrival, and without a next page. */
+                    newest?: boolean;
                 };
                 header?: never;
                 path?: never;
@@ -2841,7 +2843,8 @@ export interface components {
         /** @description A factory to add. */
         NewFactory: {
             factoryId: string;
-            name: string;
+            /** @description What people call it; the id where absent. */
+            name?: string | null;
             organisationId: string;
         };
         /** @description An organisation to add. */
