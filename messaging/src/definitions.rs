@@ -5,12 +5,14 @@
 //! ingress, and can declare nothing.
 
 mod activemq;
+mod mosquitto;
 mod rabbitmq;
 
 use asi_model::{FactoryId, ToolId};
 use zeroize::Zeroizing;
 
 pub use activemq::artemis_broker_xml;
+pub use mosquitto::mosquitto_acl;
 pub use rabbitmq::rabbitmq_definitions;
 
 use crate::address::LogicalAddress;

@@ -28,8 +28,8 @@ pub use address::{InvalidAddress, LogicalAddress};
 pub use envelope::{BodyError, ContentEncoding, Envelope};
 pub use inbox::{Delivery, Inbox, Rejection, Settlement};
 pub use link::{
-    BrokerUrl, ClientIdentity, InvalidBrokerUrl, Link, LinkConfig, LinkError, LinkHandle, LinkLimits, LinkPhase,
-    LinkState, Login, Roots, TlsConfig,
+    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, Link, LinkConfig, LinkError, LinkHandle, LinkLimits,
+    LinkPhase, LinkState, Login, Roots, TlsConfig,
 };
 pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
 pub use spool::{Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError};

@@ -19,7 +19,9 @@ use crate::{address::LogicalAddress, inbox::Inbox, spool::SpoolStore, transport}
 use shared::Shared;
 use supervisor::Supervisor;
 
-pub use config::{BrokerUrl, ClientIdentity, InvalidBrokerUrl, LinkConfig, LinkLimits, Login, Roots, TlsConfig};
+pub use config::{
+    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, LinkConfig, LinkLimits, Login, Roots, TlsConfig,
+};
 pub use state::{LinkPhase, LinkState};
 
 /// Why a link cannot be made.
@@ -28,6 +30,9 @@ pub enum LinkError {
     /// There is nobody to connect to.
     #[error("no broker address is configured")]
     NoBroker,
+    /// Some addresses are AMQP, some MQTT.
+    #[error("the broker addresses must all be of one protocol")]
+    MixedProtocols,
     /// The trusted roots or the client certificate cannot be used.
     #[error("the TLS settings of the link cannot be used: {reason}")]
     Tls {

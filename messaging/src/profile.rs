@@ -24,7 +24,8 @@ pub struct Terminus {
     pub capability: Option<String>,
 }
 
-/// A text with the placeholder `{address}` (as it is) or `{address:percent}` (percent-encoded, RFC 3986).
+/// A text with the placeholder `{address}` (as it is), `{address:percent}` (percent-encoded, RFC 3986) or
+/// `{address:path}` (slashes for dots).
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Template(String);
 
@@ -32,14 +33,14 @@ struct Template(String);
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidTemplate {
     /// The same broker address would stand for every logical one.
-    #[error("the template {template:?} contains neither {{address}} nor {{address:percent}}")]
+    #[error("the template {template:?} contains none of {{address}}, {{address:percent}} and {{address:path}}")]
     NoPlaceholder {
         /// The template.
         template: String,
     },
     /// There is no profile of that name.
     #[error(
-        "there is no broker profile {name:?}; choose embedded, rabbitmq-3, rabbitmq-4 or activemq, or give templates"
+        "there is no broker profile {name:?}; choose embedded, rabbitmq-3, rabbitmq-4, activemq or mqtt, or give templates"
     )]
     UnknownName {
         /// The name.
@@ -73,6 +74,12 @@ impl BrokerProfile {
         Self::built_in("activemq", "{address}", "{address}", Some("queue"))
     }
 
+    /// MQTT 5 brokers: topics `verbund/v1/factory/<factoryId>/requests` and the like.
+    #[must_use]
+    pub fn mqtt() -> Self {
+        Self::built_in("mqtt", "verbund/v1/{address:path}", "verbund/v1/{address:path}", None)
+    }
+
     /// A profile of one's own.
     ///
     /// # Errors
@@ -101,6 +108,7 @@ impl BrokerProfile {
             "rabbitmq-3" => Ok(Self::rabbitmq_3()),
             "rabbitmq-4" => Ok(Self::rabbitmq_4()),
             "activemq" => Ok(Self::activemq()),
+            "mqtt" => Ok(Self::mqtt()),
             _ => Err(InvalidTemplate::UnknownName { name: name.to_owned() }),
         }
     }
@@ -141,7 +149,7 @@ impl Default for BrokerProfile {
 
 impl Template {
     fn parse(text: String) -> Result<Self, InvalidTemplate> {
-        if text.contains("{address}") || text.contains("{address:percent}") {
+        if ["{address}", "{address:percent}", "{address:path}"].iter().any(|p| text.contains(p)) {
             Ok(Self(text))
         } else {
             Err(InvalidTemplate::NoPlaceholder { template: text })
@@ -150,7 +158,10 @@ impl Template {
 
     fn fill(&self, address: &LogicalAddress) -> String {
         let plain = address.to_string();
-        self.0.replace("{address:percent}", &Percent(&plain).to_string()).replace("{address}", &plain)
+        self.0
+            .replace("{address:percent}", &Percent(&plain).to_string())
+            .replace("{address:path}", &plain.replace('.', "/"))
+            .replace("{address}", &plain)
     }
 }
 
@@ -225,6 +236,7 @@ mod tests {
             ("rabbitmq-3", "/amq/queue/factory.FOR_MUC.ingress", "/exchange/verbund/factory.FOR_MUC.ingress"),
             ("rabbitmq-4", "/queues/factory.FOR_MUC.ingress", "/exchanges/verbund/factory.FOR_MUC.ingress"),
             ("activemq", "factory.FOR_MUC.ingress", "factory.FOR_MUC.ingress"),
+            ("mqtt", "verbund/v1/factory/FOR_MUC/ingress", "verbund/v1/factory/FOR_MUC/ingress"),
         ] {
             let profile = BrokerProfile::named(name).expect("a profile");
             assert_eq!(profile.consume(&address).address, consume);

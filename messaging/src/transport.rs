@@ -3,6 +3,7 @@
 
 pub(crate) mod amqp;
 mod dial;
+mod mqtt;
 mod tls;
 
 use async_trait::async_trait;
@@ -101,6 +102,9 @@ pub(crate) trait Incoming: Send {
 
     /// Tells the broker what became of messages.
     async fn settle(&mut self, settlements: Vec<(Token, Settlement)>) -> Result<(), LaneFault>;
+
+    /// The address is not wanted any more: nothing need be kept for it.
+    async fn leave(&mut self);
 }
 
 /// Names a received message to its lane.
@@ -109,5 +113,20 @@ pub(crate) struct Token(pub u64);
 
 /// The transport for the configured brokers.
 pub(crate) fn new(config: &LinkConfig) -> Result<Box<dyn Transport>, LinkError> {
-    Ok(Box::new(amqp::AmqpTransport::new(config)?))
+    let is_encrypted = config.brokers.iter().any(BrokerUrl::is_encrypted);
+    let client = is_encrypted.then(|| tls::client_config(&config.tls)).transpose()?;
+    let dialler = dial::Dialler {
+        client,
+        tls: config.tls.clone(),
+        proxy: config.proxy.clone(),
+        stall_timeout: config.limits.stall_timeout,
+    };
+    let mqtt = config.brokers.iter().filter(|broker| broker.is_mqtt()).count();
+    if mqtt == 0 {
+        Ok(Box::new(amqp::AmqpTransport::new(config, dialler)))
+    } else if mqtt == config.brokers.len() {
+        Ok(Box::new(mqtt::MqttTransport::new(config, dialler)))
+    } else {
+        Err(LinkError::MixedProtocols)
+    }
 }

@@ -19,7 +19,9 @@ pub struct LinkConfig {
     pub login: Login,
     /// Whom we trust, where the URL asks for TLS.
     pub tls: TlsConfig,
-    /// Names this process at the broker; unique per running instance.
+    /// The HTTP proxy on the way, if there is one.
+    pub proxy: Option<HttpProxy>,
+    /// Names this process at an AMQP broker; unique per running instance. MQTT sessions go by the user's name.
     pub container_id: String,
     /// What to receive from the start; see [`LinkHandle::set_consumed`](crate::LinkHandle::set_consumed).
     pub consumed: Vec<LogicalAddress>,
@@ -36,6 +38,7 @@ impl LinkConfig {
             profile: BrokerProfile::default(),
             login,
             tls: TlsConfig::default(),
+            proxy: None,
             container_id: container_id.into(),
             consumed: Vec::new(),
             limits: LinkLimits::default(),
@@ -177,7 +180,7 @@ mod millis {
     }
 }
 
-/// Where a broker listens: `amqps://host[:port]`, or `amqp://` without TLS.
+/// Where a broker listens: `amqps://host[:port]` or `mqtts://host[:port]`, without the `s` without TLS.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct BrokerUrl {
     scheme: Scheme,
@@ -186,9 +189,11 @@ pub struct BrokerUrl {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Scheme {
+enum Scheme {
     Amqp,
     Amqps,
+    Mqtt,
+    Mqtts,
 }
 
 impl Scheme {
@@ -196,6 +201,8 @@ impl Scheme {
         match self {
             Self::Amqp => "amqp",
             Self::Amqps => "amqps",
+            Self::Mqtt => "mqtt",
+            Self::Mqtts => "mqtts",
         }
     }
 
@@ -203,6 +210,8 @@ impl Scheme {
         match self {
             Self::Amqp => 5672,
             Self::Amqps => 5671,
+            Self::Mqtt => 1883,
+            Self::Mqtts => 8883,
         }
     }
 }
@@ -211,8 +220,14 @@ impl Scheme {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidBrokerUrl {
     /// Only some schemes are spoken.
-    #[error("a broker's address begins with amqps:// or amqp://, but this is {found:?}")]
+    #[error("a broker's address begins with amqps://, amqp://, mqtts:// or mqtt://, but this is {found:?}")]
     Scheme {
+        /// The text.
+        found: String,
+    },
+    /// A proxy is spoken to in plain HTTP; the tunnel through it is encrypted where the broker's address says so.
+    #[error("a proxy's address begins with http://, but this is {found:?}")]
+    ProxyScheme {
         /// The text.
         found: String,
     },
@@ -231,7 +246,13 @@ impl BrokerUrl {
     /// Whether the connection is encrypted.
     #[must_use]
     pub const fn is_encrypted(&self) -> bool {
-        matches!(self.scheme, Scheme::Amqps)
+        matches!(self.scheme, Scheme::Amqps | Scheme::Mqtts)
+    }
+
+    /// Whether the broker is spoken to in MQTT 5, not in AMQP 1.0.
+    #[must_use]
+    pub const fn is_mqtt(&self) -> bool {
+        matches!(self.scheme, Scheme::Mqtt | Scheme::Mqtts)
     }
 
     /// The host name or address, without brackets.
@@ -257,28 +278,53 @@ impl FromStr for BrokerUrl {
     type Err = InvalidBrokerUrl;
 
     fn from_str(text: &str) -> Result<Self, InvalidBrokerUrl> {
-        let (scheme, rest) = [Scheme::Amqps, Scheme::Amqp]
+        let (scheme, rest) = [Scheme::Amqps, Scheme::Amqp, Scheme::Mqtts, Scheme::Mqtt]
             .into_iter()
             .find_map(|s| Some((s, text.strip_prefix(s.as_str())?.strip_prefix("://")?)))
             .ok_or_else(|| InvalidBrokerUrl::Scheme { found: text.to_owned() })?;
-        let authority = rest.strip_suffix('/').unwrap_or(rest);
-        if authority.contains('@') {
+        if rest.contains('@') {
             return Err(InvalidBrokerUrl::Credentials);
         }
-        let invalid = || InvalidBrokerUrl::Authority { found: text.to_owned() };
-        let (host, port) = match authority.strip_prefix('[') {
-            Some(rest) => rest.split_once(']').ok_or_else(invalid)?,
-            None => authority.find(':').map_or((authority, ""), |at| authority.split_at(at)),
-        };
-        let port = match port.strip_prefix(':') {
-            Some(digits) => digits.parse().map_err(|_| invalid())?,
-            None if port.is_empty() => scheme.default_port(),
-            None => return Err(invalid()),
-        };
-        if host.is_empty() || host.contains(['/', '?', '#', ' ']) {
-            return Err(invalid());
-        }
-        Ok(Self { scheme, host: host.to_owned(), port })
+        let (host, port) = authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: text.to_owned() })?;
+        Ok(Self { scheme, host, port: port.unwrap_or_else(|| scheme.default_port()) })
+    }
+}
+
+/// Host and port of `host[:port][/]`; none when there is no host or the port is no number.
+fn authority(text: &str) -> Option<(String, Option<u16>)> {
+    let text = text.strip_suffix('/').unwrap_or(text);
+    let (host, port) = match text.strip_prefix('[') {
+        Some(rest) => rest.split_once(']')?,
+        None => text.find(':').map_or((text, ""), |at| text.split_at(at)),
+    };
+    let port = match port.strip_prefix(':') {
+        Some(digits) => Some(digits.parse().ok()?),
+        None if port.is_empty() => None,
+        None => return None,
+    };
+    let is_host = !host.is_empty() && !host.contains(['/', '?', '#', ' ', '@']);
+    is_host.then(|| (host.to_owned(), port))
+}
+
+/// An HTTP proxy that connects through (RFC 9110 §9.3.6): `http://host[:port]`.
+#[derive(Debug, Clone)]
+pub struct HttpProxy {
+    pub(crate) host: String,
+    pub(crate) port: u16,
+    /// Who we are to the proxy, where it asks.
+    pub login: Option<Login>,
+}
+
+impl HttpProxy {
+    /// A proxy, with the credentials it asks for.
+    ///
+    /// # Errors
+    /// [`InvalidBrokerUrl::ProxyScheme`] or [`InvalidBrokerUrl::Authority`] when the text is no such address.
+    pub fn new(url: &str, login: Option<Login>) -> Result<Self, InvalidBrokerUrl> {
+        let rest =
+            url.strip_prefix("http://").ok_or_else(|| InvalidBrokerUrl::ProxyScheme { found: url.to_owned() })?;
+        let (host, port) = authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: url.to_owned() })?;
+        Ok(Self { host, port: port.unwrap_or(8080), login })
     }
 }
 

@@ -108,7 +108,13 @@ impl Consumers {
     ) -> Result<(), LaneFault> {
         loop {
             let batch = tokio::select! {
-                () = stop.cancelled() => return Ok(()),
+                () = stop.cancelled() => {
+                    // Not when the whole link stops: then the broker keeps what comes meanwhile.
+                    if !self.stop.is_cancelled() {
+                        lane.leave().await;
+                    }
+                    return Ok(());
+                }
                 batch = lane.receive(self.limits.batch) => batch?,
             };
             backoff.reset();

@@ -26,11 +26,10 @@ use tokio::{
 use super::{
     Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport,
     dial::{Dialler, Stream},
-    tls,
 };
 use crate::{
     inbox::Rejection,
-    link::{BrokerUrl, LinkConfig, LinkError, LinkLimits, Login},
+    link::{BrokerUrl, LinkConfig, LinkLimits, Login},
     profile::Terminus,
 };
 
@@ -52,16 +51,8 @@ pub(crate) struct AmqpTransport {
 }
 
 impl AmqpTransport {
-    /// Reads the TLS settings where one of the brokers wants TLS.
-    pub(crate) fn new(config: &LinkConfig) -> Result<Self, LinkError> {
-        let is_encrypted = config.brokers.iter().any(BrokerUrl::is_encrypted);
-        let client = is_encrypted.then(|| tls::client_config(&config.tls)).transpose()?;
-        Ok(Self {
-            dialler: Dialler { client, tls: config.tls.clone(), stall_timeout: config.limits.stall_timeout },
-            login: config.login.clone(),
-            container_id: config.container_id.clone(),
-            limits: config.limits,
-        })
+    pub(super) fn new(config: &LinkConfig, dialler: Dialler) -> Self {
+        Self { dialler, login: config.login.clone(), container_id: config.container_id.clone(), limits: config.limits }
     }
 
     async fn open(&self, broker: &BrokerUrl, stream: Box<dyn Stream>) -> Result<ConnectionHandle<()>, ConnectionFault> {

@@ -1,6 +1,8 @@
 //! Opens the byte stream to a broker: fresh name resolution, TCP that notices a dead peer even while we are busy
 //! sending, TLS.
 
+mod proxy;
+
 use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
 use rustls::ClientConfig;
@@ -12,7 +14,7 @@ use tokio::{
 use tokio_rustls::TlsConnector;
 
 use super::{ConnectionFault, tls};
-use crate::link::{BrokerUrl, TlsConfig};
+use crate::link::{BrokerUrl, HttpProxy, TlsConfig};
 
 /// A stream to a broker, plain or encrypted.
 pub(super) trait Stream: AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static {}
@@ -24,13 +26,20 @@ impl<S: AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static> Strea
 pub(super) struct Dialler {
     pub client: Option<Arc<ClientConfig>>,
     pub tls: TlsConfig,
+    pub proxy: Option<HttpProxy>,
     pub stall_timeout: Duration,
 }
 
 impl Dialler {
-    /// Connects to the first of the host's addresses that answers. The caller bounds the time.
+    /// Connects, through the proxy where there is one. The caller bounds the time.
     pub(super) async fn dial(&self, broker: &BrokerUrl) -> Result<Box<dyn Stream>, ConnectionFault> {
-        let tcp = self.tcp(broker).await?;
+        let tcp = match &self.proxy {
+            None => self.tcp(broker.host(), broker.port()).await?,
+            Some(proxy) => {
+                let tcp = self.tcp(&proxy.host, proxy.port).await?;
+                proxy::tunnel(tcp, proxy, broker.host(), broker.port()).await?
+            }
+        };
         if !broker.is_encrypted() {
             return Ok(Box::new(tcp));
         }
@@ -40,12 +49,13 @@ impl Dialler {
         Ok(Box::new(stream))
     }
 
-    async fn tcp(&self, broker: &BrokerUrl) -> Result<TcpStream, ConnectionFault> {
-        let addresses: Vec<SocketAddr> = lookup_host((broker.host(), broker.port()))
+    /// Connects to the first of the host's addresses that answers.
+    async fn tcp(&self, host: &str, port: u16) -> Result<TcpStream, ConnectionFault> {
+        let addresses: Vec<SocketAddr> = lookup_host((host, port))
             .await
-            .map_err(|e| ConnectionFault::passing(format!("cannot resolve {}: {e}", broker.host())))?
+            .map_err(|e| ConnectionFault::passing(format!("cannot resolve {host}: {e}")))?
             .collect();
-        let mut last = ConnectionFault::passing(format!("{} has no address", broker.host()));
+        let mut last = ConnectionFault::passing(format!("{host} has no address"));
         let count = u32::try_from(addresses.len()).unwrap_or(u32::MAX).max(1);
         for address in addresses {
             // One dead address must not use up the time of the others.

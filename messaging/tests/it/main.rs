@@ -1,4 +1,6 @@
 //! The link against other people's brokers.
 
+mod mosquitto;
 mod rabbitmq;
 mod rabbitmq_process;
+mod support;

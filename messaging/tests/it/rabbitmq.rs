@@ -1,90 +1,24 @@
 //! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all, for it starts slowly.
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
+use messaging::{BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions};
+
+use crate::{
+    rabbitmq_process::RabbitMq,
+    support::{TestLink, eventually, plan},
 };
-
-use asi_model::MessageId;
-use messaging::{
-    BrokerProfile, Envelope, Link, LinkConfig, LinkHandle, LinkPhase, LogicalAddress, Login, Settlement,
-    definitions::{Account, Plan, QueueLimits, rabbitmq_definitions},
-    spool::memory::{AcceptedReports, MemorySpool},
-    test_support::RecordingInbox,
-};
-use tokio::task::JoinHandle;
-use tokio_util::sync::CancellationToken;
-
-use crate::rabbitmq_process::RabbitMq;
-
-struct TestLink {
-    handle: LinkHandle,
-    spool: Arc<MemorySpool>,
-    inbox: Arc<RecordingInbox>,
-    stop: CancellationToken,
-    running: JoinHandle<()>,
-}
-
-impl TestLink {
-    fn start(url: &str, user: &str, password: &str, consumed: &[&str]) -> Self {
-        let mut config = LinkConfig::new(url.parse().expect("a url"), Login::new(user, password), user);
-        config.profile = BrokerProfile::rabbitmq_3();
-        config.consumed = consumed.iter().map(|a| address(a)).collect();
-        config.limits.backoff_min = Duration::from_millis(100);
-        config.limits.backoff_max = Duration::from_secs(1);
-        config.limits.address_rest = Duration::from_millis(300);
-        let spool = Arc::new(MemorySpool::new(AcceptedReports::Leave));
-        let inbox = Arc::new(RecordingInbox::default());
-        let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) = (Arc::clone(&spool), Arc::clone(&inbox));
-        let (link, handle) = Link::new(config, store, receiver).expect("a link");
-        let stop = CancellationToken::new();
-        let running = tokio::spawn(link.run(stop.clone()));
-        Self { handle, spool, inbox, stop, running }
-    }
-
-    fn send(&self, to: &str, id: &str) {
-        self.spool.push(address(to), Envelope::new(MessageId::new(id).expect("an id"), "test", "{}"));
-        self.handle.wake();
-    }
-
-    fn reason(&self) -> String {
-        self.handle.state().borrow().reason.clone().unwrap_or_default()
-    }
-
-    async fn stop(self) {
-        self.stop.cancel();
-        self.running.await.expect("the link ends");
-    }
-}
-
-fn address(text: &str) -> LogicalAddress {
-    text.parse().expect("an address")
-}
-
-async fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !holds() {
-        assert!(Instant::now() < deadline, "not in time: {what}");
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
-}
-
-fn plan() -> Plan {
-    let account = |name: &str| Account { user_name: name.to_owned(), password: format!("secret of {name}").into() };
-    Plan {
-        platform: account("platform"),
-        factories: ["f1", "f2"].map(|id| (id.parse().expect("an id"), account(id))).to_vec(),
-        tools: Vec::new(),
-        limits: QueueLimits::default(),
-    }
-}
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_promises_on_rabbitmq() {
     let mut broker = RabbitMq::start(&rabbitmq_definitions(&plan(), "/", rand::random)).await;
     let url = broker.url();
-    let platform = TestLink::start(&url, "platform", "secret of platform", &["factory.f1.ingress", "dead-letters"]);
-    let factory = TestLink::start(&url, "f1", "secret of f1", &["factory.f1.requests"]);
+    let platform = TestLink::start(
+        BrokerProfile::rabbitmq_3(),
+        &url,
+        "platform",
+        "secret of platform",
+        &["factory.f1.ingress", "dead-letters"],
+    );
+    let factory = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "secret of f1", &["factory.f1.requests"]);
     platform.inbox.answer("poison", Settlement::reject("verbund:rubbish", "it is not JSON"));
     platform.inbox.answer("later", Settlement::Release);
 
@@ -106,7 +40,7 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
 
     // Another factory's addresses are closed to it, and that hinders nothing else.
-    let intruder = TestLink::start(&url, "f2", "secret of f2", &["factory.f1.requests"]);
+    let intruder = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f2", "secret of f2", &["factory.f1.requests"]);
     intruder.send("factory.f1.ingress", "forged");
     intruder.send("factory.f2.ingress", "mine");
     eventually("it is refused", || intruder.reason().contains("amqp:unauthorized-access")).await;
@@ -116,7 +50,7 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     assert!(intruder.inbox.ids().is_empty() && count("forged") == 0);
     intruder.stop().await;
 
-    let stranger = TestLink::start(&url, "f1", "wrong", &[]);
+    let stranger = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "wrong", &[]);
     let state = stranger.handle.state();
     eventually("a bad password is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
         .await;

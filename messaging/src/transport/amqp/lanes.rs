@@ -218,6 +218,10 @@ impl Incoming for AmqpIncoming {
         }
         Ok(())
     }
+
+    async fn leave(&mut self) {
+        // The queue is not ours; detaching with the drop is all.
+    }
 }
 
 fn amqp_error(rejection: &Rejection) -> definitions::Error {

@@ -2,10 +2,10 @@
 
 use std::{sync::atomic::Ordering, time::Duration};
 
-use messaging::{BrokerProfile, LinkPhase, Roots, RowId, Settlement, spool::memory::AcceptedReports};
+use messaging::{BrokerProfile, HttpProxy, LinkPhase, Login, Roots, RowId, Settlement, spool::memory::AcceptedReports};
 
 use crate::{
-    proxy::Proxy,
+    proxy::{Proxy, http_proxy},
     support::{TestBroker, TestLink, address, certificate, envelope, eventually},
 };
 
@@ -303,6 +303,33 @@ async fn addresses_come_and_go_while_the_link_is_up() {
     })
     .await;
     assert_eq!(link.handle.state().borrow().connects, 1);
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_proxy_with_credentials_is_passed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (identity, root) = certificate();
+    let broker = TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity)).await;
+    let proxy = format!("http://{}", http_proxy().await);
+    let url = format!("amqps://localhost:{}", broker.port());
+    let start = |password: &str| {
+        let login = Login::new("plant", password);
+        TestLink::start_with(&url, "f1", &[], AcceptedReports::Leave, |config| {
+            config.tls.roots = Roots::Pem(root.clone());
+            config.proxy = Some(HttpProxy::new(&proxy, Some(login)).expect("a proxy"));
+        })
+    };
+    let link = start("gate");
+    link.send("factory.f1.ingress", envelope("m1", "{}"));
+    eventually("it arrives", || broker.ready("factory.f1.ingress") == 1).await;
+    let stranger = start("wrong");
+    let state = stranger.handle.state();
+    eventually("the refusal is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
+        .await;
+    assert!(stranger.reason().contains("proxy"), "{}", stranger.reason());
+    stranger.stop().await;
     link.stop().await;
     broker.stop().await;
 }

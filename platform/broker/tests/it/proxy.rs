@@ -1,4 +1,4 @@
-//! A TCP proxy that can stall and cut.
+//! A TCP proxy that can stall and cut, and an HTTP proxy.
 
 use std::{
     net::SocketAddr,
@@ -85,4 +85,33 @@ async fn pass(
             return;
         }
     }
+}
+
+/// An HTTP proxy that asks for the user `plant` with the password `gate`.
+pub async fn http_proxy() -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("an address");
+    tokio::spawn(async move {
+        while let Ok((client, _)) = listener.accept().await {
+            tokio::spawn(connect(client));
+        }
+    });
+    address
+}
+
+async fn connect(mut client: TcpStream) -> Option<()> {
+    let mut request = Vec::new();
+    while !request.ends_with(b"\r\n\r\n") {
+        request.push(client.read_u8().await.ok()?);
+    }
+    let request = String::from_utf8(request).ok()?;
+    let target = request.strip_prefix("CONNECT ")?.split(' ').next()?;
+    if !request.contains("Proxy-Authorization: Basic cGxhbnQ6Z2F0ZQ==") {
+        client.write_all(b"HTTP/1.1 407 Proxy Authentication Required\r\nContent-Length: 0\r\n\r\n").await.ok()?;
+        return None;
+    }
+    let mut server = TcpStream::connect(target).await.ok()?;
+    client.write_all(b"HTTP/1.1 200 Connection established\r\n\r\n").await.ok()?;
+    tokio::io::copy_bidirectional(&mut client, &mut server).await.ok()?;
+    Some(())
 }

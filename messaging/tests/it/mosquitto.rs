@@ -1,0 +1,153 @@
+//! Mosquitto over MQTT 5, with a generated access control list.
+
+use std::{
+    fs,
+    net::TcpListener,
+    path::Path,
+    process::{Child, Command, Stdio},
+};
+
+use messaging::{
+    BrokerProfile, LinkPhase, RowId, Settlement,
+    definitions::{Plan, mosquitto_acl},
+};
+use tempfile::TempDir;
+
+use crate::support::{TestLink, address, eventually, plan};
+
+/// The broker; stopped and removed when dropped.
+struct Mosquitto {
+    folder: TempDir,
+    child: Child,
+    port: u16,
+}
+
+impl Mosquitto {
+    async fn start(plan: &Plan) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let port = listener.local_addr().expect("an address").port();
+        drop(listener);
+        fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
+        fs::write(path("passwords"), "").expect("written");
+        let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
+        for account in accounts {
+            let made = Command::new("mosquitto_passwd")
+                .args(["-b", &path("passwords"), &account.user_name, &account.password])
+                .stderr(Stdio::null())
+                .status();
+            let made = made.expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
+            assert!(made.success(), "mosquitto_passwd failed");
+        }
+        let configuration = format!(
+            "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\nacl_file {}\n\
+             persistence true\npersistence_location {}/\nautosave_interval 1\nautosave_on_changes true\n\
+             max_queued_messages 0\nlog_dest file {}\n",
+            path("passwords"),
+            path("acl"),
+            folder.path().display(),
+            path("log"),
+        );
+        fs::write(path("mosquitto.conf"), configuration).expect("written");
+        let child = spawn(folder.path());
+        let broker = Self { folder, child, port };
+        broker.ready().await;
+        broker
+    }
+
+    fn url(&self) -> String {
+        format!("mqtt://127.0.0.1:{}", self.port)
+    }
+
+    async fn ready(&self) {
+        eventually("mosquitto listens", || std::net::TcpStream::connect(("127.0.0.1", self.port)).is_ok()).await;
+    }
+
+    /// Stops it in order, so that its store is written, and starts it again.
+    async fn restart(&mut self) {
+        let pid = self.child.id().to_string();
+        let asked = Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs");
+        assert!(asked.success());
+        self.child.wait().expect("reaped");
+        self.child = spawn(self.folder.path());
+        self.ready().await;
+    }
+}
+
+impl Drop for Mosquitto {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn spawn(folder: &Path) -> Child {
+    Command::new("mosquitto")
+        .arg("-c")
+        .arg(folder.join("mosquitto.conf"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts; tools/prerequisites.sh test installs it")
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_link_keeps_its_promises_over_mqtt() {
+    let mut broker = Mosquitto::start(&plan()).await;
+    let url = broker.url();
+    let start = |user: &str, password: &str, consumed: &[&str]| {
+        TestLink::start(BrokerProfile::mqtt(), &url, user, password, consumed)
+    };
+    let platform = start("platform", "secret of platform", &["factory.f1.ingress"]);
+    let factory = start("f1", "secret of f1", &["factory.f1.requests"]);
+
+    // Both ways. What is sent before the other side ever subscribed waits in the spool, not nowhere.
+    let mut state = factory.handle.state();
+    state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
+    platform.send("factory.f1.requests", "request");
+    eventually("the request arrives", || factory.inbox.ids() == ["request"]).await;
+    platform.inbox.answer("poison", Settlement::reject("verbund:rubbish", "it is not JSON"));
+    platform.inbox.answer("later", Settlement::Release);
+    for id in ["poison", "later", "good"] {
+        factory.send("factory.f1.ingress", id);
+    }
+    let count = |id: &str| platform.inbox.ids().iter().filter(|seen| *seen == id).count();
+    eventually("the released one comes again", || count("later") >= 2 && count("good") >= 1).await;
+    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
+    assert_eq!(count("poison"), 1);
+
+    // Another factory's topics are closed to it.
+    let intruder = start("f2", "secret of f2", &["factory.f1.requests", "factory.f2.requests"]);
+    intruder.send("factory.f1.ingress", "forged");
+    eventually("it is refused", || intruder.reason().contains("amqp:unauthorized-access")).await;
+    platform.send("factory.f1.requests", "second");
+    eventually("the owner receives", || factory.inbox.ids().contains(&"second".to_owned())).await;
+    assert!(intruder.inbox.ids().is_empty() && count("forged") == 0);
+    intruder.stop().await;
+
+    let stranger = start("f2", "wrong", &[]);
+    let told = stranger.handle.state();
+    eventually("a bad password is told", || matches!(told.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
+        .await;
+    stranger.stop().await;
+
+    // The broker keeps what comes for a connector that is away, and over its own restart.
+    factory.stop().await;
+    platform.send("factory.f1.requests", "while-away");
+    eventually("the broker has it", || platform.spool.waiting() == 0).await;
+    broker.restart().await;
+    let factory = start("f1", "secret of f1", &["factory.f1.requests"]);
+    eventually("it is delivered afterwards", || factory.inbox.ids().contains(&"while-away".to_owned())).await;
+
+    // A backlog goes to the topic of its own.
+    factory.spool.push_report(address("factory.f1.ingress"), crate::support::envelope("old"), 7);
+    factory.spool.push_report(address("factory.f1.ingress"), crate::support::envelope("new"), 7);
+    factory.spool.make_wait(&[RowId(1)]);
+    factory.handle.rewind();
+    factory.handle.wake();
+    eventually("both arrive", || count("old") >= 1 && count("new") >= 1).await;
+    platform.stop().await;
+    factory.stop().await;
+}
