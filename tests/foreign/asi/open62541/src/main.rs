@@ -1,8 +1,9 @@
 //! Decodes with open62541 every value that asi-model writes in 1.05, lets open62541 write it again, and compares what
 //! is read from that with the value it began with.
 //!
-//! Structures are left out: open62541 1.5.10 expects them in another place (`UaBody`) than the standard puts them.
-//! Frozen texts in asi-model stand in for those.
+//! Left out are structures, which open62541 1.5.10 expects in another place (`UaBody`) than the standard puts them, and
+//! texts with `\u0001`, which it refuses although JSON allows it. Frozen texts and the tests of asi-model stand in for
+//! those.
 
 #[path = "../../../../../asi-model/tests/it/vectors.rs"]
 mod vectors;
@@ -68,7 +69,7 @@ fn through_open62541(text: &[u8], data_type: u32, mapping: &mut Mapping) -> Resu
             return Err(format!("decoded, but not encoded: 0x{status:08X}"));
         }
         let copy = std::slice::from_raw_parts(written.data, written.length).to_vec();
-        ua::UA_delete_members(&mut written);
+        ua::UA_ByteString_clear(&raw mut written);
         Ok(copy)
     }
 }
@@ -82,17 +83,25 @@ fn canonical(value: &DecodedValue) -> String {
     String::from_utf8(text).expect("our own text")
 }
 
-fn has_structure(value: &Variant) -> bool {
-    let is_structure = |scalar: &Scalar| match scalar {
+/// What open62541 1.5.10 is known to get wrong: structures in their place, and escaped control characters.
+fn is_known_fault(value: &Variant) -> bool {
+    let is_fault = |scalar: &Scalar| match scalar {
         Scalar::ExtensionObject(_) => true,
-        Scalar::Variant(inner) => has_structure(inner),
+        Scalar::Variant(inner) => is_known_fault(inner),
+        Scalar::String(text) | Scalar::XmlElement(text) => has_control(text.as_deref()),
+        Scalar::LocalizedText(text) => has_control(text.text.as_deref()),
+        Scalar::QualifiedName(name) => has_control(name.name.as_deref()),
         _ => false,
     };
     match value {
         Variant::Null => false,
-        Variant::Scalar(scalar) => is_structure(scalar),
-        Variant::Array(array) => array.elements.iter().any(is_structure),
+        Variant::Scalar(scalar) => is_fault(scalar),
+        Variant::Array(array) => array.elements.iter().any(is_fault),
     }
+}
+
+fn has_control(text: Option<&str>) -> bool {
+    text.is_some_and(|text| text.contains('\u{1}'))
 }
 
 fn main() -> ExitCode {
@@ -100,7 +109,7 @@ fn main() -> ExitCode {
     let mut mapping = Mapping::new(&namespaces);
     let (mut count, mut differences) = (0, 0);
     let scalars = vectors::scalars(&mut vectors::Numbers(1));
-    for value in vectors::variants(&scalars).into_iter().filter(|value| !has_structure(value)) {
+    for value in vectors::variants(&scalars).into_iter().filter(|value| !is_known_fault(value)) {
         for encoding in [DataEncoding::Compact105, DataEncoding::Verbose105] {
             let encoder = Encoder::described(encoding, &namespaces, &[]);
             let time = "2019-03-26T18:28:54.2940194Z".parse().expect("a time");
