@@ -1,6 +1,11 @@
 import { beforeEach } from 'vitest'
-import { language } from '@/language/language.svelte'
 
-beforeEach(() => {
-  language.choose('en')
-})
+// Tests of the build's own tools run without a browser.
+if (typeof window !== 'undefined') {
+  // jsdom has no media queries.
+  window.matchMedia = (media) => ({ matches: false, media, onchange: null, addEventListener: () => undefined, removeEventListener: () => undefined, addListener: () => undefined, removeListener: () => undefined, dispatchEvent: () => false })
+  const { language } = await import('@/language/language.svelte')
+  beforeEach(() => {
+    language.choose('en')
+  })
+}

@@ -5,6 +5,8 @@ export interface Timescale {
   start: number
   end: number
   ticks: number[]
+  /** How far apart the ticks are, in milliseconds. */
+  step: number
   /** Share of the width, 0 to 1, where a moment lies. */
   at: (moment: number) => number
 }
@@ -13,7 +15,7 @@ const MINUTE = 60_000
 const HOUR = 60 * MINUTE
 const DAY = 24 * HOUR
 const STEPS = [MINUTE, 5 * MINUTE, 15 * MINUTE, 30 * MINUTE, HOUR, 3 * HOUR, 6 * HOUR, 12 * HOUR, DAY, 2 * DAY, 7 * DAY, 14 * DAY, 30 * DAY, 91 * DAY, 365 * DAY]
-const TICKS_MAX = 8
+const TICKS_MAX = 5
 
 /** A scale on which all planned and actual times and the present have a place; `undefined` without any. */
 export function timescale(operations: readonly DrawnOperation[], now: number): Timescale | undefined {
@@ -38,5 +40,5 @@ export function timescale(operations: readonly DrawnOperation[], now: number): T
   const offset = new Date(start).getTimezoneOffset() * MINUTE
   const ticks: number[] = []
   for (let tick = Math.ceil((start - offset) / step) * step + offset; tick <= end; tick += step) ticks.push(tick)
-  return { start, end, ticks, at: (moment) => (moment - start) / (end - start) }
+  return { start, end, ticks, step, at: (moment) => (moment - start) / (end - start) }
 }

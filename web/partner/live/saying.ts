@@ -1,6 +1,8 @@
-import { statusText } from '@/format/status'
+import { severity, statusText } from '@/format/status'
 import { valueText } from '@/format/value'
 import { words } from '@/language/words'
+import type { FieldState } from '../api/types'
+import { texts } from '../language/texts'
 
 export interface Saying {
   where: string
@@ -21,10 +23,13 @@ export function saying(event: unknown): Saying {
 
 function what(members: Record<string, unknown>): string {
   const parts: string[] = []
+  if (Array.isArray(members['fields'])) parts.push((members['fields'] as FieldState[]).map((field) => `${field.key.fieldName} ${valueText(field.value)}`).join(', '))
   if (typeof members['mappingState'] === 'string') parts.push(words.mappingState[members['mappingState']] ?? members['mappingState'])
   if ('value' in members) parts.push(valueText(members['value']))
-  if (typeof members['status'] === 'number' && members['status'] !== 0) parts.push(statusText(members['status']))
-  if (typeof members['state'] === 'string') parts.push(words.operationState[members['state']] ?? members['state'])
+  if (severity(members['status'] as string | null | undefined) !== 'good') parts.push(statusText(members['status'] as string))
+  if (typeof members['state'] === 'string') parts.push(words.operationState[members['state']] ?? texts.network.part[members['state']] ?? members['state'])
+  if (typeof members['quantity'] === 'number') parts.push(valueText(members['quantity']))
+  if (typeof members['revision'] === 'number') parts.push(texts.networks.revision(members['revision']))
   if (typeof members['reason'] === 'string') parts.push(members['reason'])
   return parts.length > 0 ? parts.join(' · ') : ''
 }

@@ -1,0 +1,25 @@
+import { defineConfig, devices } from '@playwright/test'
+
+/**
+ * Drives both pages in Debian's Chromium against daemons that run already; `world.ts` says by which variables they are
+ * found. One worker: the tests share one world and change it.
+ */
+export default defineConfig({
+  outputDir: '../../target/browser',
+  workers: 1,
+  fullyParallel: false,
+  retries: 0,
+  timeout: 60_000,
+  expect: { timeout: 10_000 },
+  reporter: [['list']],
+  use: {
+    ...devices['Desktop Chrome'],
+    launchOptions: { executablePath: process.env['CHROMIUM'] ?? '/usr/bin/chromium', args: ['--no-sandbox'] },
+    trace: 'retain-on-failure',
+  },
+  projects: [
+    { name: 'story', testMatch: /story\.spec\.ts/ },
+    { name: 'accessibility', testMatch: /accessibility\.spec\.ts/ },
+    { name: 'screenshots', testMatch: /screenshots\.spec\.ts/, timeout: 240_000 },
+  ],
+})

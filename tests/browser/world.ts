@@ -1,0 +1,121 @@
+import { expect, type APIRequestContext, type Browser, type BrowserContext, type BrowserContextOptions, type Page } from '@playwright/test'
+
+/** A daemon with its page, and who signs in there. */
+export interface Site {
+  app: 'engineer' | 'partner'
+  url: string
+  userName: string
+  password: string
+}
+
+function variable(name: string, otherwise?: string): string {
+  const value = process.env[name] ?? otherwise
+  if (value === undefined) throw new Error(`Set ${name}: the browser tests drive daemons that run already.`)
+  return value
+}
+
+/** The factory connector. */
+export const connector: Site = {
+  app: 'engineer',
+  url: variable('CONNECTOR_URL'),
+  userName: variable('CONNECTOR_USER', 'engineer'),
+  password: variable('CONNECTOR_PASSWORD'),
+}
+
+/** The platform. */
+export const platform: Site = {
+  app: 'partner',
+  url: variable('PLATFORM_URL'),
+  userName: variable('PLATFORM_USER', 'admin'),
+  password: variable('PLATFORM_PASSWORD'),
+}
+
+/** Signs in through the form and waits for the page behind it. */
+export async function signIn(page: Page, site: Site): Promise<void> {
+  await page.goto(site.url)
+  await page.getByLabel(/user name|benutzername/i).fill(site.userName)
+  await page.getByLabel(/password|passwort/i).fill(site.password)
+  await page.getByRole('button', { name: /sign in|anmelden/i }).click()
+  await expect(page.getByRole('navigation')).toBeVisible()
+}
+
+const sessions = new Map<string, Awaited<ReturnType<BrowserContext['storageState']>>>()
+
+/** A browser that is signed in already: each site is signed in to once, as attempts to sign in are throttled. */
+export async function signedIn(browser: Browser, site: Site, options: BrowserContextOptions = {}): Promise<Page> {
+  const known = sessions.get(site.url)
+  const context = await browser.newContext({ ...options, ...(known === undefined ? {} : { storageState: known }) })
+  const page = await context.newPage()
+  if (known === undefined) {
+    await signIn(page, site)
+    sessions.set(site.url, await context.storageState())
+  } else {
+    await page.goto(site.url)
+    await expect(page.getByRole('navigation')).toBeVisible()
+  }
+  return page
+}
+
+/** What the API says, asked with the page's own session. */
+export async function api<T>(request: APIRequestContext, site: Site, path: string): Promise<T> {
+  const response = await request.get(`${site.url.replace(/\/$/, '')}/api/v1${path}`)
+  expect(response.ok(), `GET ${path} gave ${response.status()}`).toBe(true)
+  return (await response.json()) as T
+}
+
+interface Items<T> {
+  items: T[]
+}
+
+/** Every place in an app that has a page of its own, with real ids in it. */
+export async function places(page: Page, site: Site): Promise<{ name: string; hash: string }[]> {
+  const hash = (...parts: string[]): string => `#/${parts.map(encodeURIComponent).join('/')}`
+  if (site.app === 'partner') {
+    const networks = await api<Items<{ operationNetworkId: string }>>(page.request, site, '/operation-networks')
+    const factories = await api<Items<{ factoryId: string }>>(page.request, site, '/factories')
+    const network = networks.items[0]?.operationNetworkId
+    const factory = factories.items[0]?.factoryId
+    const view = network === undefined ? undefined : await api<{ fields: { key: { operationId: string } }[] }>(page.request, site, `/operation-networks/${encodeURIComponent(network)}`)
+    const operation = view?.fields[0]?.key.operationId
+    return [
+      { name: 'networks', hash: '#/' },
+      ...(network === undefined ? [] : [{ name: 'network', hash: hash('networks', network) }]),
+      ...(network === undefined || operation === undefined ? [] : [{ name: 'operation', hash: hash('networks', network, operation) }]),
+      { name: 'factories', hash: '#/factories' },
+      ...(factory === undefined ? [] : [{ name: 'factory', hash: hash('factories', factory) }]),
+      { name: 'live', hash: '#/live' },
+      { name: 'settings', hash: '#/settings' },
+    ]
+  }
+  interface Field {
+    key: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string; fieldName: string }
+    mappingState: string
+    valueSource?: string | null
+  }
+  const inbox = await api<Items<{ fields: Field[] }>>(page.request, site, '/inbox')
+  const sources = await api<Items<{ sourceId: string }>>(page.request, site, '/sources')
+  const fields = inbox.items.flatMap((request) => request.fields)
+  const at = (name: string, field: Field | undefined): { name: string; hash: string }[] =>
+    field === undefined ? [] : [{ name, hash: hash('fields', field.key.operationNetworkId, field.key.operationId, field.key.dynamicDataRequestId, field.key.fieldName) }]
+  const source = sources.items[0]?.sourceId
+  return [
+    { name: 'overview', hash: '#/' },
+    { name: 'inbox', hash: '#/inbox' },
+    ...at('field-mapped', fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING')),
+    ...at('field-pending', fields.find((field) => field.mappingState === 'PENDING')),
+    ...at('field-manual', fields.find((field) => field.valueSource === 'MANUAL')),
+    ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
+    { name: 'sources', hash: '#/sources' },
+    ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
+    { name: 'ledger', hash: '#/ledger' },
+    { name: 'link', hash: '#/link' },
+    { name: 'settings', hash: '#/settings' },
+  ]
+}
+
+/** Opens a place and waits until it has what it shows. */
+export async function visit(page: Page, site: Site, hash: string): Promise<void> {
+  await page.goto(`${site.url.replace(/\/$/, '')}/${hash}`)
+  await expect(page.locator('main h1')).toBeVisible()
+  await expect(page.locator('main .loading')).toHaveCount(0)
+}

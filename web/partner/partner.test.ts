@@ -1,0 +1,133 @@
+import { describe, expect, it, vi } from 'vitest'
+import { Resource } from '@/transport/resource.svelte'
+import type { FieldState, NetworkView } from './api/types'
+import { ranges } from './factories/ranges'
+import { saying } from './live/saying'
+import { drawnOperations } from './networks/drawn'
+import { takeEvent, takeProgress } from './networks/events'
+import { series, takeReport, type Point } from './operation/history'
+import { cadenceMs } from './requests/cadence'
+import { RequestDraft } from './requests/request-draft.svelte'
+
+const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'made' }
+const state = (more: Partial<FieldState> = {}): FieldState => ({ key, factoryId: 'F', mappingState: 'MAPPED', value: '3', epoch: 1, sequence: 5, ...more })
+const view = (fields: FieldState[] = [state()]): NetworkView => ({
+  collaborationId: 'c',
+  revision: 1,
+  updatedAt: '2026-11-21T10:00:00Z',
+  updatedBy: 'admin',
+  lastEventId: '0-0',
+  parts: [],
+  operations: [{ operationId: 'o', isStateInferred: false, quantity: 3 }],
+  fields,
+  network: {
+    operationNetworkId: 'n',
+    operationList: [
+      {
+        operationId: 'o',
+        operationType: 'PRODUCTION',
+        plannedQuantity: 12,
+        dynamicDataRequestList: [
+          { dynamicDataRequestId: 'r', requesterId: 'a', recipientList: ['a'], purpose: 'p', reportDataFormat: { reportName: 'R', reportFieldList: [{ name: 'made', type: 9 }, { name: 'begun', type: 13, semantic: 'ACTUAL_START' }] } },
+        ],
+      },
+    ],
+  },
+})
+
+async function loaded<T>(value: T): Promise<Resource<T>> {
+  const resource = new Resource(() => Promise.resolve(value))
+  await resource.refresh()
+  return resource
+}
+
+describe('live values', () => {
+  it('take the place of older ones at once', async () => {
+    const resource = await loaded(view())
+    takeEvent(resource, 'n', { ...key, fields: [state({ value: '4', sequence: 6 })] })
+    expect(resource.value?.fields[0]).toMatchObject({ value: '4', sequence: 6, mappingState: 'MAPPED' })
+  })
+  it('do not take the place of newer ones, except after a new start', async () => {
+    const resource = await loaded(view())
+    takeEvent(resource, 'n', { fields: [state({ value: '2', sequence: 4 })] })
+    expect(resource.value?.fields[0]?.value).toBe('3')
+    takeEvent(resource, 'n', { fields: [state({ value: '0', sequence: 0, epoch: 2 })] })
+    expect(resource.value?.fields[0]?.value).toBe('0')
+  })
+  it('of other networks are left alone', async () => {
+    const resource = await loaded(view())
+    takeEvent(resource, 'n', { fields: [state({ key: { ...key, operationNetworkId: 'other' }, value: '9', sequence: 9 })] })
+    expect(resource.value?.fields[0]?.value).toBe('3')
+  })
+  it('that cannot be placed make the page read again', async () => {
+    const resource = await loaded(view())
+    const again = vi.spyOn(resource, 'refreshSoon')
+    takeEvent(resource, 'n', 'what?')
+    expect(again).toHaveBeenCalledOnce()
+  })
+  it('bring progress', async () => {
+    const resource = await loaded(view())
+    takeProgress(resource, 'n', { operationNetworkId: 'n', operationId: 'o', state: 'Running', quantity: 4, isStateInferred: false })
+    expect(drawnOperations(resource.value ?? view())[0]).toMatchObject({ state: 'Running', quantity: 4, plannedQuantity: 12 })
+  })
+  it('go on with the curve', async () => {
+    const points = await loaded<Point[]>([{ at: '2026-11-21T10:00:00Z', fields: { made: '3' } }])
+    takeReport(points, key, { fields: [state({ value: '4', reportTimestamp: '2026-11-21T10:00:05Z' })] })
+    takeReport(points, { ...key, dynamicDataRequestId: 'other' }, { fields: [state({ value: '5', reportTimestamp: '2026-11-21T10:00:06Z' })] })
+    expect(series(points.value ?? [], 'made').map((point) => point.value)).toEqual([3, 4])
+  })
+})
+
+describe('an operation', () => {
+  it('counts its fields by state', () => {
+    expect(drawnOperations(view())[0]?.fields).toEqual({ mapped: 1, refused: 0, pending: 1 })
+  })
+  it('takes its times from fields by their meaning', () => {
+    const begun = state({ key: { ...key, fieldName: 'begun' }, value: '2026-11-21T06:00:00Z' })
+    expect(drawnOperations(view([state(), begun]))[0]?.actualStart).toBe('2026-11-21T06:00:00Z')
+  })
+})
+
+it.each([
+  [[], ''],
+  [[3], '3'],
+  [[9, 5, 6, 7, 3], '3, 5–7, 9'],
+  [Array.from({ length: 20 }, (_, index) => index * 2), '0, 2, 4, 6, 8, 10, 12, 14 …'],
+])('%j is drawn together', (numbers, text) => {
+  expect(ranges(numbers)).toBe(text)
+})
+
+describe('a request', () => {
+  it('is proposed with a free id and what others ask', () => {
+    const known = view()
+    const draft = new RequestDraft(known, known.network.operationList[0] ?? { operationId: 'o', operationType: 'PRODUCTION' })
+    draft.purpose = ' Plan '
+    draft.addField()
+    Object.assign(draft.fields[1] ?? {}, { name: 'note', type: 'String' })
+    expect(draft.request).toEqual({
+      dynamicDataRequestId: 'Request2',
+      requesterId: 'a',
+      recipientList: ['a'],
+      purpose: 'Plan',
+      updateFrequency: 1,
+      updateFrequencyUnit: 'MINUTE',
+      reportDataFormat: {
+        reportName: 'ProgressReport',
+        reportFieldList: [
+          { name: 'producedQuantity', type: 'UInt32', unit: 'PIECE', semantic: 'PRODUCED_QUANTITY' },
+          { name: 'note', type: 'String' },
+        ],
+      },
+    })
+  })
+  it('has a period where it has a cadence', () => {
+    expect(cadenceMs({ updateFrequency: 2, updateFrequencyUnit: 'MINUTE' })).toBe(30_000)
+    expect(cadenceMs({})).toBeUndefined()
+  })
+})
+
+it('events are told on one line', () => {
+  expect(saying({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({ where: 'F / n / o / r / made', what: 'Refused · Secret.' })
+  const { fieldName: _, ...request } = key
+  expect(saying({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({ where: 'F / n / o / r', what: 'made 4' })
+})

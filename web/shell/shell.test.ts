@@ -1,0 +1,53 @@
+import { render, screen } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, describe, expect, it, vi } from 'vitest'
+import Value from '@/design/Value.svelte'
+import { language } from '@/language/language.svelte'
+import { session } from '@/transport/session.svelte'
+import SignIn from './SignIn.svelte'
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('signing in', () => {
+  const fill = async (): Promise<void> => {
+    await userEvent.type(screen.getByLabelText('User name'), 'engineer')
+    await userEvent.type(screen.getByLabelText('Password'), 'wrong')
+    await userEvent.click(screen.getByRole('button', { name: 'Sign in' }))
+  }
+  it.each([
+    [401, 'User name or password is not right.'],
+    [429, 'Too many attempts. Wait a moment, then try again.'],
+  ])('says why it did not work (%d)', async (status, text) => {
+    vi.stubGlobal('fetch', () => Promise.resolve(new Response('{}', { status })))
+    render(SignIn, { subtitle: 'Test', expired: false })
+    await fill()
+    expect((await screen.findByRole('alert')).textContent).toBe(text)
+    expect(screen.getByLabelText<HTMLInputElement>('Password').value).toBe('')
+  })
+  it('enters', async () => {
+    vi.stubGlobal('fetch', () => Promise.resolve(new Response(JSON.stringify({ userName: 'engineer', role: 'ENGINEER', csrfToken: 't' }))))
+    render(SignIn, { subtitle: 'Test', expired: true })
+    expect(screen.getByRole('status').textContent).toContain('session has ended')
+    await fill()
+    expect(session.who?.userName).toBe('engineer')
+  })
+  it('speaks German at once when asked to', async () => {
+    render(SignIn, { subtitle: 'Test', expired: false })
+    await userEvent.click(screen.getByLabelText('DE'))
+    expect(screen.getByRole('button', { name: 'Anmelden' })).toBeTruthy()
+    expect(language.code).toBe('de')
+  })
+})
+
+describe('a value', () => {
+  it('says in words what is wrong with it', () => {
+    const { container } = render(Value, { value: 5, status: 0x408f0000, unit: 'KWT' })
+    expect(container.textContent.replace(/\s+/g, ' ').trim()).toBe('5 KWT Source lost, last value kept')
+  })
+  it('that is missing has no unit', () => {
+    const { container } = render(Value, { value: null, status: 0, unit: 'KWT' })
+    expect(container.textContent.trim()).toBe('no value')
+  })
+})

@@ -1,0 +1,143 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { credentials, path, query, request } from './http'
+import { LiveFeed } from './live.svelte'
+import { Problem } from './problem'
+import { Resource } from './resource.svelte'
+
+const answer = (status: number, body: unknown): Response => new Response(JSON.stringify(body), { status })
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+  vi.useRealTimers()
+  credentials.csrfToken = undefined
+})
+
+describe('requests', () => {
+  it('carry the CSRF token with changes only', async () => {
+    const fetched = vi.fn<typeof fetch>(() => Promise.resolve(answer(200, {})))
+    vi.stubGlobal('fetch', fetched)
+    credentials.csrfToken = 'secret'
+    await request('GET', '/a')
+    await request('PUT', '/a', { body: 1 })
+    const sent = fetched.mock.calls.map(([, options]) => (options?.headers as Record<string, string>)['x-csrf-token'])
+    expect(sent).toEqual([undefined, 'secret'])
+  })
+  it('become problems with the server’s words and faults', async () => {
+    vi.stubGlobal('fetch', () => Promise.resolve(answer(422, { title: 'Unprocessable', detail: 'Two faults.', faults: [{ pointer: '/a', code: 'X', message: 'Wrong.' }] })))
+    const problem = await request('POST', '/a', { body: {} }).catch((failure: unknown) => failure)
+    expect(problem).toBeInstanceOf(Problem)
+    expect(problem).toMatchObject({ status: 422, message: 'Two faults.', document: { faults: [{ pointer: '/a', message: 'Wrong.' }] } })
+  })
+  it('that do not arrive are told apart', async () => {
+    vi.stubGlobal('fetch', () => Promise.reject(new TypeError('Failed to fetch')))
+    expect(await request('GET', '/a').catch((failure: unknown) => (failure as Problem).unreachable)).toBe(true)
+  })
+  it('end the session when the server no longer knows it', async () => {
+    vi.stubGlobal('fetch', () => Promise.resolve(answer(401, {})))
+    const expired = vi.spyOn(credentials, 'onExpired')
+    await request('GET', '/a').catch(() => undefined)
+    expect(expired).toHaveBeenCalledOnce()
+    await request('POST', '/session', { body: {}, signingIn: true }).catch(() => undefined)
+    expect(expired).toHaveBeenCalledOnce()
+  })
+  it('encode ids and leave out what is not set', () => {
+    expect(path('fields', 'a/b', 'ü')).toBe('/fields/a%2Fb/%C3%BC')
+    expect(query({ a: 'x y', b: undefined, c: 0 })).toBe('?a=x%20y&c=0')
+  })
+})
+
+describe('a resource', () => {
+  it('keeps its last value when a refresh fails, and recovers', async () => {
+    let works = true
+    const resource = new Resource(() => (works ? Promise.resolve('fine') : Promise.reject(new Problem({ title: 'x', status: 500, faults: [] }))))
+    await resource.refresh()
+    works = false
+    await resource.refresh()
+    expect([resource.value, resource.problem?.status]).toEqual(['fine', 500])
+    works = true
+    await resource.refresh()
+    expect(resource.problem).toBeUndefined()
+  })
+  it('ignores an answer that came too late', async () => {
+    const answers: ((text: string) => void)[] = []
+    const resource = new Resource(() => new Promise<string>((resolve) => answers.push(resolve)))
+    const first = resource.refresh()
+    const second = resource.refresh()
+    answers[1]?.('new')
+    answers[0]?.('old')
+    await Promise.all([first, second])
+    expect(resource.value).toBe('new')
+  })
+  it('reads once for many reasons', async () => {
+    vi.useFakeTimers()
+    const load = vi.fn(() => Promise.resolve(1))
+    const resource = new Resource(load)
+    for (let reason = 0; reason < 50; reason += 1) resource.refreshSoon()
+    await vi.advanceTimersByTimeAsync(1000)
+    expect(load).toHaveBeenCalledOnce()
+  })
+  it('asks again by itself while the server is out of reach', async () => {
+    vi.useFakeTimers()
+    const load = vi.fn(() => Promise.reject(new TypeError('offline')))
+    const resource = new Resource<never>(load)
+    await resource.refresh()
+    await vi.advanceTimersByTimeAsync(10_000)
+    expect(load.mock.calls.length).toBeGreaterThan(2)
+    resource.stop()
+  })
+})
+
+class FakeEventSource extends EventTarget {
+  static readonly CLOSED = 2
+  static opened: FakeEventSource[] = []
+  readyState = 0
+  onopen: (() => void) | null = null
+  onerror: (() => void) | null = null
+  constructor() {
+    super()
+    FakeEventSource.opened.push(this)
+  }
+  close(): void {
+    this.readyState = 2
+  }
+}
+
+describe('the live feed', () => {
+  beforeEach(() => {
+    FakeEventSource.opened = []
+    vi.stubGlobal('EventSource', FakeEventSource)
+    vi.useFakeTimers()
+  })
+  const latest = (): FakeEventSource => FakeEventSource.opened.at(-1) ?? new FakeEventSource()
+
+  it('tells the body of events to who listens', () => {
+    const feed = new LiveFeed('/live', ['value'])
+    const heard = vi.fn()
+    const stop = feed.on('value', heard)
+    feed.start()
+    latest().dispatchEvent(new MessageEvent('value', { data: '{"a":1}' }))
+    stop()
+    latest().dispatchEvent(new MessageEvent('value', { data: '{"a":2}' }))
+    expect(heard.mock.calls).toEqual([[{ a: 1 }]])
+  })
+  it('says that it is interrupted, starts again with growing pauses, and lets pages catch up', async () => {
+    const feed = new LiveFeed('/live', ['value'])
+    const caughtUp = vi.fn()
+    feed.onCatchUp(caughtUp)
+    feed.start()
+    latest().onopen?.()
+    expect([feed.state, caughtUp.mock.calls.length]).toEqual(['live', 1])
+    for (let failure = 0; failure < 3; failure += 1) {
+      latest().readyState = 2
+      latest().onerror?.()
+      expect(feed.state).toBe('interrupted')
+      await vi.advanceTimersByTimeAsync(20_000)
+    }
+    expect(FakeEventSource.opened).toHaveLength(4)
+    latest().onopen?.()
+    expect([feed.state, caughtUp.mock.calls.length]).toEqual(['live', 2])
+    latest().dispatchEvent(new MessageEvent('reset', { data: '' }))
+    expect(caughtUp).toHaveBeenCalledTimes(3)
+    feed.stop()
+  })
+})
