@@ -1,6 +1,8 @@
-import { Resource } from '@/transport/resource.svelte'
+import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed } from './api/client'
 import type { Field, FieldKey, InboxRequest } from './api/types'
+
+const STATUS_EVERY_MS = 3_000
 
 /** What every page of the connector's UI looks at, read once and kept fresh by events. */
 class Plant {
@@ -16,6 +18,7 @@ class Plant {
     void this.inbox.refresh()
     const stops = [
       feed.keepFresh(['status'], this.status),
+      poll(STATUS_EVERY_MS, this.status),
       feed.keepFresh(['inbox'], this.inbox),
       feed.on('field', (event) => {
         this.#take(event)

@@ -94,3 +94,13 @@ export function resource<T>(load: () => (signal: AbortSignal) => Promise<T>): Re
   })
   return current
 }
+
+/** Reads again every so often while somebody looks, for what no event tells. Returns how to stop. */
+export function poll(periodMs: number, ...resources: { refreshSoon(): void }[]): () => void {
+  const timer = setInterval(() => {
+    if (!document.hidden) for (const each of resources) each.refreshSoon()
+  }, periodMs)
+  return () => {
+    clearInterval(timer)
+  }
+}

@@ -97,6 +97,7 @@ export interface Field {
   mappingState: MappingState
   valueSource?: ValueSource | null
   disclosure?: Disclosure | null
+  disclosureStatement?: string | null
   decisionReason?: string | null
   decidedBy?: string | null
   decisionTime?: string | null
@@ -140,28 +141,25 @@ export interface Diagnostic {
   column?: number | null
 }
 
-export interface TraceFault {
-  kind: string
-  message: string
-  line?: number | null
-  column?: number | null
-}
-
-export interface TraceStep {
-  step: number
+export interface PreviewStep {
   function: string
   value?: DataValue | null
-  fault?: TraceFault | null
+  message?: string | null
 }
 
 export interface Preview {
   inputs: (DataValue & { name: string })[]
-  steps: TraceStep[]
+  /** What each function made of its value, as far as the chain got. */
+  steps: PreviewStep[]
   candidate?: DataValue | null
-  fault?: TraceFault | null
   disclosed?: DataValue | null
+  /** When it would leave, where policy holds it back. */
+  disclosedAt?: string | null
+  /** The NetworkMessage as the partner would receive it, byte for byte. */
   message?: string | null
-  diagnostics?: Diagnostic[]
+  /** The precision in words, as the partner reads it. */
+  statement: string
+  diagnostics: Diagnostic[]
 }
 
 export interface BrowsedNode {
@@ -198,26 +196,48 @@ export interface LedgerEntry {
   sequence: number
   at: string
   recipientId: string
+  /** CONSENT, QUEUED, SENT, RECEIPTED, COALESCED, EXPIRED or PURGED. */
   kind: string
-  operationNetworkId?: string
-  operationId?: string
-  dynamicDataRequestId?: string
-  fieldName?: string
-  value?: unknown
-  disclosure?: string | null
-  hash?: string
+  operationNetworkId?: string | null
+  operationId?: string | null
+  dynamicDataRequestId?: string | null
+  fieldName?: string | null
+  /** For a report: what left, by field. */
+  value?: Record<string, unknown> | null
+  /** For a consent: the policy. */
+  policy?: Disclosure | null
+  dataSetWriterId?: number | null
+  epoch?: number | null
+  firstSequence?: number | null
+  lastSequence?: number | null
+  hash: string
 }
 
 export interface Verification {
   valid: boolean
   entries: number
-  chains?: number
+  valuesCompared: number
+  valuesEmptied: number
+  checkpoints: number
+  chains: number
   fault?: string | null
 }
 
 export interface DeadLetter {
   id: string
   at: string
+  direction: string
+  messageId?: string | null
+  subject: string
+  code: string
   reason: string
-  subject?: string | null
+}
+
+export interface Comment {
+  dynamicDataRequestId?: string | null
+  fieldName?: string | null
+  authorId: string
+  isOwn: boolean
+  text: string
+  writtenAt: string
 }

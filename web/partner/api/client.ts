@@ -22,8 +22,8 @@ export const platform = {
   addRequest: (id: string, operationId: string, wanted: DynamicDataRequest) => request<unknown>('POST', path('operation-networks', id, 'operations', operationId, 'requests'), { body: wanted }),
   withdrawRequest: (id: string, operationId: string, requestId: string) => request<unknown>('DELETE', path('operation-networks', id, 'operations', operationId, 'requests', requestId)),
 
-  reports: (network: string, dataRequest: string, after: string | undefined, signal?: AbortSignal) =>
-    request<Page<Report>>('GET', `/reports${query({ network, request: dataRequest, after, limit: 1000 })}`, { signal }),
+  newestReports: (network: string, dataRequest: string, limit: number, signal?: AbortSignal) =>
+    request<Page<Report>>('GET', `/reports${query({ network, request: dataRequest, newest: true, limit })}`, { signal }),
   comments: (id: string, signal?: AbortSignal) => request<Page<Comment>>('GET', path('operation-networks', id, 'comments'), { signal }),
   comment: (id: string, comment: NewComment) => request<Comment>('POST', path('operation-networks', id, 'comments'), { body: comment }),
   deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),

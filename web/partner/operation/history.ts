@@ -10,23 +10,14 @@ export interface Point {
 }
 
 const KEPT = 300
-const PAGES_MAX = 10
 
-/** The newest reports about a request, oldest first. The platform lists from the oldest on, so older ones pass by. */
+/** The newest reports about a request, oldest first. */
 export async function newestReports(networkId: string, dynamicDataRequestId: string, signal: AbortSignal): Promise<Point[]> {
-  let points: Point[] = []
-  let after: string | undefined
-  for (let page = 0; page < PAGES_MAX; page += 1) {
-    const next = await platform.reports(networkId, dynamicDataRequestId, after, signal)
-    const news = next.items.map((report) => ({
-      at: report.reportTimestamp ?? report.receivedAt,
-      fields: Object.fromEntries(Object.entries(report.fields).map(([name, field]) => [name, field.value])),
-    }))
-    points = [...points, ...news].slice(-KEPT)
-    after = next.nextCursor ?? undefined
-    if (after === undefined) break
-  }
-  return points
+  const { items } = await platform.newestReports(networkId, dynamicDataRequestId, KEPT, signal)
+  return items.map((report) => ({
+    at: report.reportTimestamp ?? report.receivedAt,
+    fields: Object.fromEntries(Object.entries(report.fields).map(([name, field]) => [name, field.value])),
+  }))
 }
 
 /** Adds what a live event says about a request. */
