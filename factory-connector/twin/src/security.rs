@@ -5,3 +5,4 @@ pub(crate) mod connections;
 pub(crate) mod login;
 pub(crate) mod throttle;
 pub(crate) mod trust;
+pub(crate) mod validation;

@@ -29,7 +29,7 @@ use crate::{
     events::EventReporter,
     handle::TwinHandle,
     host::{HostManager, NodeHost},
-    security::{certificate, connections::ConnectionLimits, login::Login, trust::TrustList},
+    security::{certificate, connections::ConnectionLimits, login::Login, trust::TrustList, validation::Validator},
 };
 
 /// How long closing the connections may take.
@@ -71,6 +71,10 @@ impl Twin {
             .port(port)
             .discovery_urls(vec![url.to_string()])
             .with_authenticator(Arc::new(login))
+            .with_certificate_validator(Arc::new(Validator::new(
+                &config.pki_directory,
+                config.security.trust_unknown_certificates,
+            )))
             .with_connection_filter(Arc::new(ConnectionLimits::new(&config.limits)))
             .with_node_manager(HostBuilder(Arc::clone(&host)));
         let (server, handle) = builder.build().map_err(|reason| TwinError::Configuration { reason })?;
@@ -165,7 +169,6 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
         .pki_dir(&config.pki_directory)
         .certificate_path(certificate::CERTIFICATE_FILE)
         .private_key_path(certificate::KEY_FILE)
-        .trust_client_certs(config.security.trust_unknown_certificates)
         .check_cert_time(true)
         .diagnostics_enabled(true)
         .subscription_poll_interval_ms(config.limits.publishing_tick_ms.max(1));

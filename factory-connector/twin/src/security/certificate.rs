@@ -44,7 +44,7 @@ pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) 
 }
 
 fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
-    for name in ["own", "private", "trusted", "rejected"] {
+    for name in ["own", "private", "trusted", "rejected", "issuers", "crl"] {
         let path = folder.join(name);
         fs::create_dir_all(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
     }

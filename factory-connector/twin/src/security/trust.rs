@@ -11,6 +11,8 @@ use std::{
 use asi_model::DateTime;
 use opcua_stack::opcua::crypto::{CertificateStore, X509};
 
+use x509_parser::{prelude::FromDer, revocation_list::CertificateRevocationList};
+
 use crate::error::TwinError;
 
 const TRUSTED: &str = "trusted";
@@ -94,10 +96,42 @@ impl TrustList {
             .map_err(|_| TwinError::Certificate { reason: "the bytes are no certificate in DER".to_owned() })?;
         let description = describe(&certificate, CertificateState::Trusted);
         if !self.trust(&description.thumbprint)? {
-            let path = self.folder.join(TRUSTED).join(CertificateStore::cert_file_name(&certificate));
-            fs::write(&path, der).map_err(|source| TwinError::Pki { path, source })?;
+            self.write(TRUSTED, &CertificateStore::cert_file_name(&certificate), der)?;
         }
         Ok(description)
+    }
+
+    /// Lets an authority's certificates take part in chains without being trusted itself, as DER.
+    ///
+    /// # Errors
+    /// [`TwinError::Certificate`] when these are not a certificate's bytes, [`TwinError::Pki`] when it cannot be stored.
+    pub fn add_issuer(&self, der: &[u8]) -> Result<(), TwinError> {
+        let certificate = X509::from_der(der)
+            .map_err(|_| TwinError::Certificate { reason: "the bytes are no certificate in DER".to_owned() })?;
+        self.write("issuers", &CertificateStore::cert_file_name(&certificate), der)
+    }
+
+    /// Takes an authority's revocation list as DER; it replaces the one before of the same authority. Certificates of an
+    /// authority open the door only while its current list is here.
+    ///
+    /// # Errors
+    /// [`TwinError::Certificate`] when these are not a list's bytes, [`TwinError::Pki`] when it cannot be stored.
+    pub fn put_revocation_list(&self, der: &[u8]) -> Result<(), TwinError> {
+        let (_, list) = CertificateRevocationList::from_der(der)
+            .map_err(|_| TwinError::Certificate { reason: "the bytes are no revocation list in DER".to_owned() })?;
+        let name: String = list
+            .issuer()
+            .to_string()
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '=' | ' ') { c } else { '_' })
+            .take(120)
+            .collect();
+        self.write("crl", &format!("{name}.crl"), der)
+    }
+
+    fn write(&self, folder: &str, name: &str, bytes: &[u8]) -> Result<(), TwinError> {
+        let path = self.folder.join(folder).join(name);
+        fs::write(&path, bytes).map_err(|source| TwinError::Pki { path, source })
     }
 
     fn shift(&self, thumbprint: &str, from: &str, to: &str) -> Result<bool, TwinError> {
