@@ -12,6 +12,8 @@ const BYTES_MAX: usize = 16 * 1024 * 1024;
 const DEPTH_MAX: usize = 64;
 /// Most elements.
 const ELEMENTS_MAX: usize = 500_000;
+/// Most attributes of one element.
+const ATTRIBUTES_MAX: usize = 64;
 
 /// An element: names without prefix, text without that of its children.
 #[derive(Debug, Default)]
@@ -76,7 +78,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
                 let is_empty = matches!(event, Event::Empty(_));
                 let (Event::Start(start) | Event::Empty(start)) = event else { continue };
                 let mut element = Element { name: start.local_name().as_ref().to_owned(), ..Element::default() };
-                for attribute in start.attributes() {
+                // The reader's own search for repeated attributes takes quadratic time; here the first one counts.
+                for (number, attribute) in start.attributes().with_checks(false).enumerate() {
+                    if number == ATTRIBUTES_MAX {
+                        let what = "attributes in one element";
+                        return Err(NodeSetError::TooLarge { what, count_max: ATTRIBUTES_MAX });
+                    }
                     let attribute = attribute.map_err(|error| malformed(error.to_string()))?;
                     let value = attribute
                         .normalized_value(XmlVersion::Implicit1_0)

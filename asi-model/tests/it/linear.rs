@@ -41,7 +41,10 @@ fn hostile_input_costs_linear_time() {
         |count| format!("{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}", "{\"UaTypeId\":\"i=12079\"},".repeat(count));
     let xml: Make =
         |count| format!("<UANodeSet>{}</UANodeSet>", "<UAObject NodeId=\"i=1\" BrowseName=\"a\"/>".repeat(count));
+    let attributes: Make =
+        |count| format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>());
     for (name, make, count) in [
+        ("attributes", attributes, 10_000),
         ("fields", fields, 4_000),
         ("payload", payload, 4_000),
         ("repeated members", repeated, 8_000),
