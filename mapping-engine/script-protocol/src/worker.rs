@@ -3,6 +3,7 @@
 //! A worker binary brings a [`ScriptEngine`] and calls [`serve`]. Single-threaded but for the watchdog.
 
 mod clock;
+mod prelude;
 mod sandbox;
 mod watchdog;
 
@@ -17,7 +18,8 @@ use std::{
 use crate::{
     Call, CallResult, HostMessage, Limits, Load, PROTOCOL_VERSION, ScriptFault, ScriptId, WorkerMessage, Yielded, frame,
 };
-pub use clock::thread_time;
+pub use clock::{process_time, thread_time};
+pub use prelude::PRELUDE;
 use watchdog::Watchdog;
 
 /// A JavaScript engine behind the protocol. One instance serves many scripts; each is apart from the others in memory,

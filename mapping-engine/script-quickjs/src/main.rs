@@ -7,7 +7,6 @@
 mod engine;
 mod fault;
 mod guard;
-mod prelude;
 mod script;
 mod values;
 

@@ -5,9 +5,10 @@ use std::{rc::Rc, sync::Arc};
 use rquickjs::{CatchResultExt, Context, Ctx, Function, Object, Persistent, Runtime, Value, context::EvalOptions};
 use script_protocol::{
     Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, Spoken, Yielded, message::STATE_BYTES_MAX,
+    worker::PRELUDE,
 };
 
-use crate::{fault, guard::Guard, prelude, values};
+use crate::{fault, guard::Guard, values};
 
 /// A loaded script.
 ///
@@ -52,7 +53,7 @@ impl Script {
 
     fn compile(ctx: &Ctx<'_>, load: &Load, guard: &Guard, file: &str) -> Result<Functions, ScriptFault> {
         let of = |caught| fault::of(ctx, caught, file);
-        let tools: Object<'_> = ctx.eval(prelude::SOURCE).catch(ctx).map_err(of)?;
+        let tools: Object<'_> = ctx.eval(PRELUDE).catch(ctx).map_err(of)?;
         let function = |name: &str| tools.get::<_, Function<'_>>(name).catch(ctx).map_err(of);
         let define = function("define")?;
         for (index, name) in load.inputs.iter().enumerate() {

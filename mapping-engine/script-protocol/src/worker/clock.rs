@@ -11,7 +11,8 @@ pub fn thread_time() -> Duration {
 }
 
 /// The computing time of the process so far.
-pub(super) fn process_time() -> Duration {
+#[must_use]
+pub fn process_time() -> Duration {
     duration(clock_gettime(ClockId::ProcessCPUTime))
 }
 

@@ -1,7 +1,9 @@
-//! The JavaScript between a script and us: `ctx`, and the few questions that only JavaScript can answer.
+//! The JavaScript between a script and its worker: `ctx`, and the few questions that only JavaScript can answer. The
+//! same for every engine.
 
-/// Evaluates to an object of functions that the worker calls. Takes its intrinsics before any script can touch them.
-pub const SOURCE: &str = r#"(() => {
+/// Evaluates to an object of functions that an engine calls. Takes its intrinsics before any script can touch them, and
+/// removes what scripts shall not have.
+pub const PRELUDE: &str = r#"(() => {
   "use strict";
   const { parse, stringify } = JSON;
   const { asIntN, asUintN } = BigInt;
@@ -29,8 +31,11 @@ pub const SOURCE: &str = r#"(() => {
   for (const f of [function () {}, function* () {}, async function () {}, async function* () {}])
     Object.defineProperty(Object.getPrototypeOf(f), "constructor", { value: undefined });
   for (const name of ["eval", "Function", "SharedArrayBuffer", "Atomics", "performance", "queueMicrotask", "WeakRef",
-    "FinalizationRegistry", "gc", "print", "console", "std", "os", "scriptArgs", "navigator"])
+    "FinalizationRegistry", "gc", "print", "console", "std", "os", "scriptArgs", "navigator", "WebAssembly",
+    "ShadowRealm", "Deno"])
     delete globalThis[name];
+  // Internals of V8's shims.
+  for (const name of Object.getOwnPropertyNames(globalThis)) if (name.startsWith("__")) delete globalThis[name];
 
   return {
     define(index, name) {
