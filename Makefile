@@ -39,6 +39,11 @@ bench: prerequisites web ## latency and throughput of the whole path, release bu
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench
 	target/release/bench
 
+script-deno: ## the second script engine (needs cmake and libsimde-dev), and the conformance suite against it
+	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked \
+	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
+	SCRIPT_DENO=$(CURDIR)/target/script-deno/debug/script-deno $(CARGO) test --locked -p script-quickjs --test it
+
 screenshots: demo-programs ## every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
@@ -64,4 +69,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: help demo demo-check demo-programs dev test check lint bench screenshots web foreign prerequisites prerequisites-test
+.PHONY: help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test

@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use mapping_engine::FaultKind as K;
+use mapping_engine::{FaultKind as K, ScriptEngine};
 
 use super::bench::{Bench, Worker};
 
@@ -78,7 +78,9 @@ pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
             let value = bench.next(&id).await.value;
             fastest = fastest.min(begun.elapsed().mul_f64(share.end()));
             let fault = bench.status(&id).await.last_fault.unwrap_or_else(|| panic!("{name}: {value:?}"));
-            assert!(kinds.contains(&fault.kind), "{name}: {fault:?}");
+            // V8 ends its process at the memory limit; that is the design, and what workers are for.
+            let is_v8_limit = worker.engine == ScriptEngine::Deno && fault.kind == K::ScriptCrash;
+            assert!(kinds.contains(&fault.kind) || is_v8_limit, "{name}: {fault:?}");
             assert!(value.status.0 >> 30 == 2 && value.value.is_null(), "{name}: {value:?}");
             // The neighbour was asked meanwhile: it answered, in order, and remembers every call.
             calls += 1.0;

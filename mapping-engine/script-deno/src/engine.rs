@@ -1,0 +1,284 @@
+//! All scripts of the worker, by their ids, in one isolate.
+
+use std::{collections::HashMap, sync::Arc};
+
+use deno_core::v8;
+use script_protocol::{
+    Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, ScriptId, Spoken, Yielded,
+    message::STATE_BYTES_MAX,
+    worker::{PRELUDE, ScriptEngine},
+};
+
+use crate::{fault, timer::Timer, values};
+
+/// The isolate's memory in memories of one script: they share it.
+const SHARED_MEMORIES: u64 = 8;
+
+/// The engine.
+pub struct Deno {
+    limits: Limits,
+    timer: Timer,
+    scripts: HashMap<ScriptId, Loaded>,
+    isolate: v8::OwnedIsolate,
+}
+
+/// A script with what is needed to start it anew.
+struct Loaded {
+    load: Load,
+    script: Option<Script>,
+}
+
+/// A script in its context.
+struct Script {
+    file: String,
+    context: v8::Global<v8::Context>,
+    function: v8::Global<v8::Function>,
+    invoke: v8::Global<v8::Function>,
+    invoke_input: v8::Global<v8::Function>,
+    input: v8::Global<v8::Function>,
+    state_of: v8::Global<v8::Function>,
+    kind_of: v8::Global<v8::Function>,
+}
+
+type Called = (Result<Yielded, ScriptFault>, Option<Arc<str>>);
+type Function<'s> = v8::Local<'s, v8::Function>;
+
+impl Deno {
+    pub fn new(limits: Limits, timer: Timer) -> Self {
+        Self { limits, timer, scripts: HashMap::new(), isolate: isolate(&limits) }
+    }
+
+    /// Runs something in the isolate within the budget. The second value is why it was ended, if it was.
+    fn watched<R>(&mut self, run: impl FnOnce(&mut v8::OwnedIsolate) -> R) -> (R, Option<ScriptFault>) {
+        self.timer.begin(self.isolate.thread_safe_handle(), self.limits.call_budget);
+        let result = run(&mut self.isolate);
+        let has_fired = self.timer.end();
+        // The other one that ends executions is the memory limit.
+        let is_ended = self.isolate.is_execution_terminating();
+        if has_fired || is_ended {
+            self.isolate.cancel_terminate_execution();
+        }
+        let fault = if has_fired { Some(fault::timeout()) } else { is_ended.then(fault::out_of_memory) };
+        (result, fault)
+    }
+
+    fn start(&mut self, load: &Load) -> Result<Script, ScriptFault> {
+        let (started, ended) = self.watched(|isolate| Script::start(isolate, load));
+        match ended {
+            Some(fault) => Err(fault),
+            None => started,
+        }
+    }
+
+    /// Memory that scripts hold is given back only with the isolate.
+    fn begin_anew(&mut self) {
+        for loaded in self.scripts.values_mut() {
+            loaded.script = None;
+        }
+        self.isolate = isolate(&self.limits);
+    }
+}
+
+fn isolate(limits: &Limits) -> v8::OwnedIsolate {
+    let memory = usize::try_from(limits.script_memory_bytes.saturating_mul(SHARED_MEMORIES)).unwrap_or(usize::MAX);
+    v8::Isolate::new(v8::CreateParams::default().heap_limits(0, memory))
+}
+
+impl ScriptEngine for Deno {
+    fn name(&self) -> String {
+        format!("deno_core ({})", v8::V8::get_version())
+    }
+
+    fn load(&mut self, load: Load) -> Result<(), ScriptFault> {
+        self.scripts.remove(&load.script);
+        let script = self.start(&load);
+        if matches!(&script, Err(fault) if fault.kind == FaultKind::OutOfMemory) {
+            self.begin_anew();
+        }
+        self.scripts.insert(load.script, Loaded { script: Some(script?), load });
+        Ok(())
+    }
+
+    fn unload(&mut self, script: ScriptId) {
+        self.scripts.remove(&script);
+    }
+
+    fn call(&mut self, call: Call) -> Called {
+        let Some(mut loaded) = self.scripts.remove(&call.script) else {
+            return (Err(ScriptFault::new(FaultKind::NotLoaded, "there is no such script")), None);
+        };
+        loaded.remember(&call.inputs);
+        let (outcome, state) = self.call_loaded(&mut loaded, &call);
+        if let Some(state) = &state {
+            loaded.load.state = Some(Arc::clone(state));
+        }
+        let is_exhausted = matches!(&outcome, Err(fault) if fault.kind == FaultKind::OutOfMemory);
+        if is_exhausted {
+            loaded.script = None;
+        }
+        self.scripts.insert(call.script, loaded);
+        if is_exhausted {
+            self.begin_anew();
+        }
+        (outcome, state)
+    }
+}
+
+impl Deno {
+    fn call_loaded(&mut self, loaded: &mut Loaded, call: &Call) -> Called {
+        if loaded.script.is_none() {
+            match self.start(&loaded.load) {
+                Ok(script) => loaded.script = Some(script),
+                Err(fault) => return (Err(fault), None),
+            }
+        }
+        let Some(script) = &loaded.script else { return (Err(fault::out_of_memory()), None) };
+        let state = loaded.load.state.as_deref();
+        let (called, ended) = self.watched(|isolate| script.call(isolate, call, state));
+        match ended {
+            Some(fault) => (Err(fault), None),
+            None => called,
+        }
+    }
+}
+
+impl Loaded {
+    fn remember(&mut self, inputs: &[InputValue]) {
+        for input in inputs {
+            match self.load.values.iter_mut().find(|known| known.input == input.input) {
+                Some(known) => known.spoken.clone_from(&input.spoken),
+                None => self.load.values.push(input.clone()),
+            }
+        }
+    }
+}
+
+impl Script {
+    fn start(isolate: &mut v8::OwnedIsolate, load: &Load) -> Result<Self, ScriptFault> {
+        let file = format!("{}.js", load.name.replace([':', '(', ')', '\n', '\r', '\0'], "_"));
+        let context = {
+            v8::scope!(let scope, isolate);
+            let context = v8::Context::new(scope, Default::default());
+            v8::Global::new(scope, context)
+        };
+        v8::scope_with_context!(let scope, isolate, &context);
+        v8::tc_scope!(let scope, scope);
+        let compiled = Self::compile(scope, load, &file);
+        match compiled {
+            Some(Ok(functions)) => {
+                let [function, invoke, invoke_input, input, state_of, kind_of] = functions;
+                Ok(Self { file, context: context.clone(), function, invoke, invoke_input, input, state_of, kind_of })
+            }
+            Some(Err(fault)) => Err(fault),
+            None => Err(match scope.exception() {
+                Some(thrown) => fault::of(scope, thrown, &file),
+                None => fault::out_of_memory(),
+            }),
+        }
+    }
+
+    /// The functions in the order of the fields. `None` where the engine threw.
+    fn compile<'s>(
+        scope: &v8::PinScope<'s, '_>,
+        load: &Load,
+        file: &str,
+    ) -> Option<Result<[v8::Global<v8::Function>; 6], ScriptFault>> {
+        let tools = run(scope, PRELUDE, "prelude.js", false)?;
+        let tools: v8::Local<'s, v8::Object> = v8::Local::try_from(tools).ok()?;
+        let tool = |name| v8::Local::<v8::Function>::try_from(values::member(scope, tools, name)?).ok();
+        let undefined = v8::undefined(scope).into();
+        let define = tool("define")?;
+        for (index, name) in load.inputs.iter().enumerate() {
+            let index = v8::Integer::new(scope, i32::try_from(index).ok()?);
+            let name = v8::String::new(scope, name)?;
+            define.call(scope, undefined, &[index.into(), name.into()])?;
+        }
+        if let Some(state) = &load.state {
+            let json = v8::String::new(scope, state)?;
+            tool("restore")?.call(scope, undefined, &[json.into()])?;
+        }
+        let input = tool("input")?;
+        for value in &load.values {
+            set_input(scope, input, value)?;
+        }
+        let result = run(scope, &load.source, file, true)?;
+        let Ok(function) = v8::Local::<v8::Function>::try_from(result) else {
+            let message = "the script must end with a function, as (value, ctx) => value";
+            return Some(Err(ScriptFault::new(FaultKind::Result, message)));
+        };
+        let functions = [function, tool("invoke")?, tool("invokeInput")?, input, tool("state")?, tool("kind")?];
+        Some(Ok(functions.map(|function| v8::Global::new(scope, function))))
+    }
+
+    fn call(&self, isolate: &mut v8::OwnedIsolate, call: &Call, state: Option<&str>) -> Called {
+        v8::scope_with_context!(let scope, isolate, &self.context);
+        v8::tc_scope!(let scope, scope);
+        match self.call_in(scope, call, state) {
+            Some(called) => called,
+            None => match scope.exception() {
+                Some(thrown) => (Err(fault::of(scope, thrown, &self.file)), None),
+                None => (Err(fault::out_of_memory()), None),
+            },
+        }
+    }
+
+    /// `None` where the engine threw.
+    fn call_in(&self, scope: &v8::PinScope<'_, '_>, call: &Call, state: Option<&str>) -> Option<Called> {
+        let undefined = v8::undefined(scope).into();
+        let input = v8::Local::new(scope, &self.input);
+        for value in &call.inputs {
+            set_input(scope, input, value)?;
+        }
+        let function = v8::Local::new(scope, &self.function);
+        let result = match &call.value {
+            CallValue::Input(index) => {
+                let index = v8::Integer::new(scope, (*index).into());
+                v8::Local::new(scope, &self.invoke_input).call(scope, undefined, &[function.into(), index.into()])?
+            }
+            CallValue::Own(spoken) => {
+                let [value, status, time] = arguments(scope, spoken)?;
+                v8::Local::new(scope, &self.invoke).call(scope, undefined, &[function.into(), value, status, time])?
+            }
+        };
+        let yielded = values::yielded(scope, v8::Local::new(scope, &self.kind_of), result)?;
+        let json = v8::Local::new(scope, &self.state_of).call(scope, undefined, &[])?;
+        let json = json.is_string().then(|| json.to_rust_string_lossy(scope));
+        if json.as_ref().is_some_and(|json| json.len() > STATE_BYTES_MAX) {
+            let message = format!("ctx.state has at most {STATE_BYTES_MAX} bytes as JSON");
+            return Some((Err(ScriptFault::new(FaultKind::Result, message)), None));
+        }
+        // Setting it back to nothing is a change too.
+        let json = json.or_else(|| state.map(|_| "null".to_owned()));
+        Some((yielded, json.filter(|new| state != Some(new)).map(Arc::from)))
+    }
+}
+
+fn arguments<'s>(scope: &v8::PinScope<'s, '_>, spoken: &Spoken) -> Option<[v8::Local<'s, v8::Value>; 3]> {
+    let time = match spoken.source_time_ms {
+        Some(ms) => v8::Number::new(scope, ms).into(),
+        None => v8::null(scope).into(),
+    };
+    Some([values::to_js(scope, &spoken.value)?, v8::Number::new(scope, spoken.status.into()).into(), time])
+}
+
+fn set_input<'s>(scope: &v8::PinScope<'s, '_>, input: Function<'s>, value: &InputValue) -> Option<()> {
+    let index = v8::Integer::new(scope, value.input.into());
+    let [content, status, time] = arguments(scope, &value.spoken)?;
+    let undefined = v8::undefined(scope).into();
+    input.call(scope, undefined, &[index.into(), content, status, time]).map(|_| ())
+}
+
+fn run<'s>(
+    scope: &v8::PinScope<'s, '_>,
+    source: &str,
+    file: &str,
+    is_strict: bool,
+) -> Option<v8::Local<'s, v8::Value>> {
+    // On the first line, so that lines keep their numbers; columns of that line are those of an engine in strict mode.
+    let source = if is_strict { format!("\"use strict\";{source}") } else { source.to_owned() };
+    let source = v8::String::new(scope, &source)?;
+    let name = v8::String::new(scope, file)?;
+    let column = if is_strict { -13 } else { 0 };
+    let origin = v8::ScriptOrigin::new(scope, name.into(), 0, column, false, 0, None, false, false, false, None);
+    v8::Script::compile(scope, source, Some(&origin))?.run(scope)
+}

@@ -1,0 +1,33 @@
+//! The script worker with `deno_core`'s engine: V8, or QuickJS behind V8's interface.
+//!
+//! Speaks the same protocol as `script-quickjs`. Scripts share one isolate and have a context each, so memory is
+//! bounded for all together: when it runs out, the isolate is made anew and every script goes on from its state.
+
+mod engine;
+mod fault;
+mod timer;
+mod values;
+
+use std::process::ExitCode;
+
+use engine::Deno;
+
+#[allow(clippy::print_stderr)]
+fn main() -> ExitCode {
+    // Before the sandbox: the platform may start threads.
+    deno_core::JsRuntime::init_platform(None);
+    let timer = match timer::Timer::start() {
+        Ok(timer) => timer,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match script_protocol::worker::serve(|limits| Deno::new(*limits, timer)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
