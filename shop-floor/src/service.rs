@@ -1,6 +1,6 @@
 //! The component: it keeps one task per configured source, and the registry that callers talk to.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use indexmap::IndexMap;
 use parking_lot::RwLock;
@@ -16,6 +16,9 @@ use crate::{
     outbox::Outbox,
     source::{self, Entry},
 };
+
+/// How often wanted and running sources are compared even when nobody says that something changed.
+const RECONCILE_INTERVAL: Duration = Duration::from_secs(2);
 
 /// The shop floor. See the crate's documentation.
 pub struct ShopFloor {
@@ -86,6 +89,8 @@ impl ShopFloor {
             tokio::select! {
                 () = shutdown.cancelled() => break,
                 () = floor.sources_changed.notified() => {}
+                // A task that ended in a panic is started again.
+                () = tokio::time::sleep(RECONCILE_INTERVAL) => {}
             }
         }
         floor.registry.write().is_stopped = true;
@@ -132,6 +137,7 @@ async fn reconcile(floor: &Arc<Floor>, running: &mut HashMap<SourceId, Running>)
 
 async fn join(id: &SourceId, task: JoinHandle<()>) {
     if let Err(error) = task.await {
+        metrics::counter!("shop_floor_source_panics_total").increment(1);
         tracing::error!(source.id = %id, error = %error, "The task of a source ended in a panic.");
     }
 }

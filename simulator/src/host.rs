@@ -1,6 +1,7 @@
 //! A machine: it runs by itself, shows what it does through its server, and fails on command.
 
 mod engine;
+mod handle;
 
 use std::{
     collections::HashMap,
@@ -19,176 +20,17 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    Config, Fault, Layout, MachineConfig, blueprint::Blueprint, machines, relay::Relay, server::MachineServer,
+    Config, Fault, Layout, MachineConfig, SimulatorError, blueprint::Blueprint, machines, relay::Relay,
+    server::MachineServer,
 };
 
 use engine::Engine;
+use handle::Command;
+
+pub use handle::MachineHandle;
 
 /// Commands that may wait for a machine.
 const COMMANDS_MAX: usize = 64;
-
-/// A machine or its server cannot do what was asked.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SimulatorError {
-    /// The configuration is wrong.
-    #[error("{0}")]
-    Config(String),
-    /// An address cannot be listened on.
-    #[error("{address} cannot be listened on: {reason}")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// Why.
-        reason: String,
-    },
-    /// A server cannot be started.
-    #[error("the server of {machine} cannot be started: {reason}")]
-    Server {
-        /// Which machine.
-        machine: String,
-        /// Why.
-        reason: String,
-    },
-    /// There is no such machine.
-    #[error("there is no machine {0}")]
-    UnknownMachine(String),
-    /// The machine has no such variable.
-    #[error("the machine has no variable {0}")]
-    UnknownVariable(String),
-    /// The value is not of the variable's type.
-    #[error("the value must be of the type {expected}")]
-    WrongType {
-        /// The variable's type.
-        expected: BuiltInType,
-    },
-    /// The fault needs the relay, which is configured away.
-    #[error("this fault needs the machine's relay, which its configuration takes away")]
-    NoRelay,
-    /// The server does not run.
-    #[error("the server of the machine does not run")]
-    Down,
-    /// The simulator has stopped.
-    #[error("the simulator has stopped")]
-    Stopped,
-}
-
-/// A cloneable handle to a machine.
-#[derive(Clone)]
-pub struct MachineHandle {
-    config: Arc<MachineConfig>,
-    endpoint_url: String,
-    commands: mpsc::Sender<Command>,
-    node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
-    pki_directory: PathBuf,
-}
-
-enum Command {
-    Set { key: String, value: Variant, status: StatusCode, reply: oneshot::Sender<Result<DateTime, SimulatorError>> },
-    Release { key: String, reply: oneshot::Sender<Result<(), SimulatorError>> },
-    Values { reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>> },
-    Inject { fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>> },
-}
-
-impl MachineHandle {
-    /// The machine's name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.config.name
-    }
-
-    /// How it is configured.
-    #[must_use]
-    pub fn config(&self) -> &MachineConfig {
-        &self.config
-    }
-
-    /// Where clients connect.
-    #[must_use]
-    pub fn endpoint_url(&self) -> &str {
-        &self.endpoint_url
-    }
-
-    /// The present identity of a variable, by its key as `Spindle.Temperature`.
-    #[must_use]
-    pub fn node_id(&self, key: &str) -> Option<NodeId> {
-        self.node_ids.read().get(key).cloned()
-    }
-
-    /// The keys of all variables.
-    #[must_use]
-    pub fn keys(&self) -> Vec<String> {
-        let mut keys: Vec<_> = self.node_ids.read().keys().cloned().collect();
-        keys.sort();
-        keys
-    }
-
-    /// Sets a variable at once and holds it there; returns its source time.
-    ///
-    /// # Errors
-    /// [`SimulatorError`] when there is no such variable, the type differs, or the server does not run.
-    pub async fn set(&self, key: &str, value: impl Into<Variant>) -> Result<DateTime, SimulatorError> {
-        self.set_with_status(key, value, StatusCode::GOOD).await
-    }
-
-    /// As [`Self::set`], with a status.
-    ///
-    /// # Errors
-    /// As [`Self::set`].
-    pub async fn set_with_status(
-        &self,
-        key: &str,
-        value: impl Into<Variant>,
-        status: StatusCode,
-    ) -> Result<DateTime, SimulatorError> {
-        let (key, value) = (key.to_owned(), value.into());
-        self.ask(|reply| Command::Set { key, value, status, reply }).await?
-    }
-
-    /// Lets a variable run by itself again.
-    ///
-    /// # Errors
-    /// [`SimulatorError::UnknownVariable`].
-    pub async fn release(&self, key: &str) -> Result<(), SimulatorError> {
-        let key = key.to_owned();
-        self.ask(|reply| Command::Release { key, reply }).await?
-    }
-
-    /// All variables with their types and values, by key.
-    ///
-    /// # Errors
-    /// [`SimulatorError::Stopped`].
-    pub async fn values(&self) -> Result<Vec<(String, BuiltInType, DataValue)>, SimulatorError> {
-        self.ask(|reply| Command::Values { reply }).await
-    }
-
-    /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the server is back.
-    ///
-    /// # Errors
-    /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
-    pub async fn inject(&self, fault: Fault) -> Result<(), SimulatorError> {
-        self.ask(|reply| Command::Inject { fault, reply }).await?
-    }
-
-    /// Trusts all clients whose certificates were rejected so far.
-    ///
-    /// # Errors
-    /// What the file system says.
-    pub fn trust_rejected_clients(&self) -> std::io::Result<()> {
-        let (rejected, trusted) = (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));
-        for entry in std::fs::read_dir(&rejected)? {
-            let entry = entry?;
-            std::fs::rename(entry.path(), trusted.join(entry.file_name()))?;
-        }
-        Ok(())
-    }
-
-    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, SimulatorError> {
-        let (reply, answer) = oneshot::channel();
-        self.commands.send(command(reply)).await.map_err(|_| SimulatorError::Stopped)?;
-        answer.await.map_err(|_| SimulatorError::Stopped)
-    }
-}
 
 /// A machine before it runs.
 pub(crate) struct Host {

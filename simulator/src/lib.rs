@@ -10,6 +10,7 @@
 pub mod blueprint;
 mod config;
 pub mod control;
+mod error;
 mod fault;
 mod host;
 pub mod machines;
@@ -19,6 +20,7 @@ pub mod signals;
 mod simulator;
 
 pub use config::{Config, ConfigError, EXAMPLE, MachineConfig, MachineKind, SecurityConfig, UserConfig};
+pub use error::SimulatorError;
 pub use fault::{Fault, Layout};
-pub use host::{MachineHandle, SimulatorError};
+pub use host::MachineHandle;
 pub use simulator::{Simulator, SimulatorHandle};

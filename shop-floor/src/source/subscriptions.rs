@@ -1,5 +1,7 @@
 //! The monitored items of one session: wanted against actual, within the server's limits.
 
+mod request;
+
 use std::{
     collections::{HashMap, VecDeque},
     sync::Arc,
@@ -9,10 +11,7 @@ use std::{
 use asi_model::values::DataValue;
 use opcua_stack::{
     limits,
-    opcua::types::{
-        AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId,
-        NumericRange, QualifiedName, ReadValueId, StatusCode, TimestampsToReturn,
-    },
+    opcua::types::{NodeId, StatusCode, TimestampsToReturn},
     values::{node_id_to_stack, status_from_stack},
 };
 
@@ -30,10 +29,6 @@ use crate::{InputChange, InputKey, MonitorRequest, ShopFloorError, SourceConfig,
 /// First and longest pause before an input that the server refused is tried again.
 const RETRY_MIN: Duration = Duration::from_secs(2);
 const RETRY_MAX: Duration = Duration::from_secs(60);
-/// Longest queue we ask a server for on our own.
-const QUEUE_MAX: u32 = 100;
-/// The queue of an item that is sampled on every change.
-const QUEUE_ON_CHANGE: u32 = 10;
 /// After how many publishing intervals without requests a server deletes a subscription, at least this long.
 const SUBSCRIPTION_LIFE: Duration = Duration::from_secs(30);
 
@@ -137,7 +132,7 @@ impl Subscriptions {
     pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
         match self.items.get(&input) {
             Some(Item::Monitored { request, .. }) => {
-                Duration::from_secs_f64(self.sampling_interval_ms(request) / 1000.0)
+                Duration::from_secs_f64(request::sampling_ms(&request.options, self.publishing_ms()) / 1000.0)
             }
             _ => Duration::ZERO,
         }
@@ -281,7 +276,7 @@ impl Subscriptions {
                     }
                     continue;
                 }
-                Err(error) if is_choking(&error) && self.chunk > 1 => {
+                Err(error) if request::is_choking(&error) && self.chunk > 1 => {
                     self.chunk = (count / 2).max(1);
                     tracing::info!(source.id = %self.entry.id, chunk = self.chunk, %error,
                         "A server cannot take so many items at once; fewer are sent.");
@@ -304,8 +299,14 @@ impl Subscriptions {
     /// Sends one request for items. Handles are released again for those that were not created.
     async fn request_items(&self, index: usize, chunk: &[Candidate]) -> Result<Vec<Outcome>, ShopFloorError> {
         let handles: Vec<_> = chunk.iter().map(|candidate| self.feed.reserve(candidate.request.input)).collect();
-        let requests =
-            chunk.iter().zip(&handles).map(|(candidate, handle)| self.item_request(candidate, *handle)).collect();
+        let publishing_ms = self.publishing_ms();
+        let requests = chunk
+            .iter()
+            .zip(&handles)
+            .map(|(candidate, handle)| {
+                request::item(candidate.node_id.clone(), &candidate.request.options, *handle, publishing_ms)
+            })
+            .collect();
         let session = self.connection.session();
         let id = self.subscriptions[index].id;
         let answer = self.connection.ask(session.create_monitored_items(id, TimestampsToReturn::Both, requests)).await;
@@ -405,31 +406,8 @@ impl Subscriptions {
         }
     }
 
-    fn item_request(&self, candidate: &Candidate, handle: u32) -> MonitoredItemCreateRequest {
-        let options = &candidate.request.options;
-        let sampling_interval = self.sampling_interval_ms(&candidate.request);
-        let publishing_ms = self.config.publishing_interval().as_secs_f64() * 1000.0;
-        MonitoredItemCreateRequest {
-            item_to_monitor: ReadValueId {
-                node_id: candidate.node_id.clone(),
-                attribute_id: AttributeId::Value as u32,
-                index_range: options.index_range.as_deref().and_then(parse_range).unwrap_or(NumericRange::None),
-                data_encoding: QualifiedName::null(),
-            },
-            monitoring_mode: MonitoringMode::Reporting,
-            requested_parameters: MonitoringParameters {
-                client_handle: handle,
-                sampling_interval,
-                filter: ExtensionObject::null(),
-                queue_size: options.queue_size.unwrap_or_else(|| queue_size(sampling_interval, publishing_ms)),
-                discard_oldest: true,
-            },
-        }
-    }
-
-    fn sampling_interval_ms(&self, request: &MonitorRequest) -> f64 {
-        let publishing = self.config.publishing_interval().as_secs_f64() * 1000.0;
-        request.options.sampling_interval_ms.unwrap_or(publishing)
+    fn publishing_ms(&self) -> f64 {
+        self.config.publishing_interval().as_secs_f64() * 1000.0
     }
 
     /// Looks for lost nodes at their browse paths.
@@ -476,46 +454,5 @@ impl Subscriptions {
         self.next_retry = Some(self.next_retry.map_or(retry_at, |next| next.min(retry_at)));
         let item = Item::Refused { request, retry_at, attempts: attempts.saturating_add(1) };
         self.items.insert(input, item);
-    }
-}
-
-/// How many changes may come together between two publishings.
-fn queue_size(sampling_ms: f64, publishing_ms: f64) -> u32 {
-    if sampling_ms <= 0.0 {
-        return QUEUE_ON_CHANGE;
-    }
-    let changes = (publishing_ms / sampling_ms).ceil().clamp(1.0, f64::from(QUEUE_MAX) - 1.0);
-    changes as u32 + 1
-}
-
-/// True where a smaller request may succeed.
-fn is_choking(error: &ShopFloorError) -> bool {
-    match error {
-        ShopFloorError::Refused { status } => matches!(
-            StatusCode::from(status.0),
-            StatusCode::BadTooManyOperations
-                | StatusCode::BadRequestTooLarge
-                | StatusCode::BadResponseTooLarge
-                | StatusCode::BadEncodingLimitsExceeded
-                | StatusCode::BadTcpMessageTooLarge
-                | StatusCode::BadOutOfMemory
-                | StatusCode::BadResourceUnavailable
-        ),
-        ShopFloorError::Timeout(_) => true,
-        _ => false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn queues_hold_what_may_come_between_two_publishings() {
-        for (sampling, publishing, expected) in
-            [(100.0, 100.0, 2), (10.0, 100.0, 11), (0.0, 20.0, 10), (1.0, 60_000.0, 100), (1000.0, 20.0, 2)]
-        {
-            assert_eq!(queue_size(sampling, publishing), expected, "{sampling} ms in {publishing} ms");
-        }
     }
 }

@@ -37,7 +37,7 @@ async function main() {
     allowAnonymous: !isProtected,
     userManager: { isValidUser: (user, password) => user === "connector" && password === "machine" },
     // Small limits, as devices have them.
-    serverCapabilities: { operationLimits: { maxMonitoredItemsPerCall: 3, maxNodesPerRead: 10, maxNodesPerBrowse: 2 } },
+    serverCapabilities: { operationLimits: { maxMonitoredItemsPerCall: 3, maxNodesPerRead: 10, maxNodesPerBrowse: 20 } },
   });
   await server.initialize();
   const { addressSpace } = server.engine;

@@ -16,7 +16,7 @@ async fn watched_cell() -> (Simulation, MachineHandle, Floor, shop_floor::Source
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
     let floor = Floor::start();
-    let source = floor.connect(&cell).await;
+    let source = floor.connect_impatiently(&cell).await;
     for (input, key) in (0..).zip(KEYS) {
         floor.monitor(input, &source, node(&cell, key));
     }

@@ -77,7 +77,17 @@ impl Floor {
 
     /// Connects to a machine without protection.
     pub async fn connect(&self, machine: &MachineHandle) -> SourceId {
-        let source = unprotected(machine);
+        self.connect_to(unprotected(machine)).await
+    }
+
+    /// Connects to a machine without protection whose silence is soon noticed.
+    pub async fn connect_impatiently(&self, machine: &MachineHandle) -> SourceId {
+        let mut source = unprotected(machine);
+        source.silence_ms_max = 1000;
+        self.connect_to(source).await
+    }
+
+    async fn connect_to(&self, source: SourceConfig) -> SourceId {
         let id = source.source_id.clone();
         self.handle.put_source(source).expect("a valid source");
         self.until_connected(&id).await;
@@ -127,7 +137,6 @@ pub fn unprotected(machine: &MachineHandle) -> SourceConfig {
     let id = SourceId::new(machine.name()).expect("machines have source ids as names");
     let mut source = SourceConfig::new(id, machine.endpoint_url());
     source.security = SecurityChoice::None;
-    source.silence_ms_max = 1000;
     source
 }
 
@@ -135,9 +144,9 @@ fn is_ready(status: &SourceStatus) -> bool {
     status.state == shop_floor::SourceState::Connected
 }
 
-/// Waits for a condition, no longer than 20 s.
+/// Waits for a condition, no longer than a minute: the machine may be busy with other tests.
 pub async fn until(what: &str, condition: impl FnMut() -> bool) -> Duration {
-    within(Duration::from_secs(20), what, condition).await
+    within(Duration::from_secs(60), what, condition).await
 }
 
 /// Waits for a condition no longer than so; returns how long it took.

@@ -1,0 +1,168 @@
+//! Endpoints: what a server offers, and which of them fits.
+
+use opcua_stack::opcua::{
+    crypto::{self, X509},
+    types::{EndpointDescription, MessageSecurityMode, UAString, UserTokenType},
+};
+
+use super::problem;
+use crate::{
+    EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem, SourceProblemKind as Kind,
+};
+
+/// The endpoint that fits the choice of security and the identity.
+pub(super) fn choose<'a>(
+    offered: &'a [EndpointDescription],
+    choice: SecurityChoice,
+    identity: &Identity,
+) -> Result<&'a EndpointDescription, SourceProblem> {
+    let unsuitable = |message: String| Err(problem(Kind::NoSuitableEndpoint, message));
+    let fits = |endpoint: &&EndpointDescription| {
+        let Some(policy) = policy_of(endpoint) else { return false };
+        let mode = mode_of(endpoint.security_mode);
+        match choice {
+            SecurityChoice::Strongest => policy != SecurityPolicy::None && mode != MessageSecurity::None,
+            SecurityChoice::None => policy == SecurityPolicy::None,
+            SecurityChoice::Exactly { policy: wanted_policy, mode: wanted_mode } => {
+                (policy, mode) == (wanted_policy, wanted_mode)
+            }
+        }
+    };
+    let secure_enough: Vec<_> = offered.iter().filter(fits).collect();
+    if secure_enough.is_empty() {
+        let names: Vec<_> = offered.iter().map(offer_name).collect();
+        let hint = match choice {
+            SecurityChoice::Strongest => "only unprotected or outdated endpoints; choose \"none\" to accept that",
+            SecurityChoice::None => "no unprotected endpoint",
+            SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
+        };
+        return unsuitable(format!("The server offers {hint}. It offers: {}.", names.join(", ")));
+    }
+    let wanted = match identity {
+        Identity::Anonymous => UserTokenType::Anonymous,
+        Identity::UserName { .. } => UserTokenType::UserName,
+        Identity::Certificate { .. } => UserTokenType::Certificate,
+    };
+    let strongest = secure_enough
+        .into_iter()
+        .filter(|endpoint| allows(endpoint, wanted))
+        .max_by_key(|endpoint| (mode_of(endpoint.security_mode), policy_of(endpoint), endpoint.security_level));
+    match strongest {
+        Some(endpoint) => Ok(endpoint),
+        None => unsuitable(format!("The server does not accept sign-in by {wanted:?} there.")),
+    }
+}
+
+fn allows(endpoint: &EndpointDescription, wanted: UserTokenType) -> bool {
+    endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == wanted)
+}
+
+pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
+    match crypto::SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref()) {
+        crypto::SecurityPolicy::None => Some(SecurityPolicy::None),
+        crypto::SecurityPolicy::Aes128Sha256RsaOaep => Some(SecurityPolicy::Aes128Sha256RsaOaep),
+        crypto::SecurityPolicy::Basic256Sha256 => Some(SecurityPolicy::Basic256Sha256),
+        crypto::SecurityPolicy::Aes256Sha256RsaPss => Some(SecurityPolicy::Aes256Sha256RsaPss),
+        _ => None,
+    }
+}
+
+pub(super) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
+    match mode {
+        MessageSecurityMode::Sign => MessageSecurity::Sign,
+        MessageSecurityMode::SignAndEncrypt => MessageSecurity::SignAndEncrypt,
+        _ => MessageSecurity::None,
+    }
+}
+
+pub(super) fn text(text: &UAString) -> String {
+    text.value().clone().unwrap_or_default()
+}
+
+fn offer_name(endpoint: &EndpointDescription) -> String {
+    let uri = endpoint.security_policy_uri.as_ref();
+    let policy = uri.rsplit_once('#').map_or(uri, |(_, name)| name);
+    format!("{policy} {:?}", mode_of(endpoint.security_mode))
+}
+
+pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
+    let uri = endpoint.security_policy_uri.as_ref();
+    let certificate = X509::from_byte_string(&endpoint.server_certificate).ok();
+    EndpointOffer {
+        endpoint_url: text(&endpoint.endpoint_url),
+        security_policy: uri.rsplit_once('#').map_or(uri, |(_, name)| name).to_owned(),
+        message_security: mode_of(endpoint.security_mode),
+        is_supported: policy_of(endpoint).is_some(),
+        allows_anonymous: allows(endpoint, UserTokenType::Anonymous),
+        allows_user_name: allows(endpoint, UserTokenType::UserName),
+        allows_certificate: allows(endpoint, UserTokenType::Certificate),
+        server_name: text(&endpoint.server.application_name.text),
+        application_uri: text(&endpoint.server.application_uri),
+        certificate_thumbprint: certificate.map(|certificate| certificate.thumbprint().as_hex_string()),
+    }
+}
+
+/// The path that the server says, at the host and port that we were given.
+pub(super) fn reachable_url(given: &str, said: &str) -> String {
+    let split = |url: &str| {
+        let rest = url.strip_prefix("opc.tcp://").unwrap_or(url);
+        let at = rest.find('/').unwrap_or(rest.len());
+        (rest[..at].to_owned(), rest[at..].to_owned())
+    };
+    format!("opc.tcp://{}{}", split(given).0, split(said).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use opcua_stack::opcua::types::UserTokenPolicy;
+
+    use super::*;
+
+    fn endpoint(policy: &str, mode: MessageSecurityMode, tokens: &[UserTokenType]) -> EndpointDescription {
+        EndpointDescription {
+            security_policy_uri: format!("http://opcfoundation.org/UA/SecurityPolicy#{policy}").into(),
+            security_mode: mode,
+            user_identity_tokens: Some(
+                tokens
+                    .iter()
+                    .map(|token_type| UserTokenPolicy { token_type: *token_type, ..UserTokenPolicy::default() })
+                    .collect(),
+            ),
+            ..EndpointDescription::default()
+        }
+    }
+
+    #[test]
+    fn the_strongest_suitable_endpoint_is_chosen_and_never_an_unprotected_one_by_itself() {
+        use MessageSecurityMode::{None, Sign, SignAndEncrypt};
+        let both = [UserTokenType::Anonymous, UserTokenType::UserName];
+        let offered = [
+            endpoint("None", None, &both),
+            endpoint("Basic256", SignAndEncrypt, &both),
+            endpoint("Basic256Sha256", Sign, &both),
+            endpoint("Basic256Sha256", SignAndEncrypt, &both),
+            endpoint("Aes256_Sha256_RsaPss", SignAndEncrypt, &[UserTokenType::Certificate]),
+        ];
+        let user = Identity::UserName { user_name: "a".into(), password: "b".into() };
+        let check = |offered: &[EndpointDescription], choice, identity: &Identity, expected: Option<&str>| {
+            let chosen = choose(offered, choice, identity).ok().map(offer_name);
+            assert_eq!(chosen.as_deref(), expected, "{choice:?}");
+        };
+        let exactly = |mode| SecurityChoice::Exactly { policy: SecurityPolicy::Basic256Sha256, mode };
+        check(&offered, SecurityChoice::Strongest, &user, Some("Basic256Sha256 SignAndEncrypt"));
+        check(&offered, SecurityChoice::None, &Identity::Anonymous, Some("None None"));
+        check(&offered, exactly(MessageSecurity::Sign), &user, Some("Basic256Sha256 Sign"));
+        check(&offered[..2], SecurityChoice::Strongest, &user, Option::None);
+        check(&offered[4..], SecurityChoice::Strongest, &user, Option::None);
+    }
+
+    #[test]
+    fn a_server_is_reached_where_we_were_told() {
+        for (given, said, expected) in [
+            ("opc.tcp://10.0.0.7:4840", "opc.tcp://plc:4841/UA/Server", "opc.tcp://10.0.0.7:4840/UA/Server"),
+            ("opc.tcp://10.0.0.7:4840/x", "opc.tcp://plc", "opc.tcp://10.0.0.7:4840"),
+        ] {
+            assert_eq!(reachable_url(given, said), expected);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What callers can tell and ask a machine.
+
+use std::{collections::HashMap, path::PathBuf, sync::Arc};
+
+use asi_model::{BuiltInType, DataValue, DateTime, NodeId, StatusCode, Variant};
+use parking_lot::RwLock;
+use tokio::sync::{mpsc, oneshot};
+
+use crate::{Fault, MachineConfig, SimulatorError};
+
+/// A cloneable handle to a machine.
+#[derive(Clone)]
+pub struct MachineHandle {
+    pub(super) config: Arc<MachineConfig>,
+    pub(super) endpoint_url: String,
+    pub(super) commands: mpsc::Sender<Command>,
+    pub(super) node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
+    pub(super) pki_directory: PathBuf,
+}
+
+/// What a machine is told through its handle.
+pub(super) enum Command {
+    Set { key: String, value: Variant, status: StatusCode, reply: oneshot::Sender<Result<DateTime, SimulatorError>> },
+    Release { key: String, reply: oneshot::Sender<Result<(), SimulatorError>> },
+    Values { reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>> },
+    Inject { fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>> },
+}
+
+impl MachineHandle {
+    /// The machine's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    /// How it is configured.
+    #[must_use]
+    pub fn config(&self) -> &MachineConfig {
+        &self.config
+    }
+
+    /// Where clients connect.
+    #[must_use]
+    pub fn endpoint_url(&self) -> &str {
+        &self.endpoint_url
+    }
+
+    /// The present identity of a variable, by its key as `Spindle.Temperature`.
+    #[must_use]
+    pub fn node_id(&self, key: &str) -> Option<NodeId> {
+        self.node_ids.read().get(key).cloned()
+    }
+
+    /// The keys of all variables.
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
+        let mut keys: Vec<_> = self.node_ids.read().keys().cloned().collect();
+        keys.sort();
+        keys
+    }
+
+    /// Sets a variable at once and holds it there; returns its source time.
+    ///
+    /// # Errors
+    /// [`SimulatorError`] when there is no such variable, the type differs, or the server does not run.
+    pub async fn set(&self, key: &str, value: impl Into<Variant>) -> Result<DateTime, SimulatorError> {
+        self.set_with_status(key, value, StatusCode::GOOD).await
+    }
+
+    /// As [`Self::set`], with a status.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub async fn set_with_status(
+        &self,
+        key: &str,
+        value: impl Into<Variant>,
+        status: StatusCode,
+    ) -> Result<DateTime, SimulatorError> {
+        let (key, value) = (key.to_owned(), value.into());
+        self.ask(|reply| Command::Set { key, value, status, reply }).await?
+    }
+
+    /// Lets a variable run by itself again.
+    ///
+    /// # Errors
+    /// [`SimulatorError::UnknownVariable`].
+    pub async fn release(&self, key: &str) -> Result<(), SimulatorError> {
+        let key = key.to_owned();
+        self.ask(|reply| Command::Release { key, reply }).await?
+    }
+
+    /// All variables with their types and values, by key.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Stopped`].
+    pub async fn values(&self) -> Result<Vec<(String, BuiltInType, DataValue)>, SimulatorError> {
+        self.ask(|reply| Command::Values { reply }).await
+    }
+
+    /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the server is back.
+    ///
+    /// # Errors
+    /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
+    pub async fn inject(&self, fault: Fault) -> Result<(), SimulatorError> {
+        self.ask(|reply| Command::Inject { fault, reply }).await?
+    }
+
+    /// Trusts all clients whose certificates were rejected so far.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn trust_rejected_clients(&self) -> std::io::Result<()> {
+        let (rejected, trusted) = (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));
+        for entry in std::fs::read_dir(&rejected)? {
+            let entry = entry?;
+            std::fs::rename(entry.path(), trusted.join(entry.file_name()))?;
+        }
+        Ok(())
+    }
+
+    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, SimulatorError> {
+        let (reply, answer) = oneshot::channel();
+        self.commands.send(command(reply)).await.map_err(|_| SimulatorError::Stopped)?;
+        answer.await.map_err(|_| SimulatorError::Stopped)
+    }
+}
