@@ -216,6 +216,7 @@ pub(crate) const fn range_of(data_set_writer_id: u16, epoch: u32, sequence: u32)
 }
 
 /// A message id of our own, ordered by time.
-pub(crate) fn new_message_id() -> MessageId {
+#[must_use]
+pub fn new_message_id() -> MessageId {
     MessageId::from(Uuid::now_v7())
 }

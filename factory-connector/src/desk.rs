@@ -254,7 +254,8 @@ impl Desk {
 }
 
 /// The machine's clock.
-pub(crate) fn now() -> DateTime {
+#[must_use]
+pub fn now() -> DateTime {
     std::time::SystemTime::now().into()
 }
 

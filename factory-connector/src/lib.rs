@@ -8,10 +8,15 @@
 //! - [`ledger`]: everything that left, provable.
 //! - [`values`]: values as stored and as shown.
 
+pub mod api;
 pub mod books;
+pub mod config;
 pub mod desk;
 pub mod disclosure;
+pub mod enrolment;
 pub mod ledger;
 pub mod outbox;
+pub mod service;
 pub mod store;
+pub mod twin_side;
 pub mod values;

@@ -11,7 +11,7 @@ mod throttle;
 
 pub use accounts::{Accounts, AccountsError, SessionId, StoredSession};
 pub use guard::{SignedIn, require_session};
-pub use password::{PasswordError, PasswordHash, PasswordPolicy};
+pub use password::{PasswordError, PasswordHash, PasswordPolicy, verify as verify_password};
 pub use throttle::{LoginThrottle, ThrottleConfig};
 
 use std::{

@@ -182,6 +182,33 @@ impl Books {
         Some((frame, consents))
     }
 
+    /// A writer's report before any of its fields has a value.
+    pub(crate) fn empty_frame(&self, id: u16, now: DateTime) -> (DataSetMessage, BTreeMap<FieldName, u32>) {
+        let mut fields = Vec::new();
+        if let Some(writer) = self.writers.get(&id)
+            && let Some((_, request)) = self.request(&writer.request)
+        {
+            let key = &writer.request;
+            fields = vec![
+                PayloadField::new("reportName", request.report_data_format.report_name.as_str()),
+                PayloadField::new("dynamicDataRequestId", key.dynamic_data_request_id.as_str()),
+                PayloadField::new("operationId", key.operation_id.as_str()),
+                PayloadField::new("operationNetworkId", key.operation_network_id.as_str()),
+                PayloadField::new("shopfloorTimestamp", now),
+            ];
+        }
+        let writer = self.writers.get(&id);
+        let frame = DataSetMessage {
+            data_set_writer_id: Some(id),
+            sequence_number: writer.map(|writer| writer.next_sequence),
+            meta_data_version: writer.map(|writer| writer.version()),
+            timestamp: Some(now),
+            fields,
+            ..DataSetMessage::default()
+        };
+        (frame, BTreeMap::new())
+    }
+
     /// A DataSetMessage as JSON text: the envelope is put around it when it is sent.
     fn body_of(&self, frame: &DataSetMessage) -> Option<String> {
         let message = NetworkMessage { messages: vec![frame.clone()], ..NetworkMessage::default() };

@@ -1,11 +1,13 @@
 //! Reading the ledger.
 
 use asi_model::OrganisationId;
-use futures::TryStreamExt as _;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use super::{StoreError, load::get};
 use crate::ledger::{StoredEntry, Verification, Verifier};
+
+/// Entries read at once.
+const BLOCK: i64 = 2000;
 
 /// An entry with the values it commits to.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]
@@ -94,28 +96,43 @@ pub async fn verify_ledger(connection: &mut SqliteConnection) -> Result<Verifica
         .map_err(StoreError::while_doing(action))?;
     let checkpoints: Vec<(String, Vec<u8>, Vec<u8>)> =
         checkpoints.iter().map(|row| Ok((get(row, 0)?, get(row, 1)?, get(row, 2)?))).collect::<Result<_, StoreError>>()?;
-    let mut verifier = Verifier::new(checkpoints.iter().map(|(c, s, k)| (c.as_str(), s.as_slice(), k.as_slice())));
-    let mut rows = sqlx::query(
-        "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.salt, r.id IS NOT NULL FROM ledger_entry e \
-         LEFT JOIN report r ON r.id = e.report_id ORDER BY e.recipient, e.number",
-    )
-    .fetch(&mut *connection);
-    while let Some(row) = rows.try_next().await.map_err(StoreError::while_doing(action))? {
-        let recipient: String = get(&row, 0)?;
-        let number: i64 = get(&row, 1)?;
-        let content: String = get(&row, 2)?;
-        let hash: Vec<u8> = get(&row, 3)?;
-        let body: Option<String> = get(&row, 4)?;
-        let salt: Option<Vec<u8>> = get(&row, 5)?;
-        let is_kept: i64 = get(&row, 6)?;
-        verifier.entry(&StoredEntry {
-            recipient: &recipient,
-            number: u64::try_from(number).unwrap_or_default(),
-            content: &content,
-            hash: &hash,
-            report: (is_kept != 0).then_some((body.as_deref(), salt.as_deref())),
-        });
+    let mut verifier = verifier(&checkpoints);
+    let (mut recipient, mut number) = (String::new(), 0_i64);
+    loop {
+        let rows = sqlx::query(
+            "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.salt, r.id IS NOT NULL FROM ledger_entry e \
+             LEFT JOIN report r ON r.id = e.report_id WHERE (e.recipient, e.number) > (?, ?) \
+             ORDER BY e.recipient, e.number LIMIT ?",
+        )
+        .bind(&recipient)
+        .bind(number)
+        .bind(BLOCK)
+        .fetch_all(&mut *connection)
+        .await
+        .map_err(StoreError::while_doing(action))?;
+        if rows.is_empty() {
+            break;
+        }
+        for row in &rows {
+            recipient = get(row, 0)?;
+            number = get(row, 1)?;
+            let content: String = get(row, 2)?;
+            let hash: Vec<u8> = get(row, 3)?;
+            let body: Option<String> = get(row, 4)?;
+            let salt: Option<Vec<u8>> = get(row, 5)?;
+            let is_kept: i64 = get(row, 6)?;
+            verifier.entry(&StoredEntry {
+                recipient: &recipient,
+                number: u64::try_from(number).unwrap_or_default(),
+                content: &content,
+                hash: &hash,
+                report: (is_kept != 0).then_some((body.as_deref(), salt.as_deref())),
+            });
+        }
     }
-    drop(rows);
     Ok(verifier.finish(std::iter::empty()))
+}
+
+fn verifier(checkpoints: &[(String, Vec<u8>, Vec<u8>)]) -> Verifier {
+    Verifier::new(checkpoints.iter().map(|(text, signature, key)| (text.as_str(), signature.as_slice(), key.as_slice())))
 }

@@ -186,3 +186,19 @@ pub async fn comments(readers: &SqlitePool, network: &OperationNetworkId) -> Res
         })
         .collect()
 }
+
+/// The sources as stored.
+///
+/// # Errors
+/// [`StoreError`] where the table cannot be read.
+pub async fn sources(readers: &SqlitePool) -> Result<Vec<super::SourceRow>, StoreError> {
+    let rows = sqlx::query("SELECT source_id, config, password FROM source ORDER BY source_id")
+        .fetch_all(readers)
+        .await
+        .map_err(StoreError::while_doing("read the sources"))?;
+    rows.iter()
+        .map(|row| {
+            Ok(super::SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? })
+        })
+        .collect()
+}

@@ -98,7 +98,7 @@ impl std::fmt::Debug for PasswordHash {
 const NOBODY: &str = "$argon2id$v=19$m=19456,t=2,p=1$bm9ib2R5bm9ib2R5bm9i$QUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUE";
 
 /// Compares off the async threads.
-pub(super) async fn verify(hash: Option<PasswordHash>, password: Confidential<String>) -> bool {
+pub async fn verify(hash: Option<PasswordHash>, password: Confidential<String>) -> bool {
     let is_known = hash.is_some();
     let hash = hash.unwrap_or_else(|| PasswordHash(NOBODY.to_owned()));
     let compared = tokio::task::spawn_blocking(move || hash.is_of(&password)).await;

@@ -1,0 +1,93 @@
+//! Who is signed in. Users lie in the store; sessions live in memory and end with the connector.
+
+use std::{collections::HashMap, sync::Arc, time::SystemTime};
+
+use async_trait::async_trait;
+use daemon::web::{
+    Problem,
+    session::{Accounts, AccountsError, PasswordHash, SessionId, SignedIn, StoredSession},
+};
+use parking_lot::Mutex;
+use sqlx::SqlitePool;
+
+use crate::store::{Role, user};
+
+/// Most sessions at the same time; beyond, the one that ends first goes.
+const SESSIONS_MAX: usize = 10_000;
+
+/// Whoever asks the API.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Principal {
+    /// The name signed in with.
+    pub user_name: String,
+    /// What the person may do.
+    pub role: Role,
+}
+
+/// Only an engineer decides and configures.
+pub(super) fn engineer_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
+    match who.principal.role {
+        Role::Engineer => Ok(()),
+        Role::Operator | Role::Viewer => Err(Problem::forbidden("This needs the role of an engineer.")),
+    }
+}
+
+/// Operators and engineers enter values.
+pub(super) fn operator_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
+    match who.principal.role {
+        Role::Engineer | Role::Operator => Ok(()),
+        Role::Viewer => Err(Problem::forbidden("This needs the role of an operator or engineer.")),
+    }
+}
+
+/// Users of the store, sessions in memory.
+#[derive(Clone)]
+pub struct StoredAccounts {
+    readers: SqlitePool,
+    sessions: Arc<Mutex<HashMap<SessionId, StoredSession>>>,
+}
+
+impl StoredAccounts {
+    /// Over the store's reading connections.
+    #[must_use]
+    pub fn new(readers: SqlitePool) -> Self {
+        Self { readers, sessions: Arc::default() }
+    }
+}
+
+#[async_trait]
+impl Accounts for StoredAccounts {
+    type Principal = Principal;
+
+    async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError> {
+        let found = user(&self.readers, user_name).await.map_err(AccountsError::new)?;
+        Ok(found.map(|user| PasswordHash::from_stored(user.password_hash)))
+    }
+
+    async fn principal(&self, user_name: &str) -> Result<Option<Principal>, AccountsError> {
+        let found = user(&self.readers, user_name).await.map_err(AccountsError::new)?;
+        Ok(found.map(|user| Principal { user_name: user.user_name, role: user.role }))
+    }
+
+    async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
+        let mut sessions = self.sessions.lock();
+        let now = SystemTime::now();
+        sessions.retain(|_, session| session.expires_at > now);
+        if sessions.len() >= SESSIONS_MAX
+            && let Some(first) = sessions.values().min_by_key(|session| session.expires_at).map(|s| s.id.clone())
+        {
+            sessions.remove(&first);
+        }
+        sessions.insert(session.id.clone(), session.clone());
+        Ok(())
+    }
+
+    async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
+        Ok(self.sessions.lock().get(id).cloned())
+    }
+
+    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
+        self.sessions.lock().remove(id);
+        Ok(())
+    }
+}

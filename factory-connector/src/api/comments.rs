@@ -1,0 +1,70 @@
+//! Talk with the partners.
+
+use asi_model::{DynamicDataRequestId, FieldName, OperationNetworkId, messages::Comment};
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::{Api, Principal, accounts::operator_only, problems::Problems, view::Page};
+use crate::{
+    books::new_message_id,
+    store::{StoredComment, comments},
+};
+
+/// Longest remark, in characters.
+const TEXT_CHARS_MAX: usize = 4000;
+
+/// Lists the remarks about a network, oldest first.
+#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
+    security(("session" = [])), params(("operationNetworkId" = String, Path)),
+    responses((status = 200, body = Page<StoredComment>), Problems))]
+pub async fn list(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+) -> Result<Json<Page<StoredComment>>, Problem> {
+    Ok(Json(Page::whole(comments(&api.readers, &id).await?)))
+}
+
+/// A remark to make.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NewComment {
+    #[schema(value_type = Option<String>)]
+    dynamic_data_request_id: Option<DynamicDataRequestId>,
+    #[schema(value_type = Option<String>)]
+    field_name: Option<FieldName>,
+    text: String,
+}
+
+/// Says something to the partners of a network.
+#[utoipa::path(post, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
+    security(("session" = [])), params(("operationNetworkId" = String, Path)), request_body = NewComment,
+    responses((status = 204, description = "Said"), Problems))]
+pub async fn add(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+    ApiJson(new): ApiJson<NewComment>,
+) -> Result<StatusCode, Problem> {
+    operator_only(&who)?;
+    if new.text.trim().is_empty() || new.text.chars().count() > TEXT_CHARS_MAX {
+        return Err(Problem::bad_request("INVALID_TEXT", "A remark has 1 to 4000 characters."));
+    }
+    let network = id.clone();
+    let is_known = api.desk.read(move |books| books.networks.contains_key(&network)).await?;
+    if !is_known {
+        return Err(Problem::not_found(format_args!("operation network {id}")));
+    }
+    let comment = Comment {
+        message_id: new_message_id(),
+        factory_id: api.factory_id.clone(),
+        operation_network_id: id,
+        dynamic_data_request_id: new.dynamic_data_request_id,
+        field_name: new.field_name,
+        author_id: who.principal.user_name.clone(),
+        text: new.text,
+    };
+    api.desk.comment(comment).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

@@ -1,0 +1,179 @@
+//! Exactly what a partner would receive, before anything is decided.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DataValue, DateTime, FieldKey, StatusCode,
+    messages::ValueSource,
+    pubsub::{NetworkMessage, PayloadField, json::encode},
+};
+use axum::{Json, extract::State};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    fields::{FieldPath, MappingDraft, key, mapping_of},
+    problems::{Problems, engine, shop_floor},
+};
+use crate::{
+    books::{Books, new_message_id},
+    desk::now,
+    disclosure::{DisclosurePolicy, Gate, GateState},
+    values::{ShownValue, typed_value},
+};
+
+/// What would be decided.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Draft {
+    /// Where values would come from.
+    #[schema(value_type = String)]
+    value_source: ValueSource,
+    /// Needed with the source `MAPPING`.
+    mapping: Option<MappingDraft>,
+    /// How values would be coarsened.
+    #[serde(default)]
+    disclosure: DisclosurePolicy,
+}
+
+/// A variable with what its machine says.
+#[derive(Serialize, ToSchema)]
+pub struct InputView {
+    /// Its name in the mapping.
+    name: String,
+    /// Value, status and time.
+    #[serde(flatten)]
+    value: ShownValue,
+}
+
+/// Side by side: machine, mapping, what is disclosed, and the message.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Preview {
+    /// What the machines say.
+    inputs: Vec<InputView>,
+    /// What the mapping makes of it, function by function.
+    #[schema(value_type = Vec<Object>)]
+    steps: serde_json::Value,
+    /// The mapping's result.
+    candidate: Option<ShownValue>,
+    /// What leaves of it.
+    disclosed: Option<ShownValue>,
+    /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times.
+    message: Option<String>,
+    /// What is wrong or doubtful about the mapping.
+    diagnostics: Vec<MappingDiagnostic>,
+}
+
+/// Runs a draft on the live values of its inputs; nothing is changed and nothing leaves.
+#[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview",
+    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    request_body = Draft, responses((status = 200, body = Preview), Problems))]
+pub async fn preview(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(path): ApiPath<FieldPath>,
+    ApiJson(draft): ApiJson<Draft>,
+) -> Result<Json<Preview>, Problem> {
+    engineer_only(&who)?;
+    let field = key(path);
+    let now = now();
+    let mut preview = Preview {
+        inputs: Vec::new(),
+        steps: serde_json::json!([]),
+        candidate: None,
+        disclosed: None,
+        message: None,
+        diagnostics: Vec::new(),
+    };
+    let candidate = match (draft.value_source, draft.mapping) {
+        (ValueSource::Mapping, Some(mapping)) => run(&api, &field, mapping, &mut preview, now).await?,
+        (ValueSource::Mapping, None) => None,
+        _ => current(&api, &field).await?,
+    };
+    let Some(candidate) = candidate else { return Ok(Json(preview)) };
+    preview.candidate = Some(ShownValue::from(&candidate));
+    let policy = Arc::new(draft.disclosure);
+    let shown = api
+        .desk
+        .read(move |books| {
+            let definition = &books.field(&field)?.definition;
+            let mut gate = Gate::new(policy, definition.field_type.0, GateState::default(), now);
+            gate.on(now, candidate);
+            // What is delayed or waits for its hour leaves like this once its time has come.
+            while let Some(due) = gate.due().filter(|_| gate.disclosed().is_none()) {
+                gate.on_time(due);
+            }
+            let disclosed = gate.disclosed()?.clone();
+            Some((ShownValue::from(&disclosed), message(books, &field, &disclosed, now)))
+        })
+        .await?;
+    if let Some((disclosed, message)) = shown {
+        preview.disclosed = Some(disclosed);
+        preview.message = message;
+    }
+    Ok(Json(preview))
+}
+
+/// The mapping's result on the live values of its inputs.
+async fn run(
+    api: &Api,
+    field: &FieldKey,
+    draft: MappingDraft,
+    preview: &mut Preview,
+    now: DateTime,
+) -> Result<Option<DataValue>, Problem> {
+    let mapping = mapping_of(api, field, draft).await?;
+    let target_type = mapping.built_in_type();
+    let mut samples = Vec::new();
+    for input in &mapping.inputs {
+        let read = api.shop_floor.read(&input.source_id, std::slice::from_ref(&input.node_id)).await.map_err(shop_floor)?;
+        let Some(value) = read.into_iter().next() else { continue };
+        preview.inputs.push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
+        samples.push(DryRunSample { input: input.name.clone(), at: now, value });
+    }
+    let trace = api.engine.dry_run(mapping, samples).await.map_err(engine)?;
+    preview.diagnostics = trace.diagnostics;
+    let last: Option<TraceRun> = trace.runs.into_iter().next_back();
+    let Some(last) = last else { return Ok(None) };
+    preview.steps = serde_json::to_value(&last.steps).unwrap_or_default();
+    Ok(last.candidate.map(|candidate| {
+        let at = candidate.source_timestamp.unwrap_or(now);
+        let value = typed_value(&candidate.value, target_type, at).unwrap_or_default();
+        DataValue { status: StatusCode(candidate.status), source_timestamp: candidate.source_timestamp, ..value }
+    }))
+}
+
+async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Problem> {
+    let field = field.clone();
+    Ok(api.desk.read(move |books| books.field(&field).and_then(|field| field.gate.disclosed().cloned())).await?)
+}
+
+/// The message as it would be sent with the next number: the request's other open fields, and this one.
+fn message(books: &Books, field: &FieldKey, disclosed: &DataValue, now: DateTime) -> Option<String> {
+    let writer = books.writer_of.get(&field.request).copied()?;
+    let (mut frame, _) = books.key_frame(writer, now).unwrap_or_else(|| books.empty_frame(writer, now));
+    let shown = DataValue { source_timestamp: None, server_timestamp: None, ..disclosed.clone() };
+    let name: Arc<str> = Arc::from(field.field_name.as_str());
+    match frame.fields.iter_mut().find(|payload| payload.name == name) {
+        Some(payload) => payload.value = shown,
+        None => {
+            frame.fields.push(PayloadField::with(name, shown));
+            if let Some(unit) = books.field(field).and_then(|field| field.definition.unit.as_deref()) {
+                frame.fields.push(PayloadField::new(format!("{}Unit", field.field_name), unit));
+            }
+        }
+    }
+    let message = NetworkMessage {
+        message_id: Some(new_message_id()),
+        publisher_id: Some(books.config.factory_id.as_str().into()),
+        messages: vec![frame],
+        ..NetworkMessage::default()
+    };
+    String::from_utf8(encode(&message, books.config.encoding)).ok()
+}

@@ -1,0 +1,94 @@
+//! Which problems operations answer with, and how the inner errors become them.
+
+use daemon::web::{Problem, problem::ProblemFault};
+use mapping_engine::{EngineError, MappingDiagnostic, Severity};
+use shop_floor::ShopFloorError;
+use utoipa::IntoResponses;
+
+use crate::{books::DecisionError, desk::DeskError, store::StoreError};
+
+/// The problems of any operation.
+#[derive(IntoResponses)]
+#[allow(dead_code)]
+pub enum Problems {
+    /// The request cannot be understood.
+    #[response(status = 400, content_type = "application/problem+json")]
+    BadRequest(Problem),
+    /// Nobody is signed in.
+    #[response(status = 401, content_type = "application/problem+json")]
+    Unauthorized(Problem),
+    /// The role does not allow it, or the CSRF token is wrong.
+    #[response(status = 403, content_type = "application/problem+json")]
+    Forbidden(Problem),
+    /// It does not exist.
+    #[response(status = 404, content_type = "application/problem+json")]
+    NotFound(Problem),
+    /// It does not fit the present state.
+    #[response(status = 409, content_type = "application/problem+json")]
+    Conflict(Problem),
+    /// Understood, but wrong in its meaning; each fault with its JSON pointer.
+    #[response(status = 422, content_type = "application/problem+json")]
+    Unprocessable(Problem),
+    /// A part that is needed is not there at the moment.
+    #[response(status = 503, content_type = "application/problem+json")]
+    Unavailable(Problem),
+}
+
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        Self::internal(&error)
+    }
+}
+
+impl From<DeskError> for Problem {
+    fn from(error: DeskError) -> Self {
+        match error {
+            DeskError::Decision(DecisionError::UnknownField) => Self::not_found("such field"),
+            DeskError::Decision(DecisionError::Policy(faults)) => {
+                let faults = faults
+                    .into_iter()
+                    .map(|fault| ProblemFault {
+                        pointer: format!("/disclosure/{}", fault.member),
+                        code: "INVALID_POLICY".to_owned(),
+                        message: fault.message,
+                    })
+                    .collect();
+                Self::unprocessable("INVALID_POLICY", "The disclosure policy does not fit the field.", faults)
+            }
+            DeskError::Decision(other) => Self::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
+            DeskError::NotWritten => Self::unavailable(
+                "NOT_WRITTEN",
+                "It could not be written to disk, so nothing was changed. Check the disk of the data directory.",
+            ),
+            DeskError::Stopped => Self::unavailable("STOPPING", "The connector is stopping."),
+        }
+    }
+}
+
+/// What the mapping engine refused.
+pub fn engine(error: EngineError) -> Problem {
+    match error {
+        EngineError::Rejected(diagnostics) => mapping_faults(diagnostics),
+        EngineError::Stopped => Problem::unavailable("STOPPING", "The connector is stopping."),
+        other => Problem::conflict("LIMIT_REACHED", format!("{other}.")),
+    }
+}
+
+/// What a source refused, or why it cannot be asked.
+pub fn shop_floor(error: ShopFloorError) -> Problem {
+    Problem::unprocessable("SOURCE_REFUSED", format!("{error}."), Vec::new())
+}
+
+/// What keeps a mapping from being published.
+pub fn mapping_faults(diagnostics: Vec<MappingDiagnostic>) -> Problem {
+    let faults = diagnostics
+        .into_iter()
+        .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        .map(|diagnostic| ProblemFault {
+            pointer: format!("/mapping{}", diagnostic.pointer),
+            code: "INVALID_MAPPING".to_owned(),
+            message: diagnostic.message,
+        })
+        .collect();
+    Problem::unprocessable("INVALID_MAPPING", "The mapping has errors.", faults)
+}

@@ -1,0 +1,76 @@
+//! Signing in and out.
+
+use std::net::SocketAddr;
+
+use axum::{
+    Json,
+    extract::{ConnectInfo, State},
+    http::StatusCode,
+};
+use axum_extra::extract::CookieJar;
+use daemon::{
+    Confidential,
+    web::{ApiJson, Problem, session::SignedIn},
+};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{Api, Principal, problems::Problems};
+use crate::store::Role;
+
+/// Who wants to sign in.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SignIn {
+    user_name: String,
+    #[schema(value_type = String, format = Password)]
+    password: Confidential<String>,
+}
+
+/// Who is signed in.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Session {
+    user_name: String,
+    role: Role,
+    /// What changes must carry in the header `x-csrf-token`.
+    csrf_token: String,
+}
+
+impl From<SignedIn<Principal>> for Session {
+    fn from(who: SignedIn<Principal>) -> Self {
+        Self { user_name: who.principal.user_name, role: who.principal.role, csrf_token: who.csrf_token }
+    }
+}
+
+/// Signs in; the answer sets the session's cookie.
+#[utoipa::path(post, path = "/session", tag = "session", request_body = SignIn,
+    responses((status = 200, body = Session), Problems))]
+pub async fn sign_in(
+    State(api): State<Api>,
+    ConnectInfo(client): ConnectInfo<SocketAddr>,
+    jar: CookieJar,
+    ApiJson(body): ApiJson<SignIn>,
+) -> Result<(CookieJar, Json<Session>), Problem> {
+    let (cookie, who) = api.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
+    Ok((jar.add(cookie), Json(who.into())))
+}
+
+/// Says who is signed in.
+#[utoipa::path(get, path = "/session", tag = "session", security(("session" = [])),
+    responses((status = 200, body = Session), Problems))]
+pub async fn show(who: SignedIn<Principal>) -> Json<Session> {
+    Json(who.into())
+}
+
+/// Signs out.
+#[utoipa::path(delete, path = "/session", tag = "session", security(("session" = [])),
+    responses((status = 204, description = "Signed out"), Problems))]
+pub async fn sign_out(
+    State(api): State<Api>,
+    jar: CookieJar,
+    who: SignedIn<Principal>,
+) -> Result<(CookieJar, StatusCode), Problem> {
+    let removal = api.sessions.sign_out(&who.session).await?;
+    Ok((jar.add(removal), StatusCode::NO_CONTENT))
+}

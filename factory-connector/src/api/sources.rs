@@ -1,0 +1,172 @@
+//! Local OPC UA servers: adding, browsing, trusting.
+
+use asi_model::NodeId;
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use shop_floor::{BrowsedNode, Identity, PeerCertificate, SourceConfig, SourceId, SourceStatus, TrustState};
+use utoipa::{IntoParams, ToSchema};
+
+use super::{Api, Principal, accounts::engineer_only, problems::{Problems, shop_floor}, view::Page};
+use crate::{store::SourceRow, values::ShownValue};
+
+/// A source with its configuration and how it stands.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SourceView {
+    /// How it is configured, without its password.
+    #[serde(flatten)]
+    #[schema(value_type = Object)]
+    config: serde_json::Value,
+    /// How it stands.
+    #[serde(flatten)]
+    status: SourceStatus,
+}
+
+/// Lists the sources with their state.
+#[utoipa::path(get, path = "/sources", tag = "sources", security(("session" = [])),
+    responses((status = 200, body = Page<SourceView>), Problems))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Problem> {
+    let configs = crate::store::sources(&api.readers).await?;
+    let items = api
+        .shop_floor
+        .states()
+        .into_iter()
+        .map(|status| {
+            let row = configs.iter().find(|row| row.source_id == status.source_id.as_str());
+            let config = row.and_then(|row| serde_json::from_str(&row.config).ok()).unwrap_or_default();
+            SourceView { config, status }
+        })
+        .collect();
+    Ok(Json(Page::whole(items)))
+}
+
+/// Adds a source; the connector connects to it at once.
+#[utoipa::path(post, path = "/sources", tag = "sources", security(("session" = [])), request_body = SourceConfig,
+    responses((status = 201, body = Object), Problems))]
+pub async fn add(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiJson(source): ApiJson<SourceConfig>,
+) -> Result<(StatusCode, Json<SourceConfig>), Problem> {
+    engineer_only(&who)?;
+    if api.shop_floor.states().iter().any(|status| status.source_id == source.source_id) {
+        return Err(Problem::conflict("ALREADY_EXISTS", "There is a source with this id already."));
+    }
+    put(&api, source.clone()).await?;
+    Ok((StatusCode::CREATED, Json(source)))
+}
+
+/// Changes a source; mappings that use it go on under the new settings.
+#[utoipa::path(put, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
+    params(("sourceId" = String, Path)), request_body = SourceConfig, responses((status = 200, body = Object), Problems))]
+pub async fn change(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<SourceId>,
+    ApiJson(source): ApiJson<SourceConfig>,
+) -> Result<Json<SourceConfig>, Problem> {
+    engineer_only(&who)?;
+    if source.source_id != id {
+        return Err(Problem::bad_request("OTHER_ID", "The document's sourceId differs from the path's."));
+    }
+    put(&api, source.clone()).await?;
+    Ok(Json(source))
+}
+
+async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
+    let password = match &source.identity {
+        Identity::UserName { password, .. } => Some(password.expose().to_owned()),
+        Identity::Anonymous | Identity::Certificate { .. } => None,
+    };
+    let config = serde_json::to_string(&source).map_err(|error| Problem::internal(&error))?;
+    let row = SourceRow { source_id: source.source_id.to_string(), config, password };
+    api.shop_floor.put_source(source).map_err(shop_floor)?;
+    api.desk.put_source(row).await?;
+    Ok(())
+}
+
+/// Removes a source; mappings that use it keep their last value with a status that says so.
+#[utoipa::path(delete, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
+    params(("sourceId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+pub async fn remove(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<SourceId>,
+) -> Result<StatusCode, Problem> {
+    engineer_only(&who)?;
+    api.desk.remove_source(id.to_string()).await?;
+    api.shop_floor.remove_source(&id);
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Below what to look.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct NodesQuery {
+    /// The node whose children to list; the Objects folder without it.
+    #[param(value_type = Option<String>)]
+    parent: Option<NodeId>,
+}
+
+/// Browses a source's address space.
+#[utoipa::path(get, path = "/sources/{sourceId}/nodes", tag = "sources", security(("session" = [])),
+    params(("sourceId" = String, Path), NodesQuery), responses((status = 200, body = Vec<BrowsedNode>), Problems))]
+pub async fn nodes(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<SourceId>,
+    ApiQuery(query): ApiQuery<NodesQuery>,
+) -> Result<Json<Vec<BrowsedNode>>, Problem> {
+    Ok(Json(api.shop_floor.browse(&id, query.parent.as_ref()).await.map_err(shop_floor)?))
+}
+
+/// Which variable.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct ValueQuery {
+    /// The variable.
+    #[param(value_type = String)]
+    node: NodeId,
+}
+
+/// Reads a variable of a source.
+#[utoipa::path(get, path = "/sources/{sourceId}/value", tag = "sources", security(("session" = [])),
+    params(("sourceId" = String, Path), ValueQuery), responses((status = 200, body = ShownValue), Problems))]
+pub async fn value(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<SourceId>,
+    ApiQuery(query): ApiQuery<ValueQuery>,
+) -> Result<Json<ShownValue>, Problem> {
+    let values = api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
+    values.first().map(|value| Json(ShownValue::from(value))).ok_or_else(|| Problem::not_found("such variable"))
+}
+
+/// Lists the certificates that servers have shown.
+#[utoipa::path(get, path = "/source-certificates", tag = "sources", security(("session" = [])),
+    responses((status = 200, body = Page<PeerCertificate>), Problems))]
+pub async fn certificates(State(api): State<Api>) -> Result<Json<Page<PeerCertificate>>, Problem> {
+    Ok(Json(Page::whole(api.shop_floor.certificates().await.map_err(shop_floor)?)))
+}
+
+/// Whether a certificate is trusted.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct TrustBody {
+    /// True: connections to the server are allowed.
+    is_trusted: bool,
+}
+
+/// Trusts or rejects a server's certificate.
+#[utoipa::path(put, path = "/source-certificates/{thumbprint}", tag = "sources", security(("session" = [])),
+    params(("thumbprint" = String, Path)), request_body = TrustBody,
+    responses((status = 200, body = PeerCertificate), Problems))]
+pub async fn trust(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(thumbprint): ApiPath<String>,
+    ApiJson(body): ApiJson<TrustBody>,
+) -> Result<Json<PeerCertificate>, Problem> {
+    engineer_only(&who)?;
+    let trust = if body.is_trusted { TrustState::Trusted } else { TrustState::Rejected };
+    Ok(Json(api.shop_floor.set_trust(&thumbprint, trust).await.map_err(shop_floor)?))
+}

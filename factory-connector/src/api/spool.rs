@@ -1,0 +1,40 @@
+//! What waits to leave, and what was rejected.
+
+use axum::{Json, extract::State};
+use daemon::web::{ApiQuery, Problem};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::{Api, problems::Problems, view::Page};
+use crate::store::{DeadLetter, SpoolReader, dead_letters as stored};
+
+/// Letters per page.
+const PAGE: u32 = 100;
+
+/// Shows how much waits to leave.
+#[utoipa::path(get, path = "/spool", tag = "spool", security(("session" = [])),
+    responses((status = 200, body = Object), Problems))]
+pub async fn show(State(api): State<Api>) -> Result<Json<serde_json::Value>, Problem> {
+    let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
+    Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
+}
+
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LettersQuery {
+    /// `nextCursor` of the page before.
+    cursor: Option<i64>,
+}
+
+/// Lists messages that were received or sent and rejected, newest first.
+#[utoipa::path(get, path = "/dead-letters", tag = "spool", security(("session" = [])), params(LettersQuery),
+    responses((status = 200, body = Page<DeadLetter>), Problems))]
+pub async fn dead_letters(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<LettersQuery>,
+) -> Result<Json<Page<DeadLetter>>, Problem> {
+    let items = stored(&api.readers, query.cursor.unwrap_or(i64::MAX), PAGE).await?;
+    let next_cursor = items.last().filter(|_| items.len() == PAGE as usize).map(|letter| letter.id.to_string());
+    Ok(Json(Page { items, next_cursor }))
+}

@@ -1,0 +1,60 @@
+//! How the connector stands, with evidence.
+
+use asi_model::DateTime;
+use axum::{Json, extract::State};
+use daemon::web::Problem;
+use serde::Serialize;
+use shop_floor::SourceStatus;
+use utoipa::ToSchema;
+
+use super::{Api, problems::Problems};
+use crate::{desk::now, store::SpoolReader};
+
+/// How the connector stands.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Status {
+    factory_id: String,
+    version: &'static str,
+    #[schema(value_type = String, format = "date-time")]
+    started_at: DateTime,
+    /// Its own clock, to tell ages by.
+    #[schema(value_type = String, format = "date-time")]
+    now: DateTime,
+    /// The link to the platform: `state` (connecting, up, down, stopped), since when, and why.
+    #[schema(value_type = Object)]
+    link: serde_json::Value,
+    /// The OPC UA server.
+    #[schema(value_type = Object)]
+    twin: serde_json::Value,
+    /// What waits to leave.
+    #[schema(value_type = Object)]
+    spool: serde_json::Value,
+    /// The local servers.
+    sources: Vec<SourceStatus>,
+}
+
+/// Says how the connector stands.
+#[utoipa::path(get, path = "/status", tag = "status", security(("session" = [])),
+    responses((status = 200, body = Status), Problems))]
+pub async fn show(State(api): State<Api>) -> Result<Json<Status>, Problem> {
+    let link = api.link.as_ref().map(|link| link.state().borrow().clone());
+    let mut link = link.and_then(|state| serde_json::to_value(state).ok()).unwrap_or_default();
+    // The phase is an object `{state, ...}`: its members belong to the link itself.
+    if let Some(members) = link.as_object_mut()
+        && let Some(serde_json::Value::Object(phase)) = members.remove("phase")
+    {
+        members.extend(phase);
+    }
+    let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
+    Ok(Json(Status {
+        factory_id: api.factory_id.to_string(),
+        version: env!("CARGO_PKG_VERSION"),
+        started_at: api.started_at,
+        now: now(),
+        link,
+        twin: serde_json::json!({ "endpointUrl": api.twin.endpoint().borrow().clone() }),
+        spool: serde_json::to_value(backlog).unwrap_or_default(),
+        sources: api.shop_floor.states(),
+    }))
+}

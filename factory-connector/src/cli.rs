@@ -1,0 +1,189 @@
+//! The command line.
+
+use std::{
+    io::{Read as _, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Duration,
+};
+
+use anyhow::Context as _;
+use clap::{Parser, Subcommand};
+use daemon::{
+    Confidential, configuration,
+    lifecycle::{Lifecycle, LifecycleError},
+    telemetry,
+    web::session::{PasswordHash, PasswordPolicy},
+};
+use factory_connector::{
+    config::{ConnectorConfig, EXAMPLE},
+    desk::now,
+    enrolment, service,
+    store::{Role, Store, User, put_user, remove_user, users, verify_ledger},
+};
+
+/// Time for all tasks together to finish after the first signal.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
+
+/// The connector of one factory.
+#[derive(Debug, Parser)]
+#[command(name = "factory-connector", version, about)]
+pub struct Arguments {
+    /// The configuration file (TOML); defaults for all keys without one.
+    #[arg(long, short, global = true, env = "VERBUND_CONFIG")]
+    config: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the connector until SIGINT or SIGTERM.
+    Run,
+    /// Spend a single-use token of the platform and keep the credential it yields.
+    Enrol {
+        /// The token that the platform's administrator gave you.
+        token: String,
+        /// The platform's address, where it differs from the one in the token.
+        #[arg(long)]
+        platform: Option<String>,
+    },
+    /// Check or show the configuration.
+    #[command(subcommand)]
+    Config(ConfigCommand),
+    /// The ledger of everything that left.
+    #[command(subcommand)]
+    Ledger(LedgerCommand),
+    /// People who may sign in.
+    #[command(subcommand)]
+    Users(UsersCommand),
+}
+
+#[derive(Debug, Subcommand)]
+enum ConfigCommand {
+    /// Say what is wrong with the configuration, environment included.
+    Check,
+    /// Print a commented example with every key.
+    Example,
+}
+
+#[derive(Debug, Subcommand)]
+enum LedgerCommand {
+    /// Find any change, deletion or reordering; exit status 1 where there is one.
+    Verify,
+}
+
+#[derive(Debug, Subcommand)]
+enum UsersCommand {
+    /// List everybody.
+    List,
+    /// Add or change a user; the password is read from standard input.
+    Set {
+        /// The name to sign in with.
+        user: String,
+        /// engineer, operator or viewer.
+        #[arg(long, value_parser = role)]
+        role: Role,
+    },
+    /// Remove a user.
+    Remove {
+        /// The name.
+        user: String,
+    },
+}
+
+fn role(text: &str) -> Result<Role, String> {
+    Role::from_name(text).ok_or_else(|| "a role is engineer, operator or viewer".to_owned())
+}
+
+/// Runs the command; prints what goes wrong with all its causes.
+pub fn run(arguments: Arguments) -> ExitCode {
+    let result = match arguments.command {
+        Command::Config(ConfigCommand::Example) => print(EXAMPLE.trim_end()),
+        Command::Config(ConfigCommand::Check) => {
+            load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
+        }
+        command => load(arguments.config.as_deref()).and_then(|config| run_command(command, config)),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let code = error.downcast_ref().map_or(ExitCode::FAILURE, LifecycleError::exit_code);
+            drop(writeln!(std::io::stderr(), "factory-connector: {error:#}"));
+            code
+        }
+    }
+}
+
+fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
+    runtime.block_on(async {
+        match command {
+            Command::Run => serve(config).await,
+            Command::Enrol { token, platform } => {
+                let factory = enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
+                print(&format!("This connector is now that of the factory {factory}."))
+            }
+            Command::Ledger(LedgerCommand::Verify) => verify(&config).await,
+            Command::Users(command) => manage_users(command, &config).await,
+            Command::Config(_) => Ok(()),
+        }
+    })
+}
+
+async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
+    telemetry::install_logs(&config.log)?;
+    let lifecycle = Lifecycle::new();
+    let handle = service::start(config, &lifecycle).await?;
+    tracing::info!(
+        factory.id = %handle.factory_id, web.address = %handle.web_address, twin.url = %handle.twin_url,
+        "The connector is up."
+    );
+    lifecycle.run(DRAIN_TIMEOUT).await?;
+    tracing::info!("The connector has stopped.");
+    Ok(())
+}
+
+async fn verify(config: &ConnectorConfig) -> anyhow::Result<()> {
+    let mut connection = Store::connect(&config.data_directory).await?;
+    let outcome = verify_ledger(&mut connection).await?;
+    print(&serde_json::to_string_pretty(&outcome)?)?;
+    anyhow::ensure!(outcome.is_intact(), "the ledger was changed: {} fault(s)", outcome.fault_count);
+    Ok(())
+}
+
+async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
+    let mut connection = Store::connect(&config.data_directory).await?;
+    match command {
+        UsersCommand::List => {
+            for (name, role) in users(&mut connection).await? {
+                print(&format!("{name}\t{role}"))?;
+            }
+        }
+        UsersCommand::Set { user, role } => {
+            let mut password = String::new();
+            std::io::stdin().take(4096).read_to_string(&mut password).context("reading the password")?;
+            let password = Confidential::from(password.trim_end_matches(['\r', '\n']).to_owned());
+            let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
+            let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };
+            put_user(&mut connection, &user, now()).await?;
+        }
+        UsersCommand::Remove { user } => {
+            anyhow::ensure!(remove_user(&mut connection, &user).await?, "there is no user {user}");
+        }
+    }
+    Ok(())
+}
+
+fn load(path: Option<&Path>) -> anyhow::Result<ConnectorConfig> {
+    let config: ConnectorConfig = configuration::load(path, "VERBUND")?;
+    let faults = config.faults();
+    if faults.is_empty() {
+        return Ok(config);
+    }
+    anyhow::bail!("the configuration has {} fault(s):\n  {}", faults.len(), faults.join("\n  "))
+}
+
+fn print(text: &str) -> anyhow::Result<()> {
+    writeln!(std::io::stdout(), "{text}").context("writing to standard output")
+}

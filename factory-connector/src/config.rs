@@ -1,0 +1,192 @@
+//! The connector's configuration. `factory-connector.example.toml` shows every key with its default; a test keeps the
+//! two alike.
+
+use std::{
+    net::{Ipv4Addr, SocketAddr},
+    path::PathBuf,
+    time::Duration,
+};
+
+use asi_model::pubsub::json::Encoding;
+use daemon::{Confidential, telemetry::LogConfig, web::server::TlsFiles};
+use mapping_engine::MappingEngineConfig;
+use serde::Deserialize;
+use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
+
+use crate::desk::SpoolLimits;
+
+/// The commented example, also printed by `factory-connector config example`.
+pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");
+
+/// Everything the connector needs to know.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ConnectorConfig {
+    /// Where the durable file, keys and certificates live. On a local disk.
+    pub data_directory: PathBuf,
+    /// Pages and API.
+    pub web: WebConfig,
+    /// The OPC UA server.
+    pub twin: TwinSection,
+    /// What leaves.
+    pub reports: ReportConfig,
+    /// Bounds of what waits to leave.
+    pub spool: SpoolLimits,
+    /// Mappings and scripts.
+    pub mapping: MappingEngineConfig,
+    /// The first user.
+    pub admin: AdminConfig,
+    /// Logging.
+    pub log: LogConfig,
+}
+
+impl Default for ConnectorConfig {
+    fn default() -> Self {
+        Self {
+            data_directory: PathBuf::from("connector-data"),
+            web: WebConfig::default(),
+            twin: TwinSection::default(),
+            reports: ReportConfig::default(),
+            spool: SpoolLimits::default(),
+            mapping: MappingEngineConfig::default(),
+            admin: AdminConfig::default(),
+            log: LogConfig::default(),
+        }
+    }
+}
+
+/// Pages and API.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WebConfig {
+    /// Where to listen.
+    pub listen: SocketAddr,
+    /// Certificate and key; plain HTTP without them.
+    pub tls: Option<TlsFiles>,
+}
+
+impl Default for WebConfig {
+    fn default() -> Self {
+        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)), tls: None }
+    }
+}
+
+/// The OPC UA server.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TwinSection {
+    /// Where to listen.
+    pub listen: SocketAddr,
+    /// Names for the certificate and the endpoint URLs.
+    pub host_names: Vec<String>,
+    /// Who may connect, and how.
+    pub security: SecurityConfig,
+    /// Bounds on what clients may take.
+    pub limits: TwinLimits,
+    /// How clients find the server.
+    pub discovery: DiscoveryConfig,
+}
+
+impl Default for TwinSection {
+    fn default() -> Self {
+        let TwinConfig { listen, host_names, security, limits, discovery, .. } = TwinConfig::default();
+        Self { listen, host_names, security, limits, discovery }
+    }
+}
+
+/// What leaves.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ReportConfig {
+    /// How values are written.
+    pub encoding: Encoding,
+    /// The shortest time between two reports of one data set, in milliseconds.
+    pub publishing_interval_ms: u64,
+}
+
+impl Default for ReportConfig {
+    fn default() -> Self {
+        Self { encoding: Encoding::default(), publishing_interval_ms: 20 }
+    }
+}
+
+/// The first user, an engineer.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AdminConfig {
+    /// The name to sign in with.
+    pub user_name: String,
+    /// The password; one is made up without it.
+    pub password: Option<Confidential<String>>,
+}
+
+impl Default for AdminConfig {
+    fn default() -> Self {
+        Self { user_name: "engineer".to_owned(), password: None }
+    }
+}
+
+impl ConnectorConfig {
+    /// What no single key shows to be wrong: sentences that name the key and the remedy.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        if self.web.tls.is_none() && !self.web.listen.ip().is_loopback() {
+            faults.push(format!(
+                "web.listen is {}, which others can reach, but there is no [web.tls]: give certificate and key, or listen \
+                 on 127.0.0.1 behind a proxy that speaks TLS",
+                self.web.listen
+            ));
+        }
+        if !(1..=60_000).contains(&self.reports.publishing_interval_ms) {
+            faults.push("reports.publishing_interval_ms must lie between 1 and 60000".to_owned());
+        }
+        if self.admin.user_name.trim().is_empty() {
+            faults.push("admin.user_name must not be empty".to_owned());
+        }
+        faults
+    }
+
+    /// The shortest time between two reports of one data set.
+    #[must_use]
+    pub fn publishing_interval(&self) -> Duration {
+        Duration::from_millis(self.reports.publishing_interval_ms)
+    }
+
+    /// The twin's part of it.
+    #[must_use]
+    pub fn twin_config(&self) -> TwinConfig {
+        TwinConfig {
+            listen: self.twin.listen,
+            host_names: self.twin.host_names.clone(),
+            pki_directory: self.data_directory.join("twin-pki"),
+            security: self.twin.security.clone(),
+            limits: self.twin.limits.clone(),
+            discovery: self.twin.discovery.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_shows_the_defaults() {
+        let example: ConnectorConfig =
+            daemon::configuration::parse(None, EXAMPLE, "VERBUND", std::iter::empty()).expect("the example is valid");
+        assert_eq!(format!("{example:?}"), format!("{:?}", ConnectorConfig::default()));
+        let with_all = EXAMPLE.replace("#: ", "");
+        let all: ConnectorConfig =
+            daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty()).expect("absent keys are valid");
+        assert!(all.web.tls.is_some() && all.admin.password.is_some());
+    }
+
+    #[test]
+    fn an_open_page_without_tls_is_a_fault() {
+        let mut config = ConnectorConfig::default();
+        assert!(config.faults().is_empty());
+        config.web.listen = "0.0.0.0:8090".parse().expect("an address");
+        assert_eq!(config.faults().len(), 1);
+    }
+}

@@ -1,0 +1,242 @@
+//! The whole connector: opens everything that can fail, then starts its tasks.
+
+mod mappings;
+
+use std::{net::SocketAddr, str::FromStr as _, sync::Arc};
+
+use anyhow::Context as _;
+use asi_model::FactoryId;
+use daemon::{
+    Confidential,
+    lifecycle::{Importance, Lifecycle},
+    telemetry::Metrics,
+    web::{
+        events::EventLog,
+        health::Readiness,
+        server::{listen, serve},
+        session::{PasswordHash, PasswordPolicy, random_token},
+    },
+};
+use mapping_engine::MappingEngine;
+use messaging::{BrokerUrl, Link, LinkConfig, LogicalAddress, Login, Roots};
+use shop_floor::{ShopFloor, SourceConfig};
+use tokio::sync::mpsc;
+use twin::Twin;
+
+use crate::{
+    api::{self, Api},
+    books::BooksConfig,
+    config::ConnectorConfig,
+    desk::{self, Desk, DeskConfig, Rooms, now},
+    ledger::LedgerKey,
+    outbox::{Ephemerals, Outbox, PlatformInbox},
+    store::{Enrolment, Role, SpoolReader, Store, User, count_users, enrolment, put_user},
+    twin_side::{DeskWriter, StoredUsers},
+};
+
+/// Events kept for pages that catch up.
+const EVENTS_KEPT_MAX: usize = 4096;
+/// Batches of mappings on their way to the engine.
+const MAPPING_BATCHES_MAX: usize = 1024;
+
+/// How a started connector is reached.
+#[derive(Debug, Clone)]
+pub struct ConnectorHandle {
+    /// Whose it is.
+    pub factory_id: FactoryId,
+    /// Where pages and API listen.
+    pub web_address: SocketAddr,
+    /// The twin's endpoint.
+    pub twin_url: Arc<str>,
+}
+
+/// Opens and starts a connector; it runs until the lifecycle ends.
+///
+/// # Errors
+/// What keeps it from starting, with the remedy.
+pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Result<ConnectorHandle> {
+    let started_at = now();
+    let directory = config.data_directory.clone();
+    std::fs::create_dir_all(&directory)
+        .with_context(|| format!("making the data directory {}", directory.display()))?;
+    let mut connection = Store::connect(&directory).await?;
+    let enrolled = enrolment(&mut connection).await?.context(
+        "this connector is not enrolled yet: ask an administrator of the platform for a token and run \
+         `factory-connector enrol <token>` with the same --config",
+    )?;
+    ensure_first_user(&mut connection, &config).await?;
+    drop(connection);
+    let factory_id = FactoryId::new(&enrolled.factory_id)?;
+    let store = Store::open(&directory, &factory_id, started_at).await?;
+    let key = LedgerKey::open(&directory.join("ledger-key.pem"))?;
+    let metrics = Metrics::install()?;
+    let readers = store.readers();
+    let shutdown = lifecycle.shutdown();
+
+    let (desk_handle, commands) = desk::channel();
+    let (twin, twin_handle) = Twin::new(
+        factory_id.clone(),
+        config.twin_config(),
+        Arc::new(DeskWriter(desk_handle.clone())),
+        Arc::new(StoredUsers(readers.clone())),
+    )?;
+    let floor_config = shop_floor::Config::new(
+        directory.join("source-pki"),
+        "Verbund factory connector",
+        &format!("urn:verbund:connector:{factory_id}"),
+    );
+    let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
+    let (engine, engine_handle, candidates) =
+        MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
+    let ephemerals = Arc::new(Ephemerals::default());
+    let outbox = Outbox::new(
+        factory_id.clone(),
+        SpoolReader::new(readers.clone()),
+        desk_handle.clone(),
+        Arc::clone(&ephemerals),
+    );
+    let (link, link_handle) = Link::new(
+        link_config(&enrolled, &factory_id)?,
+        Arc::new(outbox),
+        Arc::new(PlatformInbox(desk_handle.clone())),
+    )?;
+    let events = EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
+    let sources = stored_sources(&readers).await?;
+    let desk = Desk::new(
+        DeskConfig {
+            books: BooksConfig { factory_id: factory_id.clone(), encoding: config.reports.encoding },
+            publishing_interval: config.publishing_interval(),
+            spool: config.spool,
+        },
+        store,
+        Rooms {
+            twin: twin_handle.clone(),
+            mappings,
+            link: Some(link_handle.clone()),
+            ephemerals,
+            events: events.clone(),
+        },
+        key,
+        commands,
+        candidates,
+    )
+    .await?;
+    for source in sources {
+        floor_handle.put_source(source)?;
+    }
+
+    let readiness = Readiness::new();
+    readiness.waiting("twin", "the twin is starting");
+    let web_listener = listen(config.web.listen).await?;
+    let web_address = web_listener.local_addr()?;
+    let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
+    let router = api::router(
+        Api::new(api::Parts {
+            desk: desk_handle,
+            readers,
+            shop_floor: floor_handle,
+            engine: engine_handle.clone(),
+            twin: twin_handle.clone(),
+            link: Some(link_handle),
+            events,
+            readiness: readiness.clone(),
+            metrics,
+            started_at,
+            factory_id: factory_id.clone(),
+            data_directory: directory,
+            encoding: config.reports.encoding,
+            shutdown: shutdown.clone(),
+            has_tls: tls.is_some(),
+        }),
+        tls.is_some(),
+    );
+
+    let token = shutdown.clone();
+    lifecycle.spawn("desk", Importance::Essential, async move { desk.run(token).await.map_err(anyhow::Error::from) });
+    let token = shutdown.clone();
+    lifecycle.spawn("twin", Importance::Essential, async move { twin.run(token).await.map_err(anyhow::Error::from) });
+    let token = shutdown.clone();
+    lifecycle.spawn("shop floor", Importance::Essential, async move {
+        floor.run(token).await;
+        anyhow::Ok(())
+    });
+    let token = shutdown.clone();
+    lifecycle.spawn("mapping engine", Importance::Essential, async move {
+        engine.run(token).await;
+        anyhow::Ok(())
+    });
+    let token = shutdown.clone();
+    lifecycle.spawn("mappings", Importance::Essential, async move {
+        mappings::publish(mapping_work, engine_handle, token).await;
+        anyhow::Ok(())
+    });
+    let token = shutdown.clone();
+    lifecycle.spawn("link", Importance::Essential, async move {
+        link.run(token).await;
+        anyhow::Ok(())
+    });
+    lifecycle.spawn("web", Importance::Essential, async move {
+        serve(web_listener, tls, router, shutdown).await.map_err(anyhow::Error::from)
+    });
+    let twin_url = twin_handle.ready().await?;
+    readiness.ready("twin");
+    Ok(ConnectorHandle { factory_id, web_address, twin_url })
+}
+
+fn link_config(enrolled: &Enrolment, factory_id: &FactoryId) -> anyhow::Result<LinkConfig> {
+    let broker = BrokerUrl::from_str(&enrolled.broker_url).context("reading the broker's address of the enrolment")?;
+    let login = Login::new(&enrolled.user_name, &enrolled.password);
+    // Unique per running instance, so that a broker tells two instances apart.
+    let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
+    link.profile = serde_json::from_str(&enrolled.profile).context("reading the broker's profile of the enrolment")?;
+    if let Some(pem) = &enrolled.root_certificate_pem {
+        link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
+    }
+    link.consumed = vec![LogicalAddress::FactoryRequests(factory_id.clone())];
+    Ok(link)
+}
+
+/// The sources as configured, passwords included.
+async fn stored_sources(readers: &sqlx::SqlitePool) -> anyhow::Result<Vec<SourceConfig>> {
+    let mut configs = Vec::new();
+    for row in crate::store::sources(readers).await? {
+        let mut json: serde_json::Value = serde_json::from_str(&row.config)
+            .with_context(|| format!("reading the stored source {}", row.source_id))?;
+        if let Some(password) = row.password {
+            json["identity"]["password"] = password.into();
+        }
+        configs.push(serde_json::from_value(json).with_context(|| format!("reading the stored source {}", row.source_id))?);
+    }
+    Ok(configs)
+}
+
+/// The first start makes an engineer; a made-up password goes into a file that only the owner can read.
+async fn ensure_first_user(connection: &mut sqlx::SqliteConnection, config: &ConnectorConfig) -> anyhow::Result<()> {
+    if count_users(connection).await? > 0 {
+        return Ok(());
+    }
+    let (password, is_made_up) = match &config.admin.password {
+        Some(password) => (password.clone(), false),
+        None => (Confidential::from(random_token()), true),
+    };
+    let hash = PasswordHash::of(&password, PasswordPolicy::default()).context("admin.password is refused")?;
+    let user = User {
+        user_name: config.admin.user_name.clone(),
+        role: Role::Engineer,
+        password_hash: hash.as_str().to_owned(),
+    };
+    put_user(connection, &user, now()).await?;
+    if is_made_up {
+        let file = config.data_directory.join("engineer-password.txt");
+        write_secret(&file, password.expose()).with_context(|| format!("writing {}", file.display()))?;
+        tracing::warn!(user.name = %user.user_name, file = %file.display(), "The first user was made; its password is in the file. Sign in, then delete the file.");
+    }
+    Ok(())
+}
+
+fn write_secret(file: &std::path::Path, secret: &str) -> std::io::Result<()> {
+    use std::{io::Write as _, os::unix::fs::OpenOptionsExt as _};
+    let mut file = std::fs::OpenOptions::new().create(true).truncate(true).write(true).mode(0o600).open(file)?;
+    writeln!(file, "{secret}")
+}

@@ -1,0 +1,95 @@
+//! The connector's answers to the twin's two questions: who is this, and may this value become the field's?
+
+use asi_model::{
+    DataValue, FieldKey, StatusCode,
+    messages::{MappingState, ValueSource},
+};
+use async_trait::async_trait;
+use daemon::{
+    Confidential,
+    web::session::{PasswordHash, verify_password},
+};
+use sqlx::SqlitePool;
+use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
+
+use crate::{
+    books::Verdict,
+    desk::{DeskError, DeskHandle, Taken},
+    disclosure::{DisclosurePolicy, Outcome},
+    store::{self, Role},
+};
+
+/// Takes what OPC UA clients write and decide to the desk.
+pub struct DeskWriter(pub DeskHandle);
+
+#[async_trait]
+impl FieldWriter for DeskWriter {
+    async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
+        tracing::info!(%field, user.name = %user.name, "An OPC UA client wrote a field.");
+        match self.0.value(field.clone(), ValueSource::External, value).await {
+            Ok(Taken::Through(outcome)) => status_of(outcome),
+            Ok(Taken::Not(status)) => status,
+            Err(error) => failure(&error),
+        }
+    }
+
+    async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode {
+        let verdict = match decision.mapping_state {
+            MappingState::Pending => Verdict::LeavePending,
+            MappingState::Refused => Verdict::Refuse,
+            MappingState::Mapped => {
+                // An OPC UA client opens a field to OPC UA clients; the policy stays as the page set it.
+                let key = field.clone();
+                let policy = self.0.read(move |books| books.field(&key).map(|f| (*f.decision.policy).clone())).await;
+                let policy: DisclosurePolicy = policy.ok().flatten().unwrap_or_default();
+                Verdict::Map { value_source: ValueSource::External, mapping: None, policy }
+            }
+        };
+        match self.0.decide(field.clone(), verdict, decision.reason, &user.name).await {
+            Ok(()) => StatusCode::GOOD,
+            Err(error) => failure(&error),
+        }
+    }
+}
+
+const fn status_of(outcome: Outcome) -> StatusCode {
+    match outcome {
+        Outcome::Disclosed { is_coarsened: true } | Outcome::Unchanged { is_coarsened: true } => {
+            StatusCode::GOOD_CLAMPED
+        }
+        Outcome::Disclosed { .. } | Outcome::Unchanged { .. } => StatusCode::GOOD,
+        Outcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
+    }
+}
+
+const fn failure(error: &DeskError) -> StatusCode {
+    match error {
+        DeskError::Decision(_) => StatusCode::BAD_INVALID_ARGUMENT,
+        DeskError::NotWritten => StatusCode::BAD_RESOURCE_UNAVAILABLE,
+        DeskError::Stopped => StatusCode::BAD_SHUTDOWN,
+    }
+}
+
+/// Knows the users of the store.
+pub struct StoredUsers(pub SqlitePool);
+
+#[async_trait]
+impl Authenticator for StoredUsers {
+    async fn authenticate(&self, user_name: &str, password: &str) -> Option<twin::Role> {
+        let user = match store::user(&self.0, user_name).await {
+            Ok(user) => user,
+            Err(error) => {
+                tracing::error!(error = &error as &dyn std::error::Error, "A user could not be looked up.");
+                return None;
+            }
+        };
+        let role = user.as_ref().map(|user| user.role);
+        let hash = user.map(|user| PasswordHash::from_stored(user.password_hash));
+        let is_right = verify_password(hash, Confidential::from(password.to_owned())).await;
+        is_right.then_some(role).flatten().map(|role| match role {
+            Role::Engineer => twin::Role::Engineer,
+            Role::Operator => twin::Role::Operator,
+            Role::Viewer => twin::Role::Viewer,
+        })
+    }
+}
