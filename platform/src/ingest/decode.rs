@@ -163,7 +163,8 @@ fn is_own_message(text: &str) -> bool {
         #[serde(rename = "messageType")]
         message_type: Option<serde::de::IgnoredAny>,
     }
-    serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
+    // Most messages are reports; looking for the word first saves reading them twice.
+    text.contains("\"messageType\"") && serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
 }
 
 fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusal> {

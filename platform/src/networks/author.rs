@@ -15,8 +15,6 @@ pub struct Author {
     pub is_administrator: bool,
     /// May change networks at all.
     pub may_plan: bool,
-    /// The tool, if it is one.
-    pub tool_id: Option<ToolId>,
     /// When.
     pub now: DateTime,
     /// The networks the author may know of.
@@ -32,7 +30,6 @@ impl Author {
             organisation_id: principal.organisation().cloned(),
             is_administrator: principal.is_administrator(),
             may_plan: principal.may_plan(),
-            tool_id: None,
             now,
             scope: principal.scope(),
         }
@@ -46,7 +43,6 @@ impl Author {
             organisation_id: Some(organisation.clone()),
             is_administrator: false,
             may_plan: true,
-            tool_id: Some(tool.clone()),
             now,
             scope: Scope::Organisation(organisation),
         }

@@ -165,6 +165,7 @@ async fn take_effect(
     if !is_withdrawn {
         for (_, _, request) in row.network.requests() {
             work.recipients().replace(&id, request).await?;
+            work.tools().publish(&id, request).await?;
         }
     }
     let before = work.parts().of_network(&id).await?;

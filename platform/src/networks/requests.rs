@@ -29,15 +29,10 @@ pub async fn add_request(
     }
     let target = row.network.operation_list.iter_mut().find(|candidate| candidate.operation_id == *operation);
     let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
-    let id = request.dynamic_data_request_id.clone();
     if !list.contains(&request) {
         list.push(request);
     }
-    let outcome = put_again(work, row, author, resend_after).await?;
-    if let Some(tool) = &author.tool_id {
-        work.tools().subscribe(network, id.as_str(), tool).await?;
-    }
-    Ok(outcome)
+    put_again(work, row, author, resend_after).await
 }
 
 /// Removes a request: nodes and mappings go at the factory, the history stays.

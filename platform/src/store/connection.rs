@@ -16,7 +16,10 @@ pub type Database = sqlx::Sqlite;
 /// A connection of [`Database`].
 pub(super) type Connection = <Database as sqlx::Database>::Connection;
 
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "house", include_str!("../../migrations/sqlite/0001_house.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
+    (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
+];
 
 const READERS_MAX: u32 = 8;
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);

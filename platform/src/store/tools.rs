@@ -1,6 +1,6 @@
 //! Tools: partners' programs that post data requests and receive reports over the broker.
 
-use asi_model::{DateTime, OperationNetworkId, OrganisationId, ToolId};
+use asi_model::{DateTime, OperationNetworkId, OrganisationId, ToolId, network::DynamicDataRequest};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -86,29 +86,37 @@ impl Tools<'_> {
         row.as_ref().map(read).transpose()
     }
 
-    /// Lets a tool receive a request's reports.
+    /// Makes the tool that a request names as its publisher the one that receives its reports.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn subscribe(
+    pub async fn publish(
         &mut self,
         network: &OperationNetworkId,
-        request: &str,
-        tool: &ToolId,
+        request: &DynamicDataRequest,
     ) -> Result<(), StoreError> {
-        let sql = "INSERT INTO request_tool (operation_network_id, dynamic_data_request_id, tool_id)
-                   VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";
+        let sql = "DELETE FROM request_tool WHERE operation_network_id = $1 AND dynamic_data_request_id = $2";
         sqlx::query(sql)
             .bind(network.as_str())
-            .bind(request)
-            .bind(tool.as_str())
+            .bind(request.dynamic_data_request_id.as_str())
             .execute(&mut *self.0)
             .await
-            .map_err(StoreError::during("let a tool receive reports"))?;
+            .map_err(StoreError::during("forget a request's tool"))?;
+        if let Some(tool) = &request.dynamic_data_request_publisher_id {
+            let sql = "INSERT INTO request_tool (operation_network_id, dynamic_data_request_id, tool_id)
+                       VALUES ($1, $2, $3)";
+            sqlx::query(sql)
+                .bind(network.as_str())
+                .bind(request.dynamic_data_request_id.as_str())
+                .bind(tool.as_str())
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("let a tool receive reports"))?;
+        }
         Ok(())
     }
 
-    /// The tools that receive a request's reports: those that posted it and whose organisation is a recipient.
+    /// The tools that receive a request's reports: the one it names, where it is known and its organisation a recipient.
     ///
     /// # Errors
     /// [`StoreError`].

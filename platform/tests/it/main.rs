@@ -8,6 +8,7 @@ mod journey;
 mod openapi;
 mod receipts;
 mod rubbish;
+mod store;
 mod story;
 mod throughput;
 mod tools;

@@ -42,6 +42,12 @@ pub fn request(id: &str, requester: &str) -> Value {
             { "name": "note", "type": 12 } ] } })
 }
 
+pub fn request_of_tool(id: &str, requester: &str, tool: &str) -> Value {
+    let mut request = request(id, requester);
+    request["dynamicDataRequestPublisherId"] = json!(tool);
+    request
+}
+
 pub fn network() -> Value {
     json!({ "operationNetworkId": NETWORK, "name": "Frame order 4711", "operationList": [
         { "operationId": "MakeFrame1", "operationType": "PRODUCTION", "owningFactoryId": "FOR_MUC",
