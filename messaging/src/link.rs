@@ -1,6 +1,7 @@
 //! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, tells how it stands.
 
 mod backoff;
+mod broker_url;
 mod config;
 mod cursor;
 mod incoming;
@@ -19,9 +20,8 @@ use crate::{address::LogicalAddress, inbox::Inbox, spool::SpoolStore, transport}
 use shared::Shared;
 use supervisor::Supervisor;
 
-pub use config::{
-    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, LinkConfig, LinkLimits, Login, Roots, TlsConfig,
-};
+pub use broker_url::{BrokerUrl, HttpProxy, InvalidBrokerUrl};
+pub use config::{ClientIdentity, LinkConfig, LinkLimits, Login, Roots, TlsConfig};
 pub use state::{LinkPhase, LinkState};
 
 /// Why a link cannot be made.

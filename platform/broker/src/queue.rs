@@ -1,5 +1,7 @@
 //! A queue in memory: which messages are ready, which consumer gets the next one. Holds ids, never bodies.
 
+mod subscription;
+
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::Arc,
@@ -9,6 +11,7 @@ use parking_lot::Mutex;
 use tokio::sync::Notify;
 
 use crate::{address::QueueName, config::QueueOptions, handle::QueueStatus};
+pub(crate) use subscription::{Next, Subscription};
 
 /// What the queue knows of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -226,105 +229,6 @@ impl State {
     }
 }
 
-/// What a consumer may get.
-#[derive(Debug)]
-pub(crate) enum Next {
-    /// A message, leased to the consumer.
-    Lease(Entry),
-    /// The queue is gone.
-    Deleted,
-}
-
-/// A consumer's place at a queue; dropping it leaves.
-#[derive(Debug)]
-pub(crate) struct Subscription {
-    queue: Arc<Queue>,
-    consumer: Consumer,
-}
-
-impl Subscription {
-    pub(crate) fn new(queue: Arc<Queue>) -> Self {
-        let consumer = {
-            let mut state = queue.state.lock();
-            state.next_consumer += 1;
-            let consumer =
-                Consumer { id: state.next_consumer, wake: Arc::new(Notify::new()), give_way: Arc::new(Notify::new()) };
-            state.consumers.push_back(consumer.clone());
-            consumer
-        };
-        Self { queue, consumer }
-    }
-
-    /// Waits for the next message. Safe to cancel.
-    pub(crate) async fn next(&self) -> Next {
-        loop {
-            if let Some(next) = self.try_next() {
-                return next;
-            }
-            self.consumer.wake.notified().await;
-        }
-    }
-
-    /// Tells that this consumer takes nothing at the moment, so that another is woken in its place.
-    pub(crate) fn pause(&self) {
-        let mut state = self.queue.state.lock();
-        state.waiting.retain(|id| *id != self.consumer.id);
-        state.wake_next();
-    }
-
-    /// Waits until another consumer wants the message that this one holds without being able to send it. To be called
-    /// between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
-    pub(crate) async fn wanted_elsewhere(&self) {
-        self.consumer.give_way.notified().await;
-    }
-
-    /// Tells that this consumer holds a message that it may not be able to send.
-    pub(crate) fn hold(&self) {
-        let mut state = self.queue.state.lock();
-        if state.ready.is_empty() && state.waiting.iter().any(|id| *id != self.consumer.id && state.may_receive(*id)) {
-            self.consumer.give_way.notify_one();
-        }
-        state.holding.push_back(self.consumer.clone());
-    }
-
-    /// The message is sent or given back.
-    pub(crate) fn release_hold(&self) {
-        self.queue.state.lock().holding.retain(|c| c.id != self.consumer.id);
-    }
-
-    fn try_next(&self) -> Option<Next> {
-        let mut state = self.queue.state.lock();
-        let me = self.consumer.id;
-        state.waiting.retain(|id| *id != me);
-        if state.is_deleted {
-            return Some(Next::Deleted);
-        }
-        if state.may_receive(me) {
-            if let Some((_, entry)) = state.ready.pop_first() {
-                state.leased += 1;
-                state.wake_next();
-                return Some(Next::Lease(entry));
-            }
-            if let Some(holder) = state.holding.iter().find(|c| c.id != me) {
-                holder.give_way.notify_one();
-            }
-        }
-        state.waiting.push_back(me);
-        None
-    }
-}
-
-impl Drop for Subscription {
-    fn drop(&mut self) {
-        let mut state = self.queue.state.lock();
-        let me = self.consumer.id;
-        state.consumers.retain(|c| c.id != me);
-        state.waiting.retain(|id| *id != me);
-        state.holding.retain(|c| c.id != me);
-        state.wake_next();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use futures::FutureExt;
@@ -395,7 +299,7 @@ mod tests {
         assert_eq!((now(&a), now(&b)), (None, None));
         queue.adopt(entry(1));
         a.pause();
-        assert!(b.consumer.wake.notified().now_or_never().is_some());
+        assert!(b.is_woken());
     }
 
     #[test]
