@@ -99,7 +99,7 @@ pub fn machines(factory_id: &str) -> [&'static str; 3] {
 /// The node of a machine's variable, by its key.
 #[must_use]
 pub fn node(machine: &str, key: &str) -> String {
-    format!("nsu=urn:verbund:simulator:{machine};s={machine}.{key}")
+    format!("nsu=urn:verbund:simulator:{machine};s={key}")
 }
 
 /// Connects a factory's connector to its machines and waits until it reads from them.
