@@ -30,7 +30,7 @@ test: prerequisites-test foreign web lint ## everything that proves the product 
 check: test ## the same, under the name people look for
 
 lint: web ## format, clippy, documentation, and the same for the web pages
-	$(CARGO) fmt --all --check
+	$(CARGO) fmt --check
 	cd web && npm run --silent lint && npm run --silent check && npm run --silent test
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --quiet

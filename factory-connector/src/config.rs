@@ -177,8 +177,8 @@ mod tests {
             daemon::configuration::parse(None, EXAMPLE, "VERBUND", std::iter::empty()).expect("the example is valid");
         assert_eq!(format!("{example:?}"), format!("{:?}", ConnectorConfig::default()));
         let with_all = EXAMPLE.replace("#: ", "");
-        let all: ConnectorConfig =
-            daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty()).expect("absent keys are valid");
+        let all: ConnectorConfig = daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty())
+            .expect("absent keys are valid");
         assert!(all.web.tls.is_some() && all.admin.password.is_some());
     }
 

@@ -20,8 +20,8 @@ use rand::RngCore as _;
 use tokio::{sync::mpsc, time::Instant};
 use tokio_util::sync::CancellationToken;
 
-pub use handle::{DeskError, DeskHandle, Taken};
 use handle::{Command, Reply};
+pub use handle::{DeskError, DeskHandle, Taken};
 use housekeeping::Housekeeping;
 
 use crate::{
@@ -149,10 +149,14 @@ impl Desk {
                 batch = self.candidates.recv() => batches.extend(batch),
                 () = tokio::time::sleep_until(wake_at) => {}
             }
-            while commands.len() < GROUP_MAX && let Ok(command) = self.commands.try_recv() {
+            while commands.len() < GROUP_MAX
+                && let Ok(command) = self.commands.try_recv()
+            {
                 commands.push_back(command);
             }
-            while batches.len() < CANDIDATE_BATCHES_MAX && let Ok(batch) = self.candidates.try_recv() {
+            while batches.len() < CANDIDATE_BATCHES_MAX
+                && let Ok(batch) = self.candidates.try_recv()
+            {
                 batches.push(batch);
             }
             self.take_candidates(batches);

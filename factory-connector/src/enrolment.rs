@@ -76,7 +76,10 @@ mod tests {
 
     #[test]
     fn a_token_tells_where_to_spend_it() {
-        assert_eq!(address_in("aHR0cHM6Ly92ZXJidW5kLmV4YW1wbGU.secret").ok().as_deref(), Some("https://verbund.example"));
+        assert_eq!(
+            address_in("aHR0cHM6Ly92ZXJidW5kLmV4YW1wbGU.secret").ok().as_deref(),
+            Some("https://verbund.example")
+        );
         assert!(address_in("secret").is_err());
     }
 }

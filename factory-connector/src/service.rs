@@ -86,8 +86,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         &format!("urn:verbund:connector:{factory_id}"),
     );
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
-    let (engine, engine_handle, candidates) =
-        MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
+    let (engine, engine_handle, candidates) = MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let ephemerals = Arc::new(Ephemerals::default());
     let outbox = Outbox::new(
         factory_id.clone(),
@@ -206,7 +205,9 @@ async fn stored_sources(readers: &sqlx::SqlitePool) -> anyhow::Result<Vec<Source
         if let Some(password) = row.password {
             json["identity"]["password"] = password.into();
         }
-        configs.push(serde_json::from_value(json).with_context(|| format!("reading the stored source {}", row.source_id))?);
+        configs.push(
+            serde_json::from_value(json).with_context(|| format!("reading the stored source {}", row.source_id))?,
+        );
     }
     Ok(configs)
 }

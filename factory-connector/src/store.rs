@@ -22,8 +22,6 @@ pub use changes::{
 pub use error::StoreError;
 pub use ledger::{LedgerPage, LedgerRow, ledger_page, verify_ledger};
 pub use load::Snapshot;
-pub use lookups::{
-    DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources,
-};
+pub use lookups::{DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources};
 pub use open::{Identity, Store};
 pub use spool::{Message, SpoolReader, WaitingRow};

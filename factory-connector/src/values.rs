@@ -61,8 +61,7 @@ fn text(json: Vec<u8>) -> String {
 }
 
 fn data_value_from_json(json: &str) -> Result<DataValue, String> {
-    let (value, _) =
-        decode_value(json.as_bytes(), Leniency::Lenient, &[], &[]).map_err(|error| error.to_string())?;
+    let (value, _) = decode_value(json.as_bytes(), Leniency::Lenient, &[], &[]).map_err(|error| error.to_string())?;
     Ok(value.into_data_value())
 }
 

@@ -68,8 +68,12 @@ impl World {
         let config = |name: &str| folder.join(name).display().to_string();
         let platform = daemon("platform", "platform", &["serve", "--config", &config("platform.toml")], &folder)?;
         let start_factory = |id: &'static str| -> anyhow::Result<Factory> {
-            let simulator =
-                daemon(&format!("machines-{id}"), "simulator", &["--config", &config(&format!("machines-{id}.toml"))], &folder)?;
+            let simulator = daemon(
+                &format!("machines-{id}"),
+                "simulator",
+                &["--config", &config(&format!("machines-{id}.toml"))],
+                &folder,
+            )?;
             Ok(Factory { id, simulator, connector: None })
         };
         Ok(Self { platform, factories: [start_factory(MUNICH)?, start_factory(HAMBURG)?], places })

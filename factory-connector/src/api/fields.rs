@@ -65,13 +65,9 @@ pub struct DecisionBody {
 /// The mapping of a field, as the engine takes it.
 pub(super) async fn mapping_of(api: &Api, field: &FieldKey, draft: MappingDraft) -> Result<Mapping, Problem> {
     let key = field.clone();
-    let known = api
-        .desk
-        .read(move |books| books.field(&key).map(|field| (field.id, field.definition.clone())))
-        .await?;
+    let known = api.desk.read(move |books| books.field(&key).map(|field| (field.id, field.definition.clone()))).await?;
     let (id, definition) = known.ok_or_else(|| Problem::not_found("such field"))?;
-    let mapping_id =
-        MappingId::new(format!("field-{id}")).map_err(|error| Problem::internal(&error))?;
+    let mapping_id = MappingId::new(format!("field-{id}")).map_err(|error| Problem::internal(&error))?;
     Ok(Mapping {
         mapping_id,
         target: field.clone(),

@@ -40,10 +40,7 @@ pub struct LedgerView {
 /// Lists the entries of a recipient's chain, newest first, with what left.
 #[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerQuery),
     responses((status = 200, body = LedgerView), Problems))]
-pub async fn list(
-    State(api): State<Api>,
-    ApiQuery(query): ApiQuery<LedgerQuery>,
-) -> Result<Json<LedgerView>, Problem> {
+pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<LedgerQuery>) -> Result<Json<LedgerView>, Problem> {
     let limit = query.limit.unwrap_or(100).clamp(1, 500);
     let before = query.after.unwrap_or(u64::MAX);
     let page = ledger_page(&api.readers, query.recipient.as_ref(), before, limit).await?;

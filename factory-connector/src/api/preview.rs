@@ -132,7 +132,8 @@ async fn run(
     let target_type = mapping.built_in_type();
     let mut samples = Vec::new();
     for input in &mapping.inputs {
-        let read = api.shop_floor.read(&input.source_id, std::slice::from_ref(&input.node_id)).await.map_err(shop_floor)?;
+        let read =
+            api.shop_floor.read(&input.source_id, std::slice::from_ref(&input.node_id)).await.map_err(shop_floor)?;
         let Some(value) = read.into_iter().next() else { continue };
         preview.inputs.push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
         samples.push(DryRunSample { input: input.name.clone(), at: now, value });

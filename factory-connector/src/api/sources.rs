@@ -7,7 +7,12 @@ use serde::{Deserialize, Serialize};
 use shop_floor::{BrowsedNode, Identity, PeerCertificate, SourceConfig, SourceId, SourceStatus, TrustState};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{Api, Principal, accounts::engineer_only, problems::{Problems, shop_floor}, view::Page};
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    problems::{Problems, shop_floor},
+    view::Page,
+};
 use crate::{store::SourceRow, values::ShownValue};
 
 /// A source with its configuration and how it stands.

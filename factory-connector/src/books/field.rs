@@ -110,9 +110,10 @@ impl Field {
             reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decided_at: decision.decided_at,
-            mapping: decision.mapping.as_ref().map(|mapping| {
-                serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")
-            }),
+            mapping: decision
+                .mapping
+                .as_ref()
+                .map(|mapping| serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")),
             policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
             consent_version: decision.version,
         }
@@ -122,9 +123,10 @@ impl Field {
     pub(crate) fn value_row(&self) -> FieldValueRow {
         FieldValueRow {
             gate: gate_to_json(&self.gate.state()),
-            transform: self.transform.as_ref().map(|state| {
-                serde_json::to_string(state).expect("transform states have text keys and finite numbers")
-            }),
+            transform: self
+                .transform
+                .as_ref()
+                .map(|state| serde_json::to_string(state).expect("transform states have text keys and finite numbers")),
         }
     }
 }
@@ -169,7 +171,8 @@ impl Books {
             // A field without its request cannot be: both are written in one transaction.
             return Err(StoreError::Unreadable { what: "field", reason: format!("{} has no request", row.key) });
         };
-        let unreadable = |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
+        let unreadable =
+            |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
         let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&row.policy).map_err(unreadable("policy"))?);
         let mapping = row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
         let (gate, transform) = match value {

@@ -6,7 +6,7 @@ use asi_model::{
     DateTime, FieldKey, MessageId, OperationNetworkId, RequestKey,
     difference::{ConsentEffect, FieldChange, MappingEffect, difference},
     messages::{
-        Acknowledgement, AcknowledgementResult, Comment, Fault, FactoryMessage, GapCause, OperationNetworkMessage,
+        Acknowledgement, AcknowledgementResult, Comment, FactoryMessage, Fault, GapCause, OperationNetworkMessage,
         Withdraw,
     },
     network::{OperationNetwork, ReportField},
@@ -149,9 +149,7 @@ impl Books {
     }
 
     fn add_field(&mut self, key: &FieldKey, now: DateTime) {
-        let (Some(definition), Some(writer)) =
-            (self.requested(key), self.writer_of.get(&key.request).copied())
-        else {
+        let (Some(definition), Some(writer)) = (self.requested(key), self.writer_of.get(&key.request).copied()) else {
             tracing::error!(field = %key, "A requested field has no data set writer: all 65 535 are taken.");
             return;
         };
@@ -193,13 +191,7 @@ impl Books {
     }
 
     /// True where the data set of the field's request changes.
-    fn change_field(
-        &mut self,
-        key: &FieldKey,
-        mapping: MappingEffect,
-        consent: ConsentEffect,
-        now: DateTime,
-    ) -> bool {
+    fn change_field(&mut self, key: &FieldKey, mapping: MappingEffect, consent: ConsentEffect, now: DateTime) -> bool {
         let Some(definition) = self.requested(key) else { return false };
         let Some(field) = self.fields.get_mut(key) else {
             self.add_field(key, now);
@@ -209,12 +201,8 @@ impl Books {
         let has_other_type = field.definition.field_type != definition.field_type;
         field.definition = definition;
         if has_other_type {
-            field.gate = Gate::new(
-                Arc::clone(&field.decision.policy),
-                field.definition.field_type.0,
-                GateState::default(),
-                now,
-            );
+            field.gate =
+                Gate::new(Arc::clone(&field.decision.policy), field.definition.field_type.0, GateState::default(), now);
         }
         if mapping == MappingEffect::Suggested {
             field.transform = None;

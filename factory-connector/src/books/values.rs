@@ -5,10 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use asi_model::{
     DataValue, DateTime, FieldKey, FieldName,
     messages::ValueSource,
-    pubsub::{
-        DataSetMessage, NetworkMessage, PayloadField,
-        json::encode,
-    },
+    pubsub::{DataSetMessage, NetworkMessage, PayloadField, json::encode},
 };
 use mapping_engine::TransformState;
 

@@ -77,8 +77,7 @@ impl Books {
         if let Some(id) = self.writer_of.get(request) {
             return Some(*id);
         }
-        let has_rested =
-            |writer: &Writer| writer.retired_at.is_some_and(|at| now.since(at) >= REST);
+        let has_rested = |writer: &Writer| writer.retired_at.is_some_and(|at| now.since(at) >= REST);
         let id = (1..=u16::MAX).find(|id| self.writers.get(id).is_none_or(has_rested))?;
         let last_epoch = self.writers.get(&id).map_or(0, |writer| writer.epoch);
         let epoch = now.version_time().max(last_epoch.saturating_add(1));
@@ -169,7 +168,8 @@ impl Books {
             meta_data: (*meta_data).clone(),
             ..MetaDataMessage::default()
         };
-        let body = String::from_utf8(encode_meta_data(&message, self.config.encoding)).expect("the encoder writes UTF-8");
+        let body =
+            String::from_utf8(encode_meta_data(&message, self.config.encoding)).expect("the encoder writes UTF-8");
         let row = ControlRow {
             id: self.next_row(),
             message_id,

@@ -1,6 +1,9 @@
 //! What others ask of the desk.
 
-use asi_model::{DataValue, FieldKey, StatusCode, messages::{Comment, ValueSource}};
+use asi_model::{
+    DataValue, FieldKey, StatusCode,
+    messages::{Comment, ValueSource},
+};
 use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
 
@@ -75,8 +78,7 @@ impl Reply {
     pub(super) fn give(self, is_written: bool) {
         match self {
             Self::Settle(settlements, reply) => {
-                let settlements =
-                    if is_written { settlements } else { vec![Settlement::Release; settlements.len()] };
+                let settlements = if is_written { settlements } else { vec![Settlement::Release; settlements.len()] };
                 reply.send(settlements).ok();
             }
             Self::Value(taken, reply) => {

@@ -129,7 +129,10 @@ impl Desk {
             let newest: HashSet<RowId> = self.store.newest_reports().await?;
             let removal = coalesce(&rows, &newest, excess);
             metrics::counter!("verbund_reports_coalesced_total").increment(removal.rows.len() as u64);
-            tracing::warn!(reports = removal.rows.len(), "The spool is full; older reports were given up for newer ones.");
+            tracing::warn!(
+                reports = removal.rows.len(),
+                "The spool is full; older reports were given up for newer ones."
+            );
             self.books.dropped(&chosen(&kept, &removal.rows), GapCause::Coalesced, now);
         }
         let hears_receipts = self.rooms.link.as_ref().is_some_and(|link| {

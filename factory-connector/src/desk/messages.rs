@@ -95,12 +95,8 @@ impl Desk {
                         code: "UNREADABLE".to_owned(),
                         message: error.to_string(),
                     };
-                    let rejection = Rejection {
-                        faults: vec![fault],
-                        message_id: None,
-                        operation_network_id: None,
-                        revision: None,
-                    };
+                    let rejection =
+                        Rejection { faults: vec![fault], message_id: None, operation_network_id: None, revision: None };
                     self.reject(rejection, &delivery.envelope.body, &delivery.envelope.subject, transport_id, now);
                 }
             }
@@ -124,10 +120,8 @@ impl Desk {
         };
         match message {
             PlatformMessage::OperationNetwork(network) => {
-                let raw = serde_json::to_string(&network).map_err(|error| StoreError::Unreadable {
-                    what: "network",
-                    reason: error.to_string(),
-                })?;
+                let raw = serde_json::to_string(&network)
+                    .map_err(|error| StoreError::Unreadable { what: "network", reason: error.to_string() })?;
                 self.books.network_arrived(network, raw, now);
             }
             PlatformMessage::Withdraw(withdraw) => self.books.network_withdrawn(withdraw, now),

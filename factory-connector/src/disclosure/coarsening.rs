@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use asi_model::{
-    BuiltInType, DataValue, Scalar, StatusCode, Variant,
-    values::Array,
-};
+use asi_model::{BuiltInType, DataValue, Scalar, StatusCode, Variant, values::Array};
 
 use super::{Decimal, DisclosurePolicy, RoundingStep, decimal::divide_to_nearest};
 

@@ -144,7 +144,8 @@ impl Gate {
         self.policy = policy;
         let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
         self.ripe = self.ripe.take().map(|(at, value)| (at, again(value)));
-        self.state.waiting = std::mem::take(&mut self.state.waiting).into_iter().map(|(at, v)| (at, again(v))).collect();
+        self.state.waiting =
+            std::mem::take(&mut self.state.waiting).into_iter().map(|(at, v)| (at, again(v))).collect();
         self.on_time(now);
     }
 

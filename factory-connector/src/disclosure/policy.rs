@@ -184,7 +184,11 @@ mod tests {
     fn says_what_the_partner_gets() {
         for (json, unit, text) in [
             ("{}", None, "Every change, as it is."),
-            (r#"{"roundingStep":10,"minimumIntervalMs":60000}"#, Some("PIECE"), "Rounded to multiples of 10 PIECE; at most once per 1 min."),
+            (
+                r#"{"roundingStep":10,"minimumIntervalMs":60000}"#,
+                Some("PIECE"),
+                "Rounded to multiples of 10 PIECE; at most once per 1 min.",
+            ),
             (r#"{"timeStepMs":900000,"delayMs":1500}"#, None, "Times in steps of 15 min; 1500 ms late."),
             (r#"{"bands":[0.0,50.0,80.0]}"#, Some("%"), "In bands from 0, 50, 80 %."),
         ] {

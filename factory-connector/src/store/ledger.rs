@@ -94,8 +94,10 @@ pub async fn verify_ledger(connection: &mut SqliteConnection) -> Result<Verifica
         .fetch_all(&mut *connection)
         .await
         .map_err(StoreError::while_doing(action))?;
-    let checkpoints: Vec<(String, Vec<u8>, Vec<u8>)> =
-        checkpoints.iter().map(|row| Ok((get(row, 0)?, get(row, 1)?, get(row, 2)?))).collect::<Result<_, StoreError>>()?;
+    let checkpoints: Vec<(String, Vec<u8>, Vec<u8>)> = checkpoints
+        .iter()
+        .map(|row| Ok((get(row, 0)?, get(row, 1)?, get(row, 2)?)))
+        .collect::<Result<_, StoreError>>()?;
     let mut verifier = verifier(&checkpoints);
     let (mut recipient, mut number) = (String::new(), 0_i64);
     loop {
@@ -134,5 +136,7 @@ pub async fn verify_ledger(connection: &mut SqliteConnection) -> Result<Verifica
 }
 
 fn verifier(checkpoints: &[(String, Vec<u8>, Vec<u8>)]) -> Verifier {
-    Verifier::new(checkpoints.iter().map(|(text, signature, key)| (text.as_str(), signature.as_slice(), key.as_slice())))
+    Verifier::new(
+        checkpoints.iter().map(|(text, signature, key)| (text.as_str(), signature.as_slice(), key.as_slice())),
+    )
 }

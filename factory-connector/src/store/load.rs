@@ -50,8 +50,12 @@ impl Store {
     pub async fn load(&mut self) -> Result<Snapshot, StoreError> {
         let connection = &mut self.writer;
         Ok(Snapshot {
-            networks: all(connection, "SELECT operation_network_id, revision, message, received_at FROM network", network)
-                .await?,
+            networks: all(
+                connection,
+                "SELECT operation_network_id, revision, message, received_at FROM network",
+                network,
+            )
+            .await?,
             fields: all(
                 connection,
                 "SELECT f.id, f.operation_network_id, f.operation_id, f.dynamic_data_request_id, f.field_name, \
@@ -68,19 +72,15 @@ impl Store {
             )
             .await?,
             heads: Heads::new(
-                all(
-                    connection,
-                    "SELECT recipient, max(number), hash FROM ledger_entry GROUP BY recipient",
-                    |row| {
-                        let hash: Vec<u8> = get(row, 2)?;
-                        let hash = hash.try_into().map_err(|_| "a hash has 32 bytes");
-                        let head = Head {
-                            number: unsigned(get(row, 1)?),
-                            hash: hash.map_err(StoreError::unreadable("ledger entry"))?,
-                        };
-                        Ok((id::<OrganisationId>(row, 0)?, head))
-                    },
-                )
+                all(connection, "SELECT recipient, max(number), hash FROM ledger_entry GROUP BY recipient", |row| {
+                    let hash: Vec<u8> = get(row, 2)?;
+                    let hash = hash.try_into().map_err(|_| "a hash has 32 bytes");
+                    let head = Head {
+                        number: unsigned(get(row, 1)?),
+                        hash: hash.map_err(StoreError::unreadable("ledger entry"))?,
+                    };
+                    Ok((id::<OrganisationId>(row, 0)?, head))
+                })
                 .await?,
             ),
             last_checkpoint: all(
@@ -131,7 +131,10 @@ where
 }
 
 /// A column with an identifier.
-pub(super) fn id<T: std::str::FromStr<Err: std::fmt::Display>>(row: &SqliteRow, column: usize) -> Result<T, StoreError> {
+pub(super) fn id<T: std::str::FromStr<Err: std::fmt::Display>>(
+    row: &SqliteRow,
+    column: usize,
+) -> Result<T, StoreError> {
     get::<String>(row, column)?.parse().map_err(StoreError::unreadable("identifier"))
 }
 

@@ -197,8 +197,6 @@ pub async fn sources(readers: &SqlitePool) -> Result<Vec<super::SourceRow>, Stor
         .await
         .map_err(StoreError::while_doing("read the sources"))?;
     rows.iter()
-        .map(|row| {
-            Ok(super::SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? })
-        })
+        .map(|row| Ok(super::SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? }))
         .collect()
 }

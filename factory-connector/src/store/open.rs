@@ -8,7 +8,7 @@ use std::{
 
 use asi_model::{DateTime, FactoryId};
 use sqlx::{
-    ConnectOptions as _, Connection as _, Row as _, SqliteConnection, SqlitePool, SqlSafeStr as _,
+    ConnectOptions as _, Connection as _, Row as _, SqlSafeStr as _, SqliteConnection, SqlitePool,
     migrate::{Migration, MigrationType, Migrator},
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
@@ -60,8 +60,12 @@ impl Store {
         let lock = lock(directory)?;
         let database = directory.join(DATABASE_FILE);
         let options = options(&database);
-        let mut writer =
-            options.clone().create_if_missing(true).connect().await.map_err(StoreError::while_doing("open the store"))?;
+        let mut writer = options
+            .clone()
+            .create_if_missing(true)
+            .connect()
+            .await
+            .map_err(StoreError::while_doing("open the store"))?;
         migrator().run(&mut writer).await?;
         let generation_file = directory.join(GENERATION_FILE);
         let known = std::fs::read_to_string(&generation_file).ok();

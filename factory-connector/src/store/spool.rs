@@ -148,7 +148,11 @@ impl SpoolReader {
         let mut backlog = Backlog::default();
         for row in &rows {
             let (state, count): (String, u64) = (get(row, 0)?, unsigned(get(row, 1)?));
-            if state == "SENT" { backlog.sent += count } else { backlog.waiting += count }
+            if state == "SENT" {
+                backlog.sent += count
+            } else {
+                backlog.waiting += count
+            }
             backlog.bytes += unsigned::<u64>(get(row, 2)?);
             let oldest: Option<OffsetDateTime> = time(get(row, 3)?).map(OffsetDateTime::from);
             backlog.oldest_at = [backlog.oldest_at, oldest].into_iter().flatten().min();

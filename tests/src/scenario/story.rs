@@ -33,18 +33,12 @@ async fn add(api: &Api, path: &str, body: Value) -> anyhow::Result<()> {
 /// # Errors
 /// When the platform refuses.
 pub async fn found_collaboration(platform: &Api) -> anyhow::Result<String> {
-    let organisations =
-        [(BUYER, "Acme Aero"), (MAKER, "Frames Munich GmbH"), (INSPECTOR, "Inspection Hamburg GmbH")];
+    let organisations = [(BUYER, "Acme Aero"), (MAKER, "Frames Munich GmbH"), (INSPECTOR, "Inspection Hamburg GmbH")];
     for (id, name) in organisations {
         add(platform, "/api/v1/organisations", json!({ "organisationId": id, "name": name })).await?;
     }
     for (id, owner, name) in [(MUNICH, MAKER, "Munich works"), (HAMBURG, INSPECTOR, "Hamburg works")] {
-        add(
-            platform,
-            "/api/v1/factories",
-            json!({ "factoryId": id, "organisationId": owner, "name": name }),
-        )
-        .await?;
+        add(platform, "/api/v1/factories", json!({ "factoryId": id, "organisationId": owner, "name": name })).await?;
     }
     add(
         platform,
@@ -117,7 +111,9 @@ pub async fn add_sources(world: &World, connector: &Api, factory_id: &str) -> an
         let status: Value = connector.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
         let sources = status["sources"].as_array().cloned().unwrap_or_default();
         let is_live = |source: &Value| {
-            source["state"].as_str().is_some_and(|state| ["connected", "live", "up"].contains(&state.to_lowercase().as_str()))
+            source["state"]
+                .as_str()
+                .is_some_and(|state| ["connected", "live", "up"].contains(&state.to_lowercase().as_str()))
         };
         if sources.len() >= 3 && sources.iter().all(is_live) {
             Ok(format!("{} machines", sources.len()))
@@ -142,7 +138,8 @@ pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
     eventually("both factories accept their part", PATIENCE, || async {
         let view: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
         let parts = view["parts"].as_array().cloned().unwrap_or_default();
-        let is_answered = |part: &Value| ["ACCEPTED", "UNCHANGED"].contains(&part["state"].as_str().unwrap_or_default());
+        let is_answered =
+            |part: &Value| ["ACCEPTED", "UNCHANGED"].contains(&part["state"].as_str().unwrap_or_default());
         if parts.len() == 2 && parts.iter().all(is_answered) {
             Ok(format!("revision {}", view["revision"]))
         } else {
@@ -168,7 +165,8 @@ pub struct StoryDecision {
 }
 
 fn mapped(machine: &str, key: &str, value_type: &str, unit: Option<&str>, steps: Value, disclosure: Value) -> Value {
-    let mut input = json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
+    let mut input =
+        json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
     if let Some(unit) = unit {
         input["unit"] = json!(unit);
     }
@@ -195,14 +193,28 @@ pub fn decisions() -> Vec<StoryDecision> {
             "MakeFrame1",
             "ReqResponse1",
             "progressStatus",
-            mapped("MillingCell1", "Production.PartCounter", "UInt32", None, json!([{ "function": "counter" }, { "function": "convert", "to": "UInt64" }]), json!({})),
+            mapped(
+                "MillingCell1",
+                "Production.PartCounter",
+                "UInt32",
+                None,
+                json!([{ "function": "counter" }, { "function": "convert", "to": "UInt64" }]),
+                json!({}),
+            ),
         ),
         decide(
             MUNICH,
             "MakeFrame1",
             "ReqResponse1",
             "operationState",
-            mapped("MillingCell1", "Status.MachineState", "Int32", None, json!([{ "function": "script", "source": state_script }]), json!({})),
+            mapped(
+                "MillingCell1",
+                "Status.MachineState",
+                "Int32",
+                None,
+                json!([{ "function": "script", "source": state_script }]),
+                json!({}),
+            ),
         ),
         decide(
             MUNICH,
@@ -244,21 +256,42 @@ pub fn decisions() -> Vec<StoryDecision> {
             "InspectFrame1",
             "ReqInspection1",
             "goodFrames",
-            mapped("Press1", "Production.GoodCounter", "UInt32", None, json!([{ "function": "convert", "to": "UInt64" }]), json!({})),
+            mapped(
+                "Press1",
+                "Production.GoodCounter",
+                "UInt32",
+                None,
+                json!([{ "function": "convert", "to": "UInt64" }]),
+                json!({}),
+            ),
         ),
         decide(
             HAMBURG,
             "InspectFrame1",
             "ReqInspection1",
             "scrapFrames",
-            mapped("Press1", "Production.ScrapCounter", "UInt32", None, json!([{ "function": "convert", "to": "UInt64" }]), json!({})),
+            mapped(
+                "Press1",
+                "Production.ScrapCounter",
+                "UInt32",
+                None,
+                json!([{ "function": "convert", "to": "UInt64" }]),
+                json!({}),
+            ),
         ),
         decide(
             HAMBURG,
             "InspectFrame1",
             "ReqInspection1",
             "stationTemperature",
-            mapped("Press1", "Ram.DieTemperature", "Float", Some("CEL"), json!([{ "function": "convert", "to": "Double" }]), json!({ "roundingStep": 1.0 })),
+            mapped(
+                "Press1",
+                "Ram.DieTemperature",
+                "Float",
+                Some("CEL"),
+                json!([{ "function": "convert", "to": "Double" }]),
+                json!({ "roundingStep": 1.0 }),
+            ),
         ),
     ]
 }

@@ -93,7 +93,9 @@ fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
         ];
         (4712, machines)
     };
-    let epoch = time::OffsetDateTime::now_utc().replace_nanosecond(0)?.format(&time::format_description::well_known::Rfc3339)?;
+    let epoch = time::OffsetDateTime::now_utc()
+        .replace_nanosecond(0)?
+        .format(&time::format_description::well_known::Rfc3339)?;
     Ok(format!(
         "seed = {seed}\nepoch = \"{epoch}\"\nhost = \"127.0.0.1\"\ncontrol = \"127.0.0.1:{control}\"\n\
          pki_directory = \"{folder}/machines-{factory_id}\"\nupdate_interval_ms = 20\n\n[[machines]]\n{machines}\n",
