@@ -150,6 +150,7 @@ export const de: Texts = {
     previewMessage: 'Nachricht an den Partner',
     previewStatement: 'Dem Partner wird gesagt:',
     previewAt: (when: string) => `Der nächste Wert geht um ${when} hinaus.`,
+    previewBroken: 'Beheben Sie, was oben markiert ist, um die Nachricht zu sehen.',
     previewNothing: 'In diesem Augenblick geht nichts hinaus.',
     previewWait: 'Wählen Sie eine Variable, um zu sehen, was der Partner bekäme.',
     previewNoMessage: 'Keine Nachricht fällig: Eine Funktion oder der Mindestabstand hält den Wert zurück.',

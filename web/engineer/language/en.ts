@@ -148,6 +148,7 @@ export const en = {
     previewMessage: 'Message to the partner',
     previewStatement: 'The partner is told:',
     previewAt: (when: string) => `The next value leaves at ${when}.`,
+    previewBroken: 'Correct what is marked above to see the message.',
     previewNothing: 'Nothing leaves at this moment.',
     previewWait: 'Choose a variable to see what the partner would receive.',
     previewNoMessage: 'No message is due: the value is held back by a function or by the minimum interval.',
