@@ -1,4 +1,5 @@
 //! What crosses the parts, proven with the real programs.
 #![allow(clippy::unwrap_used)]
 
+mod demo;
 mod house;

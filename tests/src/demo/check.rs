@@ -1,6 +1,13 @@
-//! The demo without a person: each step checked from outside, one line a step.
+//! The demo without a person: each step checked from outside - as an OPC UA client, an AMQP client, an HTTP client and
+//! a browser see it - one line a step.
 
-use super::play;
+mod amqp;
+mod browser;
+mod crash;
+mod latency;
+mod opcua;
+
+use super::{Cast, play};
 use crate::{
     harness::{Steps, say},
     world::{Places, World},
@@ -29,6 +36,19 @@ pub async fn check(keep: bool) -> anyhow::Result<()> {
 }
 
 async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> {
-    play(world, steps).await?;
-    world.stop()
+    let cast = play(world, steps).await?;
+    seen_from_outside(world, &cast, steps).await?;
+    steps.run("a change on the machine reaches the buyer", latency::of_values(world, &cast.platform, 20)).await?;
+    steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
+    let cast = crash::every_program_in_turn(world, cast, steps).await?;
+    steps.run("no report was lost and none counted twice", crash::nothing_lost(&cast)).await?;
+    steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await
+}
+
+async fn seen_from_outside(world: &World, cast: &Cast, steps: &mut Steps) -> anyhow::Result<()> {
+    steps.run("asyncua browses the interface", opcua::browse(world)).await?;
+    steps.run("asyncua writes the field decided External", opcua::write_external(world, &cast.platform)).await?;
+    steps.run("asyncua may not write another field", opcua::write_mapped(world)).await?;
+    steps.run("rubbish over AMQP is answered and changes nothing", amqp::rubbish(world, cast)).await?;
+    steps.run("an oversize body is refused by the broker", amqp::oversize(world)).await
 }

@@ -65,6 +65,10 @@ listen = "127.0.0.1:{web}"
 [twin]
 listen = "127.0.0.1:{twin}"
 
+# The demo's OPC UA clients come and go; a real factory approves each client's certificate on the connector's page.
+[twin.security]
+trust_unknown_certificates = true
+
 [admin]
 user_name = "{ENGINEER}"
 password = "{PASSWORD}"

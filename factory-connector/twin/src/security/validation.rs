@@ -126,7 +126,7 @@ impl CertificateValidator for Validator {
             }
         }
         let fits = certificate.public_key().is_ok_and(|key| security_policy.is_valid_keylength(key.bit_length()));
-        let verdict = verdict.and_then(|()| if fits { Ok(()) } else { Err(Verdict::KeyLength) });
+        let verdict = verdict.and(if fits { Ok(()) } else { Err(Verdict::KeyLength) });
         verdict.map_err(|verdict| {
             tracing::warn!(
                 certificate.subject = certificate.subject_name(),

@@ -1,0 +1,41 @@
+//! The partners' page in a real browser.
+
+use std::{process::Stdio, time::Duration};
+
+use anyhow::Context as _;
+use tokio::process::Command;
+
+use crate::{
+    harness::repository,
+    world::{ADMIN, ENGINEER, PASSWORD, World},
+};
+
+/// Drives both pages through the story of the browser tests: a question, its answer, and the value on the page.
+pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
+    run(world, "test", &["--project=story"]).await
+}
+
+/// Runs a script of `tests/browser` against this world.
+///
+/// # Errors
+/// What the browser found.
+pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Result<String> {
+    let folder = repository()?.join("tests/browser");
+    let script = if script == "test" { "playwright test" } else { script };
+    let mut command = Command::new("npx");
+    command.current_dir(&folder).args(script.split(' ')).args(arguments).stdin(Stdio::null()).kill_on_drop(true);
+    command
+        .env("PLATFORM_URL", format!("http://127.0.0.1:{}", world.places.platform_web))
+        .env("PLATFORM_USER", ADMIN)
+        .env("PLATFORM_PASSWORD", PASSWORD)
+        .env("CONNECTOR_URL", format!("http://127.0.0.1:{}", world.places.munich.connector_web))
+        .env("CONNECTOR_USER", ENGINEER)
+        .env("CONNECTOR_PASSWORD", PASSWORD);
+    let output = tokio::time::timeout(Duration::from_secs(600), command.output())
+        .await
+        .context("the browser did not end in time")?
+        .context("starting the browser tests; run `npm ci` in tests/browser first")?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    anyhow::ensure!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+    Ok(text.lines().rev().find(|line| line.contains("passed")).unwrap_or_default().trim().to_owned())
+}

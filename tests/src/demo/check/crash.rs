@@ -1,0 +1,80 @@
+//! `kill -9` of every program in turn, and what is left afterwards.
+
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::{
+    demo::Cast,
+    harness::{Steps, eventually},
+    scenario::{
+        frame_order::{HAMBURG, MUNICH},
+        story,
+    },
+    world::World,
+};
+
+/// Kills connector, platform (with its broker) and machines without warning, starts each again, and waits until values
+/// flow as before.
+pub(super) async fn every_program_in_turn(world: &mut World, cast: Cast, steps: &mut Steps) -> anyhow::Result<Cast> {
+    let Cast { mut platform, mut munich, hamburg } = cast;
+    steps
+        .run("kill -9 of a connector, and it goes on", async {
+            let factory = world.factory(MUNICH)?;
+            if let Some(connector) = &mut factory.connector {
+                connector.restart()?;
+            }
+            munich = world.connector_api(MUNICH).await?;
+            story::link_is_up(&munich).await?;
+            goes_on(&platform).await
+        })
+        .await?;
+    steps
+        .run("kill -9 of platform and broker, and they go on", async {
+            world.platform.restart()?;
+            platform = world.platform_api().await?;
+            story::link_is_up(&munich).await?;
+            goes_on(&platform).await
+        })
+        .await?;
+    steps
+        .run("kill -9 of the machines, and they are read again", async {
+            world.factory(MUNICH)?.simulator.restart()?;
+            goes_on(&platform).await
+        })
+        .await?;
+    Ok(Cast { platform, munich, hamburg })
+}
+
+/// The power of the spindle changes all the time; a newer report of it proves the whole way.
+async fn goes_on(platform: &crate::harness::Api) -> anyhow::Result<String> {
+    let before = story::platform_field(platform, "spindlePower").await?;
+    eventually("newer values arrive", Duration::from_secs(40), || async {
+        let now = story::platform_field(platform, "spindlePower").await.map_err(|e| format!("{e:#}"))?;
+        let is_newer = now["receivedAt"].as_str() > before["receivedAt"].as_str();
+        if is_newer && !now["value"].is_null() { Ok(String::new()) } else { Err(now.to_string()) }
+    })
+    .await
+}
+
+/// Every writer's sequence numbers have arrived without a hole that was not announced.
+pub(super) async fn nothing_lost(cast: &Cast) -> anyhow::Result<String> {
+    let mut received = 0;
+    for factory_id in [MUNICH, HAMBURG] {
+        let count = eventually("no sequence is missing", Duration::from_secs(30), || async {
+            let path = format!("/api/v1/factories/{factory_id}/writers");
+            let answer: Value = cast.platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
+            let writers = answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+            let has_hole = |writer: &Value| {
+                writer["missing"].as_array().map_or_else(|| writer["missing"].as_u64() > Some(0), |m| !m.is_empty())
+            };
+            if writers.is_empty() || writers.iter().any(has_hole) {
+                return Err(answer.to_string());
+            }
+            Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum::<u64>())
+        })
+        .await?;
+        received += count;
+    }
+    Ok(format!("{received} reports received"))
+}
