@@ -16,8 +16,8 @@ mod spool;
 
 pub use accounts::{Role, User, count_users, put_user, remove_user, user, users};
 pub use changes::{
-    Changes, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow, FieldValueRow, NetworkRow, NewReport,
-    ReportMove, SourceRow, WriterRow,
+    Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow, FieldValueRow, NetworkRow,
+    NewReport, ReportMove, SourceRow, WriterRow,
 };
 pub use error::StoreError;
 pub use ledger::{LedgerPage, LedgerRow, ledger_page, verify_ledger};

@@ -105,7 +105,7 @@ pub async fn decide(
                     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
                         return Err(mapping_faults(diagnostics));
                     }
-                    Some(mapping)
+                    Some(Box::new(mapping))
                 }
                 _ => None,
             };

@@ -23,7 +23,7 @@ pub enum Verdict {
         /// The source; [`ValueSource::Mapping`] needs a mapping.
         value_source: ValueSource,
         /// From local variables to the field.
-        mapping: Option<Mapping>,
+        mapping: Option<Box<Mapping>>,
         /// How values are coarsened.
         policy: DisclosurePolicy,
     },
@@ -78,10 +78,11 @@ impl Books {
                 if !faults.is_empty() {
                     return Err(DecisionError::Policy(faults));
                 }
-                let is_other_source = had_source != Some(value_source) || decision.mapping != mapping;
+                let is_other_source =
+                    had_source != Some(value_source) || decision.mapping.as_ref() != mapping.as_deref();
                 decision.mapping_state = MappingState::Mapped;
                 decision.value_source = Some(value_source);
-                decision.mapping = mapping.or_else(|| decision.mapping.take());
+                decision.mapping = mapping.map(|mapping| *mapping).or_else(|| decision.mapping.take());
                 decision.policy = Arc::new(policy);
                 if was_mapped {
                     field.gate.change_policy(Arc::clone(&decision.policy), now);

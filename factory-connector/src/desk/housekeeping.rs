@@ -14,7 +14,7 @@ use super::{Desk, aftermath::offset_now, now};
 use crate::{
     books::new_message_id,
     ledger::Checkpoint,
-    store::{ReportMove, StoreError, WaitingRow},
+    store::{CheckpointRow, ReportMove, StoreError, WaitingRow},
 };
 
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -110,7 +110,9 @@ impl Desk {
         let checkpoint = Checkpoint::new(self.config.books.factory_id.clone(), number, now, &self.books.heads);
         let text = checkpoint.canonical();
         let signature = self.key.sign(&text);
-        self.books.changes.checkpoint = Some((number, now, text, signature, self.key.public()));
+        let public_key = self.key.public();
+        self.books.changes.checkpoint =
+            Some(CheckpointRow { number, recorded_at: now, content: text, signature, public_key });
         self.books.checkpoint = Some((number, now));
     }
 

@@ -38,8 +38,8 @@ pub struct Changes {
     pub controls_attempted: Vec<i64>,
     /// Ledger entries with the report they are about.
     pub ledger: Vec<(LinkedEntry, Option<i64>)>,
-    /// A signed checkpoint: number, time, text, signature, public key.
-    pub checkpoint: Option<(u64, DateTime, String, [u8; 64], [u8; 32])>,
+    /// A signed checkpoint.
+    pub checkpoint: Option<CheckpointRow>,
     /// Messages whose effect this is.
     pub seen: Vec<(MessageId, DateTime)>,
     /// Remarks, and whether they are our own.
@@ -76,6 +76,21 @@ impl Changes {
             && self.sources.is_empty()
             && self.removed_sources.is_empty()
     }
+}
+
+/// A signed statement of all chains' heads.
+#[derive(Debug, Clone)]
+pub struct CheckpointRow {
+    /// Its number.
+    pub number: u64,
+    /// When it was made.
+    pub recorded_at: DateTime,
+    /// The signed text.
+    pub content: String,
+    /// The Ed25519 signature.
+    pub signature: [u8; 64],
+    /// The key it is verified with.
+    pub public_key: [u8; 32],
 }
 
 /// A network as last received.

@@ -331,15 +331,15 @@ async fn write_ledger(connection: &mut SqliteConnection, changes: &Changes) -> R
         },
     )
     .await?;
-    if let Some((number, at, content, signature, public_key)) = &changes.checkpoint {
+    if let Some(checkpoint) = &changes.checkpoint {
         sqlx::query(
             "INSERT INTO ledger_checkpoint (number, recorded_at, content, signature, public_key) VALUES (?, ?, ?, ?, ?)",
         )
-        .bind(i64::try_from(*number).unwrap_or(i64::MAX))
-        .bind(at.unix_micros())
-        .bind(content.clone())
-        .bind(signature.to_vec())
-        .bind(public_key.to_vec())
+        .bind(i64::try_from(checkpoint.number).unwrap_or(i64::MAX))
+        .bind(checkpoint.recorded_at.unix_micros())
+        .bind(checkpoint.content.clone())
+        .bind(checkpoint.signature.to_vec())
+        .bind(checkpoint.public_key.to_vec())
         .execute(connection)
         .await
         .map_err(StoreError::while_doing("write a checkpoint"))?;

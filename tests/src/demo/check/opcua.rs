@@ -32,7 +32,7 @@ pub(super) async fn browse(world: &World) -> anyhow::Result<String> {
     let node = format!("nsu=urn:verbund:cpt:{MUNICH};s={NETWORK}/op/MakeFrame1");
     let answer = asyncua(world, &["browse", &node]).await?;
     let text = answer.to_string();
-    anyhow::ensure!(answer["ok"] == true && text.contains("DynamicDataRequests"), "{text}");
+    anyhow::ensure!(answer["ok"] == true && text.contains("/req/ReqResponse1"), "{text}");
     let value = asyncua(world, &["read", &field_node("progressStatus")]).await?;
     anyhow::ensure!(value["ok"] == true && value["status"] == "Good", "{value}");
     Ok("Basic256Sha256, SignAndEncrypt, named user".into())
