@@ -32,9 +32,50 @@ pub struct LedgerView {
     /// Every recipient that has a chain.
     recipients: Vec<String>,
     /// The entries.
-    items: Vec<LedgerRow>,
+    items: Vec<EntryView>,
     /// Where the next page begins.
     next_cursor: Option<String>,
+}
+
+/// An entry of a chain.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct EntryView {
+    /// Its place in the chain.
+    sequence: u64,
+    /// When it was recorded.
+    at: String,
+    /// Whose chain.
+    recipient_id: String,
+    /// `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED` or `PURGED`.
+    kind: String,
+    /// What the entry says besides: field and policy of a consent, sequence numbers of a report.
+    #[serde(flatten)]
+    #[schema(value_type = Object)]
+    content: serde_json::Map<String, serde_json::Value>,
+    /// For a report: the values that left, by field, while they are kept.
+    #[schema(value_type = Option<Object>)]
+    value: Option<serde_json::Value>,
+    /// Its hash, hexadecimal.
+    hash: String,
+}
+
+impl From<LedgerRow> for EntryView {
+    fn from(row: LedgerRow) -> Self {
+        let mut content = match row.entry {
+            serde_json::Value::Object(members) => members,
+            _ => serde_json::Map::new(),
+        };
+        let mut text =
+            |name: &str| content.remove(name).and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+        let (at, recipient_id, kind) = (text("recordedAt"), text("recipient"), text("event"));
+        content.remove("number");
+        if let Some(serde_json::Value::Object(field)) = content.remove("field") {
+            content.extend(field);
+        }
+        let value = row.report.and_then(|report| report.get("Payload").cloned());
+        Self { sequence: row.number, at, recipient_id, kind, content, value, hash: row.hash }
+    }
 }
 
 /// Lists the entries of a recipient's chain, newest first, with what left.
@@ -47,7 +88,7 @@ pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<LedgerQuery>
     let next_cursor = page.entries.last().map(|entry| entry.number).filter(|number| *number > 1);
     Ok(Json(LedgerView {
         recipients: page.recipients,
-        items: page.entries,
+        items: page.entries.into_iter().map(EntryView::from).collect(),
         next_cursor: next_cursor.map(|number| number.to_string()),
     }))
 }
@@ -57,8 +98,12 @@ pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<LedgerQuery>
 #[serde(rename_all = "camelCase")]
 pub struct VerificationView {
     /// Nothing is wrong.
-    is_intact: bool,
-    /// What was looked at and what is wrong.
+    valid: bool,
+    /// How many chains there are.
+    chains: usize,
+    /// The first thing that is wrong, in words.
+    fault: Option<String>,
+    /// What was looked at and everything that is wrong.
     #[serde(flatten)]
     verification: Verification,
 }
@@ -77,5 +122,10 @@ pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Pr
         })
     });
     let verification = verified.await.map_err(|error| Problem::internal(&error))??;
-    Ok(Json(VerificationView { is_intact: verification.is_intact(), verification }))
+    let chains = ledger_page(&api.readers, None, 0, 1).await?.recipients.len();
+    let fault = verification
+        .fault_list
+        .first()
+        .map(|fault| format!("{}, entry {}: {}", fault.recipient, fault.number, fault.message));
+    Ok(Json(VerificationView { valid: verification.is_intact(), chains, fault, verification }))
 }

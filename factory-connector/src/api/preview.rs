@@ -50,6 +50,17 @@ pub struct InputView {
     value: ShownValue,
 }
 
+/// What one function made of its value.
+#[derive(Serialize, ToSchema)]
+pub struct StepView {
+    /// The function.
+    function: String,
+    /// Its result; none where it kept the value to itself or failed.
+    value: Option<ShownValue>,
+    /// Why it failed.
+    message: Option<String>,
+}
+
 /// Side by side: machine, mapping, what is disclosed, and the message.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -57,12 +68,16 @@ pub struct Preview {
     /// What the machines say.
     inputs: Vec<InputView>,
     /// What the mapping makes of it, function by function.
-    #[schema(value_type = Vec<Object>)]
-    steps: serde_json::Value,
+    steps: Vec<StepView>,
     /// The mapping's result.
     candidate: Option<ShownValue>,
     /// What leaves of it.
     disclosed: Option<ShownValue>,
+    /// When it would leave, where policy holds it back.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    disclosed_at: Option<DateTime>,
+    /// The precision in words, as the partner reads it.
+    statement: String,
     /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times.
     message: Option<String>,
     /// What is wrong or doubtful about the mapping.
@@ -85,9 +100,11 @@ pub async fn preview(
     let now = now();
     let mut preview = Preview {
         inputs: Vec::new(),
-        steps: serde_json::json!([]),
+        steps: Vec::new(),
         candidate: None,
         disclosed: None,
+        disclosed_at: None,
+        statement: statement(&api, &field, &draft.disclosure).await?,
         message: None,
         diagnostics: Vec::new(),
     };
@@ -106,18 +123,28 @@ pub async fn preview(
             let mut gate = Gate::new(policy, definition.field_type.0, GateState::default(), now);
             gate.on(now, candidate);
             // What is delayed or waits for its hour leaves like this once its time has come.
+            let mut held_until = None;
             while let Some(due) = gate.due().filter(|_| gate.disclosed().is_none()) {
+                held_until = Some(due);
                 gate.on_time(due);
             }
             let disclosed = gate.disclosed()?.clone();
-            Some((ShownValue::from(&disclosed), message(books, &field, &disclosed, now)))
+            Some((ShownValue::from(&disclosed), held_until, message(books, &field, &disclosed, now)))
         })
         .await?;
-    if let Some((disclosed, message)) = shown {
+    if let Some((disclosed, held_until, message)) = shown {
         preview.disclosed = Some(disclosed);
+        preview.disclosed_at = held_until;
         preview.message = message;
     }
     Ok(Json(preview))
+}
+
+async fn statement(api: &Api, field: &FieldKey, policy: &DisclosurePolicy) -> Result<String, Problem> {
+    let key = field.clone();
+    let unit = api.desk.read(move |books| books.field(&key).map(|field| field.definition.unit.clone())).await?;
+    let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
+    Ok(policy.statement(unit.as_deref()).description)
 }
 
 /// The mapping's result on the live values of its inputs.
@@ -142,7 +169,19 @@ async fn run(
     preview.diagnostics = trace.diagnostics;
     let last: Option<TraceRun> = trace.runs.into_iter().next_back();
     let Some(last) = last else { return Ok(None) };
-    preview.steps = serde_json::to_value(&last.steps).unwrap_or_default();
+    preview.steps = last
+        .steps
+        .into_iter()
+        .map(|step| StepView {
+            function: step.function,
+            value: step.value.map(|value| ShownValue {
+                value: value.value,
+                status: StatusCode(value.status).to_string(),
+                source_timestamp: value.source_timestamp,
+            }),
+            message: step.fault.map(|fault| fault.message),
+        })
+        .collect();
     Ok(last.candidate.map(|candidate| {
         let at = candidate.source_timestamp.unwrap_or(now);
         let value = typed_value(&candidate.value, target_type, at).unwrap_or_default();

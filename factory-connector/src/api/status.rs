@@ -46,6 +46,10 @@ pub async fn show(State(api): State<Api>) -> Result<Json<Status>, Problem> {
     {
         members.extend(phase);
     }
+    // Pages need one number here; `spool` has the rest.
+    if let Some(waiting) = link.pointer("/backlog/waiting").cloned() {
+        link["backlog"] = waiting;
+    }
     let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
     Ok(Json(Status {
         factory_id: api.factory_id.to_string(),

@@ -89,8 +89,8 @@ pub async fn put_enrolment(
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct DeadLetter {
-    /// Its number.
-    pub id: i64,
+    /// Its number, as text.
+    pub id: String,
     /// `RECEIVED` or `SENT`.
     pub direction: String,
     /// Its id, where it has one.
@@ -103,7 +103,7 @@ pub struct DeadLetter {
     pub reason: String,
     /// When.
     #[schema(value_type = String, format = "date-time")]
-    pub occurred_at: DateTime,
+    pub at: DateTime,
     /// Its size, in bytes.
     pub bytes: i64,
 }
@@ -125,13 +125,13 @@ pub async fn dead_letters(readers: &SqlitePool, before: i64, limit: u32) -> Resu
     rows.iter()
         .map(|row| {
             Ok(DeadLetter {
-                id: get(row, 0)?,
+                id: get::<i64>(row, 0)?.to_string(),
                 direction: get(row, 1)?,
                 message_id: get(row, 2)?,
                 subject: get(row, 3)?,
                 code: get(row, 4)?,
                 reason: get(row, 5)?,
-                occurred_at: DateTime::from_unix_micros(get(row, 6)?),
+                at: DateTime::from_unix_micros(get(row, 6)?),
                 bytes: get(row, 7)?,
             })
         })
