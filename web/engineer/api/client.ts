@@ -1,5 +1,6 @@
 import { path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
+import { ledgerOf, lettersOf, previewOf, statusOf, verificationOf, type DeadLetterAnswer, type LedgerAnswer, type PreviewAnswer, type StatusAnswer, type VerificationAnswer } from './answers'
 import type {
   BrowsedNode,
   DataValue,
@@ -25,14 +26,14 @@ const fieldPath = (key: FieldKey): string => path('fields', key.operationNetwork
 
 /** The connector's API. */
 export const connector = {
-  status: (signal?: AbortSignal) => request<Status>('GET', '/status', { signal }),
+  status: async (signal?: AbortSignal): Promise<Status> => statusOf(await request<StatusAnswer>('GET', '/status', { signal })),
   inbox: (cursor?: string, signal?: AbortSignal) => request<Page<InboxRequest>>('GET', `/inbox${query({ cursor })}`, { signal }),
   networks: (signal?: AbortSignal) => request<Page<unknown>>('GET', '/operation-networks', { signal }),
 
   decide: (key: FieldKey, decision: Decision) => request<Field>('PUT', `${fieldPath(key)}/decision`, { body: decision }),
   enter: (key: FieldKey, value: unknown) => request<unknown>('PUT', `${fieldPath(key)}/value`, { body: { value } }),
-  preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal) =>
-    request<Preview>('POST', `${fieldPath(key)}/preview`, { body: draft, signal }),
+  preview: async (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal): Promise<Preview> =>
+    previewOf(await request<PreviewAnswer>('POST', `${fieldPath(key)}/preview`, { body: draft, signal })),
 
   sources: (signal?: AbortSignal) => request<Page<SourceStatus & SourceConfig>>('GET', '/sources', { signal }),
   addSource: (source: SourceConfig) => request<unknown>('POST', '/sources', { body: source }),
@@ -43,11 +44,11 @@ export const connector = {
   value: (sourceId: string, node: string, signal?: AbortSignal) =>
     request<DataValue>('GET', `${path('sources', sourceId, 'value')}${query({ node })}`, { signal }),
 
-  ledger: (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal) =>
-    request<Page<LedgerEntry>>('GET', `/ledger${query({ recipient, after, limit })}`, { signal }),
-  verifyLedger: () => request<Verification>('POST', '/ledger/verification'),
+  ledger: async (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal): Promise<Page<LedgerEntry> & { recipients: string[] }> =>
+    ledgerOf(await request<LedgerAnswer>('GET', `/ledger${query({ recipient, after, limit })}`, { signal })),
+  verifyLedger: async (): Promise<Verification> => verificationOf(await request<VerificationAnswer>('POST', '/ledger/verification')),
   spool: (signal?: AbortSignal) => request<SpoolStatus>('GET', '/spool', { signal }),
-  deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),
+  deadLetters: async (signal?: AbortSignal): Promise<Page<DeadLetter>> => lettersOf(await request<Page<DeadLetterAnswer>>('GET', '/dead-letters', { signal })),
 }
 
 /** What happens at the connector, as it happens. */

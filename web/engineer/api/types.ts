@@ -158,7 +158,7 @@ export interface Preview {
   /** The NetworkMessage as the partner would receive it, byte for byte. */
   message?: string | null
   /** The precision in words, as the partner reads it. */
-  statement: string
+  statement?: string | null
   diagnostics: Diagnostic[]
 }
 
@@ -219,7 +219,6 @@ export interface Verification {
   valuesCompared: number
   valuesEmptied: number
   checkpoints: number
-  chains: number
   fault?: string | null
 }
 

@@ -345,7 +345,6 @@ export const de: Texts = {
     what: 'Was',
     value: 'Wert',
     outcome: 'Verbleib',
-    allRecipients: 'Alle Empfänger',
     hash: 'Prüfwert',
     loadMore: 'Ältere Einträge',
     kind: {

@@ -343,7 +343,6 @@ export const en = {
     what: 'What',
     value: 'Value',
     outcome: 'Outcome',
-    allRecipients: 'All recipients',
     hash: 'Hash',
     loadMore: 'Older entries',
     kind: {
