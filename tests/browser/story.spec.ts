@@ -118,6 +118,7 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     const message = engineer.getByRole('region', { name: 'Message to the partner' })
     await expect(message).toContainText(REQUEST)
     await engineer.getByLabel('Rounding step').fill('5')
+    await expect(engineer.getByText('The partner is told:')).toContainText(/multiples of 5/)
     await expect.poll(async () => shownIn(await message.textContent()) % 5).toBe(0)
   })
 

@@ -1,6 +1,6 @@
 import { path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
-import { ledgerOf, lettersOf, previewOf, statusOf, verificationOf, type DeadLetterAnswer, type LedgerAnswer, type PreviewAnswer, type StatusAnswer, type VerificationAnswer } from './answers'
+import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answers'
 import type {
   BrowsedNode,
   DataValue,
@@ -10,7 +10,6 @@ import type {
   Field,
   FieldKey,
   InboxRequest,
-  LedgerEntry,
   Mapping,
   Page,
   Preview,
@@ -32,8 +31,8 @@ export const connector = {
 
   decide: (key: FieldKey, decision: Decision) => request<Field>('PUT', `${fieldPath(key)}/decision`, { body: decision }),
   enter: (key: FieldKey, value: unknown) => request<unknown>('PUT', `${fieldPath(key)}/value`, { body: { value } }),
-  preview: async (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal): Promise<Preview> =>
-    previewOf(await request<PreviewAnswer>('POST', `${fieldPath(key)}/preview`, { body: draft, signal })),
+  preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal) =>
+    request<Preview>('POST', `${fieldPath(key)}/preview`, { body: draft, signal }),
 
   sources: (signal?: AbortSignal) => request<Page<SourceStatus & SourceConfig>>('GET', '/sources', { signal }),
   addSource: (source: SourceConfig) => request<unknown>('POST', '/sources', { body: source }),
@@ -44,11 +43,11 @@ export const connector = {
   value: (sourceId: string, node: string, signal?: AbortSignal) =>
     request<DataValue>('GET', `${path('sources', sourceId, 'value')}${query({ node })}`, { signal }),
 
-  ledger: async (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal): Promise<Page<LedgerEntry> & { recipients: string[] }> =>
+  ledger: async (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal): Promise<LedgerAnswer> =>
     ledgerOf(await request<LedgerAnswer>('GET', `/ledger${query({ recipient, after, limit })}`, { signal })),
-  verifyLedger: async (): Promise<Verification> => verificationOf(await request<VerificationAnswer>('POST', '/ledger/verification')),
+  verifyLedger: () => request<Verification>('POST', '/ledger/verification'),
   spool: (signal?: AbortSignal) => request<SpoolStatus>('GET', '/spool', { signal }),
-  deadLetters: async (signal?: AbortSignal): Promise<Page<DeadLetter>> => lettersOf(await request<Page<DeadLetterAnswer>>('GET', '/dead-letters', { signal })),
+  deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),
 }
 
 /** What happens at the connector, as it happens. */
