@@ -15,14 +15,14 @@ demo: prerequisites web ## two factories and a cloud on this machine, until Ctrl
 	$(CARGO) build --locked $(PROGRAMS)
 	target/debug/demo run
 
-demo-check: prerequisites-test foreign web ## the demo headless, each step checked from outside
+demo-check: prerequisites-test foreign browser web ## the demo headless, each step checked from outside
 	$(CARGO) build --locked $(PROGRAMS)
 	target/debug/demo check
 
 dev: prerequisites web ## build everything for development
 	$(CARGO) build --workspace --all-targets
 
-test: prerequisites-test foreign web lint ## everything that proves the product right (what CI runs)
+test: prerequisites-test foreign browser web lint ## everything that proves the product right (what CI runs)
 	$(CARGO) build --locked --workspace --bins --tests
 	if $(CARGO) nextest --version >/dev/null 2>&1; then $(CARGO) nextest run --locked --workspace --no-fail-fast; \
 	  else $(CARGO) test --locked --workspace --no-fail-fast; fi
@@ -47,7 +47,7 @@ script-deno: ## the second script engine (needs cmake and libsimde-dev), and the
 screenshots: demo-programs ## every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
-demo-programs: prerequisites-test web
+demo-programs: prerequisites-test browser web
 	$(CARGO) build --locked $(PROGRAMS)
 
 web: web/dist/.built
@@ -60,6 +60,12 @@ web/dist/.built: web/node_modules/.installed $(WEB_SOURCES)
 	cd web && npm run --silent build
 	touch $@
 
+browser: tests/browser/node_modules/.installed
+
+tests/browser/node_modules/.installed: tests/browser/package-lock.json
+	cd tests/browser && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
+
 foreign:
 	@tests/foreign/setup.sh
 
@@ -69,4 +75,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: browser help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test

@@ -39,10 +39,10 @@ fn metadata() -> Value {
 fn is_allowed(expression: &str) -> bool {
     let expression = expression.replace('/', " OR ");
     let expression = expression.trim();
-    if let Some(inner) = expression.strip_prefix('(').and_then(|e| e.strip_suffix(')')) {
-        if !inner.contains('(') {
-            return is_allowed(inner);
-        }
+    if let Some(inner) = expression.strip_prefix('(').and_then(|e| e.strip_suffix(')'))
+        && !inner.contains('(')
+    {
+        return is_allowed(inner);
     }
     for (operator, all) in [(" AND ", true), (" OR ", false)] {
         let parts = split_outside_parentheses(expression, operator);

@@ -3,7 +3,7 @@
 mod check;
 mod run;
 
-pub use check::check;
+pub use check::{check, latency, screenshots};
 pub use run::run;
 
 use crate::{

@@ -26,6 +26,8 @@ enum Command {
         #[arg(long)]
         keep: bool,
     },
+    /// Plays it headless and takes pictures of every page, into target/screenshots.
+    Screenshots,
 }
 
 #[tokio::main]
@@ -34,6 +36,7 @@ async fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run { folder } => demo::run(folder).await,
         Command::Check { keep } => demo::check(keep).await,
+        Command::Screenshots => demo::screenshots().await,
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

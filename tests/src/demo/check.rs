@@ -4,7 +4,7 @@
 mod amqp;
 mod browser;
 mod crash;
-mod latency;
+pub mod latency;
 mod opcua;
 
 use super::{Cast, play};
@@ -43,6 +43,19 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
     let cast = crash::every_program_in_turn(world, cast, steps).await?;
     steps.run("no report was lost and none counted twice", crash::nothing_lost(&cast)).await?;
     steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await
+}
+
+/// Plays the story and takes pictures of every page.
+///
+/// # Errors
+/// When the story does not play or a page does not show.
+pub async fn screenshots() -> anyhow::Result<()> {
+    let folder = tempfile::Builder::new().prefix("verbund-pictures-").tempdir()?;
+    let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
+    play(&mut world, &mut Steps::default()).await?;
+    let taken = browser::run(&world, "test", &["--project=screenshots"]).await?;
+    say(&format!("{taken}; the pictures are in target/screenshots"));
+    world.stop()
 }
 
 async fn seen_from_outside(world: &World, cast: &Cast, steps: &mut Steps) -> anyhow::Result<()> {

@@ -8,10 +8,7 @@ use serde_json::{Value, json};
 
 use crate::{harness::Api, scenario::frame_order::MUNICH, world::World};
 
-/// Sets a counter on the machine so many times and waits for each on the buyer's live stream.
-///
-/// # Errors
-/// When a change stays away for ten seconds.
+/// Sets a counter on the machine so many times and says how long each took to the buyer's live stream.
 pub(super) async fn of_values(world: &World, platform: &Api, times: u32) -> anyhow::Result<String> {
     let mut latencies = measure(world, platform, times).await?;
     latencies.sort_unstable();
@@ -19,10 +16,10 @@ pub(super) async fn of_values(world: &World, platform: &Api, times: u32) -> anyh
     Ok(format!("median {} ms, 90 % within {} ms, {} changes", at(50), at(90), latencies.len()))
 }
 
-/// The latency of each change.
+/// The latency of each change, from the machine to the buyer's live stream.
 ///
 /// # Errors
-/// As [`of_values`].
+/// When a change stays away for ten seconds.
 pub async fn measure(world: &World, platform: &Api, times: u32) -> anyhow::Result<Vec<Duration>> {
     let machines = world.machines_api(MUNICH)?;
     let path = "/machines/MillingCell1/variables/Production.PartCounter";

@@ -1,0 +1,76 @@
+//! Benchmarks of the whole path: machine, connector, broker, platform, page. Never part of the tests: machines are noisy,
+//! so distributions are printed with a description of the machine.
+
+mod browsable;
+mod throughput;
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use serde_json::{Value, json};
+
+use crate::{
+    demo::{latency, play},
+    harness::{Steps, repository, say},
+    world::{Places, World},
+};
+
+/// Changes whose latency is measured.
+const CHANGES: u32 = 300;
+/// Requests whose way into the address space is measured.
+const REQUESTS: u32 = 40;
+
+/// Measures everything and writes the results.
+///
+/// # Errors
+/// When the story does not play or something stays away.
+pub async fn run() -> anyhow::Result<()> {
+    let folder = tempfile::Builder::new().prefix("verbund-bench-").tempdir()?;
+    let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
+    let mut results = Vec::new();
+    say(&format!("{}\n", machine()));
+    let cast = play(&mut world, &mut Steps::default()).await?;
+    let latencies = latency::measure(&world, &cast.platform, CHANGES).await?;
+    results.extend(distribution("value changed on the machine -> on the buyer's live stream", latencies));
+    let latencies = browsable::measure(&world, &cast.platform, REQUESTS).await?;
+    results.extend(distribution("request sent -> nodes browsable in the twin", latencies));
+    results.extend(throughput::measure(&world, &cast).await?);
+    world.stop()?;
+    let file = repository()?.join("target/bench/results.json");
+    std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
+    std::fs::write(&file, serde_json::to_vec_pretty(&json!({ "machine": machine(), "results": results }))?)?;
+    say(&format!("\nWritten to {}", file.display()));
+    Ok(())
+}
+
+fn result(name: &str, value: f64, unit: &str) -> Value {
+    say(&format!("  {name}: {value:.1} {unit}"));
+    json!({ "name": name, "value": value, "unit": unit })
+}
+
+fn distribution(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
+    latencies.sort_unstable();
+    let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;
+    [("median", 50), ("90 %", 90), ("99 %", 99), ("slowest", 100)]
+        .into_iter()
+        .map(|(what, share)| result(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms"))
+        .collect()
+}
+
+/// Processor, cores, load and kernel: what figures depend on.
+fn machine() -> String {
+    let read = |file: &str| std::fs::read_to_string(file).unwrap_or_default();
+    let processor = read("/proc/cpuinfo")
+        .lines()
+        .find_map(|line| {
+            line.strip_prefix("model name").map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_owned())
+        })
+        .unwrap_or_else(|| "unknown processor".to_owned());
+    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+    let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
+    format!(
+        "{processor}, {cores} cores, load {}, Linux {}, {profile} build",
+        read("/proc/loadavg").split(' ').next().unwrap_or_default(),
+        read("/proc/sys/kernel/osrelease").trim()
+    )
+}
