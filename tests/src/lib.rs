@@ -1,7 +1,7 @@
 //! What crosses the parts: the demo, the end-to-end tests, chaos and the benchmarks of the whole path.
 //!
 //! - [`harness`]: starts the real programs in a folder of their own, on free ports, and talks to them from outside.
-//! - [`bench`]: latency and throughput of the whole path.
+//! - [`mod@bench`]: latency and throughput of the whole path.
 //! - [`demo`]: the frame order played for a person, or checked without one.
 //! - [`world`]: two factories and a cloud, configured and running.
 //! - [`scenario`]: the frame order that two factories share; the demo, its check and the tests all play it.
