@@ -33,7 +33,7 @@ lint: web ## format, clippy, documentation, and the same for the web pages
 	$(CARGO) fmt --check
 	cd web && npm run --silent lint && npm run --silent check && npm run --silent test
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --quiet
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
 
 bench: prerequisites web ## latency and throughput of the whole path, release build; writes target/bench/results.json
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench

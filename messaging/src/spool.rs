@@ -3,7 +3,7 @@
 //! Two kinds of owner implement [`SpoolStore`] over their own SQL:
 //!
 //! - The *connector* keeps a report until the platform has receipted it. After the broker accepted it, a row is merely
-//!   *sent*; [`receipts`] decides which rows may go and which must be sent again.
+//!   *sent*; `receipts` decides which rows may go and which must be sent again.
 //! - The *platform* deletes a row when the broker accepted it.
 //!
 //! A row that waits is in one of two streams. *Control* rows (acknowledgements, decisions, gaps, everything of the

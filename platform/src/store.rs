@@ -6,7 +6,7 @@
 //!
 //! # PostgreSQL
 //! Statements use numbered parameters (`$1`), `ON CONFLICT`, `RETURNING` and nothing else of a dialect, so that they run
-//! on PostgreSQL unchanged. What is SQLite's own is in [`connection`] (opening, one writer, pragmas) and in the folder
+//! on PostgreSQL unchanged. What is SQLite's own is in `connection` (opening, one writer, pragmas) and in the folder
 //! `migrations/sqlite`; a second database is a second such module behind the same [`Database`] alias.
 
 mod collaborations;

@@ -1,4 +1,4 @@
-//! The type namespace: the tables of [`model`](super::model) as nodes.
+//! The type namespace: the tables of [`super::model`] as nodes.
 
 use std::{collections::HashMap, ops::ControlFlow};
 
