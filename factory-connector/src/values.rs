@@ -121,7 +121,7 @@ mod tests {
                 .into(),
         };
         let json = gate_to_json(&state);
-        insta::assert_snapshot!(json);
+        insta::assert_snapshot!(json, @r#"{"lastReleasedAt":"2027-01-15T08:00:00Z","disclosed":{"UaType":9,"Value":"18446744073709551615","SourceTimestamp":"2027-01-15T08:00:00Z"},"waiting":[["2027-01-15T08:00:00Z",{"UaType":11,"Value":2.5,"SourceTimestamp":"2027-01-15T08:00:00Z"}],["2027-01-15T08:00:00Z",{"Status":{"Code":2157641728}}]]}"#);
         assert_eq!(gate_from_json(&json), Ok(state));
         assert_eq!(gate_from_json("{}"), Ok(GateState::default()));
     }
