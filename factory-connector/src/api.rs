@@ -199,3 +199,17 @@ fn guarded() -> OpenApiRouter<Api> {
 fn open() -> OpenApiRouter<Api> {
     OpenApiRouter::new().routes(routes!(session::sign_in))
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_committed_description_is_fresh() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
+        let current = super::openapi().to_pretty_json().expect("it serialises") + "\n";
+        if std::env::var_os("UPDATE_OPENAPI").is_some() {
+            std::fs::write(path, &current).expect("written");
+        }
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(committed == current, "factory-connector/openapi.json is stale; run this test with UPDATE_OPENAPI=1");
+    }
+}

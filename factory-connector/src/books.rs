@@ -9,6 +9,8 @@ mod decisions;
 mod field;
 mod requests;
 mod spool;
+#[cfg(test)]
+mod tests;
 mod values;
 mod writer;
 

@@ -130,6 +130,10 @@ impl Books {
             match change.change {
                 FieldChange::Removed => {
                     if self.remove_field(&change.key) {
+                        // What waits still carries the field's value.
+                        if let Some(writer) = self.writer_of.get(&change.key.request).copied() {
+                            self.purges.entry(writer).or_insert(GapCause::Withdrawn);
+                        }
                         to_refresh.insert(change.key.request.clone());
                     }
                 }

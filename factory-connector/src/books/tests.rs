@@ -1,0 +1,189 @@
+use asi_model::{
+    DataValue, Variant,
+    messages::{GapCause, MappingState, ValueSource},
+};
+use serde_json::{Value, json};
+
+use super::*;
+use crate::disclosure::DisclosurePolicy;
+
+const START: i64 = 1_800_000_000_000_000;
+const SOURCES: [ValueSource; 3] = [ValueSource::Mapping, ValueSource::Manual, ValueSource::External];
+
+fn at(ms: i64) -> DateTime {
+    DateTime::from_unix_micros(START + ms * 1_000)
+}
+
+fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMessage {
+    let mut request = json!({ "dynamicDataRequestId": "R1", "requesterId": "acme", "recipientList": ["acme", "hull"],
+        "purpose": "Plan", "updateFrequency": 1, "updateFrequencyUnit": "HOUR",
+        "reportDataFormat": { "reportName": "Progress", "reportFieldList": [
+            { "name": "made", "type": 9, "unit": "PIECE" }, { "name": "note", "type": 12 } ] } });
+    change(&mut request);
+    serde_json::from_value(json!({ "messageId": format!("m{revision}"), "factoryId": "F", "collaborationId": "c",
+        "revision": revision, "operationNetwork": { "operationNetworkId": "n", "operationList": [
+            { "operationId": "op", "operationType": "PRODUCTION", "dynamicDataRequestList": [request] } ] } }))
+    .expect("a network")
+}
+
+fn books() -> Books {
+    let config = BooksConfig { factory_id: "F".parse().expect("an id"), encoding: Encoding::Digicor };
+    let snapshot = Snapshot {
+        networks: Vec::new(),
+        fields: Vec::new(),
+        writers: Vec::new(),
+        heads: Heads::default(),
+        last_checkpoint: None,
+        last_row: 0,
+        sources: Vec::new(),
+    };
+    let mut books = Books::new(config, snapshot, false, at(0)).expect("empty books");
+    arrive(&mut books, network(1, |_| ()));
+    books
+}
+
+fn arrive(books: &mut Books, message: OperationNetworkMessage) {
+    let raw = serde_json::to_string(&message).expect("serialises");
+    books.network_arrived(message, raw, at(0));
+}
+
+fn field(name: &str) -> FieldKey {
+    let request = RequestKey {
+        operation_network_id: "n".parse().expect("an id"),
+        operation_id: "op".parse().expect("an id"),
+        dynamic_data_request_id: "R1".parse().expect("an id"),
+    };
+    request.field(name.parse().expect("a name"))
+}
+
+fn map(books: &mut Books, name: &str, value_source: ValueSource, policy: &str) {
+    let mapping = (value_source == ValueSource::Mapping).then(|| {
+        let json =
+            json!({ "mappingId": "m", "target": field(name), "targetType": "UInt64", "inputs": [], "steps": [] });
+        serde_json::from_value(json).expect("a mapping")
+    });
+    let policy: DisclosurePolicy = serde_json::from_str(policy).expect("a policy");
+    let verdict = Verdict::Map { value_source, mapping, policy };
+    books.decide(&field(name), verdict, None, "eve", at(0)).expect("decided");
+}
+
+/// Offers a value and reports; the bodies of what left.
+fn offer(books: &mut Books, name: &str, value: impl Into<Variant>, ms: i64) -> Vec<Value> {
+    let value = DataValue::good(value, at(ms));
+    books.candidate(&field(name), ValueSource::Manual, value, None, at(ms));
+    books.report(at(ms), || [7; SALT]);
+    let (changes, _) = books.take();
+    changes.reports.iter().map(|report| serde_json::from_str(&report.body).expect("JSON")).collect()
+}
+
+const SALT: usize = crate::ledger::SALT_BYTES;
+
+/// Every way in is the one function, and it opens for the decided source only.
+#[test]
+fn only_the_decided_source_gets_a_value_through() {
+    let value = || DataValue::good(1_u64, at(1));
+    for open in SOURCES {
+        for offered in SOURCES {
+            let mut books = books();
+            assert_eq!(books.candidate(&field("made"), offered, value(), None, at(1)), None, "undecided");
+            map(&mut books, "made", open, "{}");
+            let outcome = books.candidate(&field("made"), offered, value(), None, at(1));
+            assert_eq!(outcome.is_some(), open == offered, "{open:?} decided, {offered:?} offered");
+            assert_eq!(books.has_news(), open == offered);
+            let refused = books.decide(&field("made"), Verdict::Refuse, Some("no".to_owned()), "eve", at(2));
+            refused.expect("refused");
+            assert_eq!(books.candidate(&field("made"), offered, value(), None, at(3)), None, "refused");
+        }
+    }
+    assert_eq!(books().candidate(&field("unknown"), ValueSource::Manual, value(), None, at(1)), None);
+}
+
+#[test]
+fn a_report_and_its_ledger_entries_are_one_change() {
+    let mut books = books();
+    map(&mut books, "made", ValueSource::Manual, "{}");
+    books.take();
+    books.candidate(&field("made"), ValueSource::Manual, DataValue::good(7_u64, at(5)), None, at(5));
+    books.report(at(6), || [7; SALT]);
+    let (changes, aftermath) = books.take();
+    assert_eq!(changes.reports.len(), 1);
+    let queued = |recipient: &str| {
+        changes.ledger.iter().any(|(entry, report)| {
+            entry.recipient.as_str() == recipient
+                && entry.content.contains("QUEUED")
+                && *report == Some(changes.reports[0].id)
+        })
+    };
+    assert!(queued("acme") && queued("hull"));
+    assert_eq!(aftermath.values.len(), 1, "the node shows what the partner gets");
+    let report: Value = serde_json::from_str(&changes.reports[0].body).expect("JSON");
+    let names: Vec<&String> = report["Payload"].as_object().expect("members").keys().collect();
+    assert_eq!(
+        names,
+        [
+            "reportName",
+            "dynamicDataRequestId",
+            "operationId",
+            "operationNetworkId",
+            "shopfloorTimestamp",
+            "made",
+            "madeUnit"
+        ]
+    );
+    assert_eq!(report["Payload"]["made"], json!({ "Type": 9, "Body": "7" }));
+}
+
+#[test]
+fn sequences_count_without_gaps_and_coarsened_repeats_do_not_count() {
+    let mut books = books();
+    map(&mut books, "made", ValueSource::Manual, r#"{"roundingStep":10}"#);
+    let mut sequences = Vec::new();
+    for value in 0..=30_u64 {
+        for report in offer(&mut books, "made", value, i64::try_from(value).expect("small") + 1) {
+            sequences.push(report["SequenceNumber"].as_u64());
+        }
+    }
+    assert_eq!(sequences, [Some(0), Some(1), Some(2), Some(3)]);
+}
+
+#[test]
+fn a_minimum_interval_is_kept_and_its_end_is_noted() {
+    let mut books = books();
+    map(&mut books, "made", ValueSource::Manual, r#"{"minimumIntervalMs":1000}"#);
+    assert_eq!(offer(&mut books, "made", 1_u64, 0).len(), 1);
+    assert_eq!(offer(&mut books, "made", 2_u64, 10).len(), 0);
+    assert_eq!(books.next_due(), Some(at(1000)));
+    books.release_due(at(1000));
+    books.report(at(1000), || [7; SALT]);
+    assert_eq!(books.take().0.reports.len(), 1);
+}
+
+#[test]
+fn a_revision_takes_consent_back_only_where_more_is_asked_for() {
+    let check = |change: fn(&mut Value), expected| {
+        let mut books = books();
+        map(&mut books, "made", ValueSource::Manual, "{}");
+        arrive(&mut books, network(2, change));
+        let state = books.field(&field("made")).map(|field| field.decision.mapping_state);
+        assert_eq!(state, expected);
+        books
+    };
+    check(|request| request["description"] = json!("more words"), Some(MappingState::Mapped));
+    check(|request| request["purpose"] = json!("something else"), Some(MappingState::Pending));
+    check(|request| request["recipientList"] = json!(["acme", "hull", "spy"]), Some(MappingState::Pending));
+    check(|request| request["updateFrequency"] = json!(60), Some(MappingState::Pending));
+    let books =
+        check(|request| drop(request["reportDataFormat"]["reportFieldList"].as_array_mut().map(|l| l.remove(0))), None);
+    assert_eq!(books.purges.values().next(), Some(&GapCause::Withdrawn), "what was queued is announced as a gap");
+}
+
+#[test]
+fn an_old_revision_changes_nothing() {
+    let mut books = books();
+    arrive(&mut books, network(3, |_| ()));
+    books.take();
+    arrive(&mut books, network(2, |request| request["purpose"] = json!("older")));
+    let (changes, _) = books.take();
+    assert!(changes.networks.is_empty() && changes.fields.is_empty());
+    assert!(changes.controls.iter().any(|control| control.body.contains("UNCHANGED")));
+}
