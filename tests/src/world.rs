@@ -145,6 +145,16 @@ impl World {
         Api::new(format!("http://127.0.0.1:{}", self.places.factory(factory_id)?.machines_control))
     }
 
+    /// Stops the platform and runs its broker alone, with the same users and queues.
+    ///
+    /// # Errors
+    /// When the platform does not stop or the broker does not start.
+    pub fn broker_alone(&mut self) -> anyhow::Result<Daemon> {
+        self.platform.stop(Duration::from_secs(15))?;
+        let config = self.places.folder.join("platform.toml").display().to_string();
+        daemon("broker", "platform", &["broker", "--config", &config], &self.places.folder)
+    }
+
     /// One of the two factories.
     ///
     /// # Errors

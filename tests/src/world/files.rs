@@ -39,7 +39,7 @@ plain_listen = "127.0.0.1:{broker_plain}"
 [[broker.users]]
 user_name = "{OBSERVER}"
 password = "{OBSERVER_PASSWORD}"
-consume = ["dead-letters", "tool.*.reports"]
+consume = ["factory.*.ingress", "dead-letters", "tool.*.reports"]
 produce = ["factory.*.requests", "tool.*.requests"]
 
 [admin]

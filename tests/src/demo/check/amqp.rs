@@ -92,6 +92,54 @@ pub(super) async fn rubbish(world: &World, cast: &Cast) -> anyhow::Result<String
     Ok(codes.join(", "))
 }
 
+/// With the platform stopped, a foreign client has its part: it sends a request and reads acknowledgement and reports.
+/// What it took away from the platform is sent again later, since the platform never receipted it.
+pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<String> {
+    let message_id = uuid::Uuid::new_v4().to_string();
+    let request = json!({ "messageType": "operation-network", "messageId": message_id, "factoryId": MUNICH,
+        "collaborationId": "proton", "revision": 1, "operationNetwork": { "operationNetworkId": "proton-1",
+            "operationList": [ { "operationId": "P1", "operationType": "PRODUCTION", "dynamicDataRequestList": [
+                { "dynamicDataRequestId": "ReqProton", "requesterId": "acme-aero", "recipientList": ["acme-aero"],
+                  "purpose": "Speak AMQP", "reportDataFormat": { "reportName": "R", "reportFieldList": [
+                    { "name": "f", "type": 9 } ] } } ] } ] } });
+    let file = world.places.folder.join("proton.json");
+    std::fs::write(&file, request.to_string())?;
+    let (url, file) = (format!("amqp://127.0.0.1:{}", world.places.broker_plain), file.display().to_string());
+    let (requests, ingress) = (format!("factory.{MUNICH}.requests"), format!("factory.{MUNICH}.ingress"));
+    let arguments = [
+        "--url",
+        &url,
+        "--user",
+        OBSERVER,
+        "--password",
+        OBSERVER_PASSWORD,
+        "--send",
+        &requests,
+        "--subject",
+        "operation-network",
+        "--body",
+        &file,
+        "--receive",
+        &ingress,
+        "--count",
+        "8",
+    ];
+    let seen = eventually("Proton exchanges messages with the connector", Duration::from_secs(60), || async {
+        let (lines, _) =
+            python("amqp/exchange.py", &arguments, Duration::from_secs(40)).await.map_err(|e| format!("{e:#}"))?;
+        let received: Vec<Value> =
+            lines.iter().filter_map(|line| serde_json::from_str(line["received"]["body"].as_str()?).ok()).collect();
+        if received.is_empty() { Err(format!("{lines:?}")) } else { Ok(received) }
+    })
+    .await?;
+    let is_answer = |m: &&Value| m["messageType"] == "acknowledgement" && m["correlationId"] == message_id.as_str();
+    let answer = seen.iter().find(is_answer);
+    anyhow::ensure!(answer.is_some_and(|m| m["result"] != "REJECTED"), "no acknowledgement in {seen:?}");
+    let reports = seen.iter().filter(|message| message["MessageType"] == "ua-data").count();
+    anyhow::ensure!(reports > 0, "no report in {seen:?}");
+    Ok(format!("{reports} reports read"))
+}
+
 /// More than a request may have.
 pub(super) async fn oversize(world: &World) -> anyhow::Result<String> {
     let file = world.places.folder.join("oversize.json");

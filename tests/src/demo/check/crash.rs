@@ -38,6 +38,17 @@ pub(super) async fn every_program_in_turn(world: &mut World, cast: Cast, steps: 
         })
         .await?;
     steps
+        .run("Proton in the platform's place sends a request and reads reports", async {
+            let mut broker = world.broker_alone()?;
+            let read = super::amqp::in_the_platforms_place(world).await?;
+            broker.stop(Duration::from_secs(15))?;
+            world.platform.restart()?;
+            platform = world.platform_api().await?;
+            story::link_is_up(&munich).await?;
+            goes_on(&platform).await.map(|_| read)
+        })
+        .await?;
+    steps
         .run("kill -9 of the machines, and they are read again", async {
             world.factory(MUNICH)?.simulator.restart()?;
             goes_on(&platform).await
