@@ -38,7 +38,7 @@ pub async fn run() -> anyhow::Result<()> {
     world.stop()?;
     let file = repository()?.join("target/bench/results.json");
     std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
-    std::fs::write(&file, serde_json::to_vec_pretty(&json!({ "machine": machine(), "results": results }))?)?;
+    std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
     say(&format!("\nWritten to {}", file.display()));
     Ok(())
 }
