@@ -1,6 +1,7 @@
 //! The command line.
 
 mod administration;
+mod definitions;
 mod serve;
 
 use std::{
@@ -34,6 +35,11 @@ enum Command {
     Serve,
     /// Run the embedded broker alone, with the same users and queues.
     Broker,
+    /// Print what another broker must be told: users, rights, queues, limits. Contains secrets.
+    Definitions {
+        /// The kind of broker.
+        kind: definitions::BrokerKind,
+    },
     /// Check or show the configuration.
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -132,6 +138,7 @@ fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
         match command {
             Command::Serve => serve::serve(config).await,
             Command::Broker => serve::broker(config).await,
+            Command::Definitions { kind } => definitions::print(&config, kind).await,
             Command::Organisation(OrganisationCommand::Add { organisation, name }) => {
                 administration::add_organisation(&config, &organisation, name).await
             }

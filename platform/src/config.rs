@@ -137,6 +137,19 @@ pub struct ExternalBrokerConfig {
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
     pub root_certificates: Option<PathBuf>,
+    /// The accounts that its administration has made for connectors and tools; enrolment hands them out.
+    #[serde(default)]
+    pub accounts: Vec<ExternalAccountConfig>,
+}
+
+/// An account of a connector or tool on a broker of another make.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExternalAccountConfig {
+    /// `factory.<factoryId>` or `tool.<toolId>`; also the name to sign in with.
+    pub user_name: String,
+    /// A random secret of at least 128 bits.
+    pub password: Confidential<String>,
 }
 
 /// The first administrator.
@@ -219,6 +232,12 @@ impl PlatformConfig {
                     .to_owned(),
             );
         }
+        for account in self.broker.external.iter().flat_map(|external| &external.accounts) {
+            if account.password.expose().len() < 16 {
+                let name = &account.user_name;
+                faults.push(format!("broker.external.accounts: the password of {name} needs at least 16 characters"));
+            }
+        }
         for user in &self.broker.users {
             if user.password.expose().len() < 16 {
                 faults.push(format!("broker.users: the password of {} needs at least 16 characters", user.user_name));
@@ -231,6 +250,13 @@ impl PlatformConfig {
             faults.push("receipts.interval_ms: must be at least 1".to_owned());
         }
         faults
+    }
+
+    /// The password that the administration of another broker gave a holder of credentials.
+    #[must_use]
+    pub fn external_password(&self, user_name: &str) -> Option<&Confidential<String>> {
+        let accounts = &self.broker.external.as_ref()?.accounts;
+        accounts.iter().find(|account| account.user_name == user_name).map(|account| &account.password)
     }
 
     /// Time between receipts.

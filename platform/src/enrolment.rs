@@ -5,7 +5,10 @@ use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
 use daemon::{Confidential, web::session::random_token};
 use sha2::{Digest, Sha256};
 
-use crate::store::{BrokerCredential, Holder, Store, StoreError, Work};
+use crate::{
+    config::PlatformConfig,
+    store::{BrokerCredential, Holder, Store, StoreError, Work},
+};
 
 /// A token, shown once.
 #[derive(Debug)]
@@ -45,34 +48,71 @@ pub async fn make_token(
     Ok(EnrolmentToken { token: token.into(), expires_at })
 }
 
-/// Turns a token into a credential; `None` where the token is unknown, used or too old. Of a factory's credentials the
-/// newest two are alive, so that enrolling anew rotates without an interruption.
-///
-/// # Errors
-/// [`StoreError`].
-pub async fn enrol(
-    store: &Store,
-    token: &Confidential<String>,
-    now: DateTime,
-) -> Result<Option<(FactoryId, NewCredential)>, StoreError> {
-    let secret = token.expose().rsplit('.').next().unwrap_or_default();
-    let mut work = store.begin().await?;
-    let Some(factory) = work.credentials().use_token(&hash(secret), now).await? else { return Ok(None) };
-    let credential = add_credential(&mut work, Holder::Factory(factory.clone()), now).await?;
-    work.factories().enrolled(&factory, now).await?;
-    work.commit().await?;
-    Ok(Some((factory, credential)))
+/// Why there is no credential.
+#[derive(Debug, thiserror::Error)]
+pub enum EnrolmentError {
+    /// The token is unknown, used or too old.
+    #[error("the token is unknown, used or too old")]
+    TokenRefused,
+    /// Another broker is in use and its administration has made no account.
+    #[error("broker.external.accounts has no account {user_name}")]
+    NoAccount {
+        /// The account's name.
+        user_name: String,
+    },
+    /// The store failed.
+    #[error("the store failed")]
+    Store(#[from] StoreError),
 }
 
-/// Makes a credential for a tool.
+/// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that enrolling anew rotates
+/// without an interruption. With another broker the configured account is handed out.
 ///
 /// # Errors
-/// [`StoreError`].
-pub async fn make_tool_credential(store: &Store, tool: ToolId, now: DateTime) -> Result<NewCredential, StoreError> {
+/// [`EnrolmentError`]; then the token is as unused as before.
+pub async fn enrol(
+    store: &Store,
+    config: &PlatformConfig,
+    token: &Confidential<String>,
+    now: DateTime,
+) -> Result<(FactoryId, NewCredential), EnrolmentError> {
+    let secret = token.expose().rsplit('.').next().unwrap_or_default();
     let mut work = store.begin().await?;
-    let credential = add_credential(&mut work, Holder::Tool(tool), now).await?;
+    let factory = work.credentials().use_token(&hash(secret), now).await?.ok_or(EnrolmentError::TokenRefused)?;
+    let credential = credential(&mut work, config, Holder::Factory(factory.clone()), now).await?;
+    work.factories().enrolled(&factory, now).await?;
+    work.commit().await?;
+    Ok((factory, credential))
+}
+
+/// Makes a credential for a tool, or hands out its account on another broker.
+///
+/// # Errors
+/// [`EnrolmentError`].
+pub async fn make_tool_credential(
+    store: &Store,
+    config: &PlatformConfig,
+    tool: ToolId,
+    now: DateTime,
+) -> Result<NewCredential, EnrolmentError> {
+    let mut work = store.begin().await?;
+    let credential = credential(&mut work, config, Holder::Tool(tool), now).await?;
     work.commit().await?;
     Ok(credential)
+}
+
+async fn credential(
+    work: &mut Work,
+    config: &PlatformConfig,
+    holder: Holder,
+    now: DateTime,
+) -> Result<NewCredential, EnrolmentError> {
+    if config.broker.external.is_some() {
+        let user_name = holder.user_name();
+        let password = config.external_password(&user_name).ok_or(EnrolmentError::NoAccount { user_name })?;
+        return Ok(NewCredential { holder, secret: password.clone() });
+    }
+    Ok(add_credential(work, holder, now).await?)
 }
 
 async fn add_credential(work: &mut Work, holder: Holder, now: DateTime) -> Result<NewCredential, StoreError> {

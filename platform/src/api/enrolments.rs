@@ -46,14 +46,10 @@ pub async fn enrol(
     State(app): State<Application>,
     ApiJson(body): ApiJson<Enrol>,
 ) -> Result<(StatusCode, Json<Enrolment>), Problem> {
-    let Some((factory_id, credential)) = use_token(&app.store, &body.token, app.clock.now()).await? else {
+    let enrolled = use_token(&app.store, &app.config, &body.token, app.clock.now()).await;
+    let (factory_id, credential) = enrolled.inspect_err(|_| {
         metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
-        return Err(Problem::new(
-            StatusCode::FORBIDDEN,
-            "TOKEN_REFUSED",
-            "The token is unknown, used or too old; ask an administrator of the platform for a new one.",
-        ));
-    };
+    })?;
     metrics::counter!("verbund_enrolments_total", "result" => "accepted").increment(1);
     tracing::info!(factory.id = %factory_id, "A connector has enrolled.");
     app.reach.reconcile(&app.store).await?;

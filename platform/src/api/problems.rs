@@ -4,7 +4,10 @@ use asi_model::messages::Fault;
 use daemon::web::{Problem, problem::ProblemFault};
 use utoipa::IntoResponses;
 
-use crate::{administrator::AdministratorError, networks::ChangeError, reach::ReachError, store::StoreError};
+use crate::{
+    administrator::AdministratorError, enrolment::EnrolmentError, networks::ChangeError, reach::ReachError,
+    store::StoreError,
+};
 
 /// The problems of reading.
 #[derive(IntoResponses)]
@@ -51,6 +54,26 @@ pub enum ChangeProblems {
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
         Self::internal(&error)
+    }
+}
+
+impl From<EnrolmentError> for Problem {
+    fn from(error: EnrolmentError) -> Self {
+        match error {
+            EnrolmentError::TokenRefused => Self::new(
+                axum::http::StatusCode::FORBIDDEN,
+                "TOKEN_REFUSED",
+                "The token is unknown, used or too old; ask an administrator of the platform for a new one.",
+            ),
+            EnrolmentError::NoAccount { user_name } => Self::conflict(
+                "NO_ACCOUNT",
+                format!(
+                    "The broker is administered elsewhere and has no account {user_name} that the platform knows of; \
+                     add it to broker.external.accounts."
+                ),
+            ),
+            EnrolmentError::Store(error) => Self::internal(&error),
+        }
     }
 }
 

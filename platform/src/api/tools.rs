@@ -89,7 +89,7 @@ pub async fn make_credential(
     administrator_only::check(&who)?;
     let known = app.store.read().await?.tools().lookup(&Scope::Platform, &tool).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("tool {tool}")))?;
-    let credential = make_tool_credential(&app.store, tool, app.clock.now()).await?;
+    let credential = make_tool_credential(&app.store, &app.config, tool, app.clock.now()).await?;
     app.reach.reconcile(&app.store).await?;
     let view = ToolCredential {
         broker_url: app.broker_access.url.clone(),

@@ -24,6 +24,8 @@ use crate::{
     store::{Heard, Store, StoreError},
 };
 
+/// Batches up to this size are decoded where they are; larger ones would hold up other tasks.
+const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 /// Batches that wait for the writer.
 const BATCHES_WAITING_MAX: usize = 64;
 /// Between two events that say a factory lives.
@@ -210,8 +212,20 @@ impl Ingest {
 impl messaging::Inbox for IngestHandle {
     async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
         let table = Arc::clone(&self.meta_data.read());
-        let known = KnownMetaData { factory: address.factory_id(), table: &table };
-        let messages: Vec<Incoming> = deliveries.iter().map(|delivery| understand(address, delivery, &known)).collect();
+        let bytes: usize = deliveries.iter().map(|delivery| delivery.envelope.body.len()).sum();
+        let decoded_address = address.clone();
+        let decode_all = move || -> Vec<Incoming> {
+            let known = KnownMetaData { factory: decoded_address.factory_id(), table: &table };
+            deliveries.iter().map(|delivery| understand(&decoded_address, delivery, &known)).collect()
+        };
+        let messages = if bytes <= DECODED_INLINE_BYTES_MAX {
+            decode_all()
+        } else if let Ok(messages) = tokio::task::spawn_blocking(decode_all).await {
+            messages
+        } else {
+            // Nothing is stored, so all of it comes again.
+            return Vec::new();
+        };
         let (stored, answer) = oneshot::channel();
         let batch = Batch { address: address.clone(), messages, stored };
         if self.batches.send(batch).await.is_err() {

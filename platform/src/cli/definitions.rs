@@ -1,0 +1,73 @@
+//! What the administration of another broker imports.
+
+use std::io::Write;
+
+use anyhow::Context;
+use clap::ValueEnum;
+use messaging::definitions::{Account, Plan, QueueLimits, artemis_broker_xml, mosquitto_acl, rabbitmq_definitions};
+use platform::{
+    config::PlatformConfig,
+    store::{Holder, Scope, Store},
+};
+use rand::RngCore;
+use zeroize::Zeroizing;
+
+/// The kinds of broker that definitions are made for.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum BrokerKind {
+    /// RabbitMQ: a definitions file for its virtual host `/`.
+    Rabbitmq,
+    /// ActiveMQ Artemis: elements for `broker.xml`.
+    Activemq,
+    /// Mosquitto: an access control list.
+    Mosquitto,
+}
+
+/// Prints the definitions for all factories and tools that the platform knows; each needs an account.
+pub async fn print(config: &PlatformConfig, kind: BrokerKind) -> anyhow::Result<()> {
+    let plan = plan(config).await?;
+    let text = match kind {
+        BrokerKind::Rabbitmq => {
+            let salt = || {
+                let mut salt = [0; 4];
+                rand::rng().fill_bytes(&mut salt);
+                salt
+            };
+            serde_json::to_string_pretty(&rabbitmq_definitions(&plan, "/", salt))?
+        }
+        BrokerKind::Activemq => artemis_broker_xml(&plan),
+        BrokerKind::Mosquitto => mosquitto_acl(&plan),
+    };
+    writeln!(std::io::stdout(), "{}", text.trim_end()).context("writing to standard output")
+}
+
+async fn plan(config: &PlatformConfig) -> anyhow::Result<Plan> {
+    let external = config.broker.external.as_ref().context("broker.external is not configured")?;
+    let store = Store::open(&config.database_path()).await?;
+    let mut work = store.read().await?;
+    let account = |holder: Holder| {
+        let user_name = holder.user_name();
+        let password = config
+            .external_password(&user_name)
+            .with_context(|| format!("broker.external.accounts has no account {user_name}; add it there first"))?;
+        anyhow::Ok(Account { user_name, password: Zeroizing::new(password.expose().clone()) })
+    };
+    let mut plan = Plan {
+        platform: Account {
+            user_name: external.user_name.clone(),
+            password: Zeroizing::new(external.password.expose().clone()),
+        },
+        factories: Vec::new(),
+        tools: Vec::new(),
+        limits: QueueLimits::default(),
+    };
+    for factory in work.factories().list(&Scope::Platform).await? {
+        let id = factory.factory_id;
+        plan.factories.push((id.clone(), account(Holder::Factory(id))?));
+    }
+    for tool in work.tools().list(&Scope::Platform).await? {
+        let id = tool.tool_id;
+        plan.tools.push((id.clone(), account(Holder::Tool(id))?));
+    }
+    Ok(plan)
+}
