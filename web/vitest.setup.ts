@@ -4,6 +4,12 @@ import { beforeEach } from 'vitest'
 if (typeof window !== 'undefined') {
   // jsdom has no media queries.
   window.matchMedia = (media) => ({ matches: false, media, onchange: null, addEventListener: () => undefined, removeEventListener: () => undefined, addListener: () => undefined, removeListener: () => undefined, dispatchEvent: () => false })
+  // Nor does it lay anything out.
+  window.ResizeObserver = class {
+    observe = (): void => undefined
+    unobserve = (): void => undefined
+    disconnect = (): void => undefined
+  }
   const { language } = await import('@/language/language.svelte')
   beforeEach(() => {
     language.choose('en')

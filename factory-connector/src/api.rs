@@ -25,7 +25,7 @@ use daemon::{
         events::EventLog,
         headers::secured,
         health::{self, Readiness},
-        problem::{Problem, unknown_method, unknown_route},
+        problem::{Problem, ProblemFault, unknown_method, unknown_route},
         session::{SessionConfig, Sessions, require_session},
     },
 };
@@ -116,6 +116,7 @@ struct EngineerPages;
 #[openapi(
     info(title = "Verbund factory connector", description = "Inbox, decisions, sources, ledger and state of a factory's \
         connector. Errors are problem documents (RFC 9457). Changes need the session's token in `x-csrf-token`."),
+    components(schemas(Problem, ProblemFault)),
     modifiers(&Security),
 )]
 struct Description;

@@ -156,7 +156,22 @@ impl ShopFloorHandle {
     /// # Errors
     /// [`ShopFloorError`] when the source is unknown or not connected, or the server refuses.
     pub async fn browse(&self, source: &SourceId, parent: Option<&NodeId>) -> Result<Vec<BrowsedNode>, ShopFloorError> {
-        source::browse(&self.connection(source)?, parent).await
+        Ok(source::browse(&self.connection(source)?, parent, 0, usize::MAX).await?.0)
+    }
+
+    /// The children of a node from the one at `from` on, at most `limit` of them; with them where the next ones begin,
+    /// none behind the last.
+    ///
+    /// # Errors
+    /// As [`Self::browse`].
+    pub async fn browse_from(
+        &self,
+        source: &SourceId,
+        parent: Option<&NodeId>,
+        from: usize,
+        limit: usize,
+    ) -> Result<(Vec<BrowsedNode>, Option<usize>), ShopFloorError> {
+        source::browse(&self.connection(source)?, parent, from, limit).await
     }
 
     /// One node, as browsing shows it.

@@ -1,6 +1,7 @@
 import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed } from './api/client'
 import type { Field, FieldKey, InboxRequest } from './api/types'
+import { talks } from './conversation/talks.svelte'
 
 const STATUS_EVERY_MS = 3_000
 
@@ -19,6 +20,7 @@ class Plant {
     const stops = [
       feed.keepFresh(['status'], this.status),
       poll(STATUS_EVERY_MS, this.status),
+      talks.open(),
       feed.keepFresh(['inbox'], this.inbox),
       feed.on('field', (event) => {
         this.#take(event)

@@ -53,6 +53,11 @@ export function shortMoment(at: string | number | Date): string {
   return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { day: '2-digit', month: 'short', hour: '2-digit', minute: '2-digit' }).format(new Date(at))
 }
 
+/** A day for reading. */
+export function day(at: string | number | Date): string {
+  return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { dateStyle: 'medium' }).format(new Date(at))
+}
+
 function decimal(value: number): string {
   return new Intl.NumberFormat(language.code).format(value)
 }

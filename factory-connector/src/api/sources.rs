@@ -15,6 +15,10 @@ use super::{
 };
 use crate::{store::SourceRow, values::ShownValue};
 
+/// Children per page without a wish, and at most.
+const CHILDREN: usize = 500;
+const CHILDREN_MAX: usize = 1000;
+
 /// A source with its configuration and how it stands.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -112,17 +116,25 @@ pub struct NodesQuery {
     /// The node whose children to list; the Objects folder without it.
     #[param(value_type = Option<String>)]
     parent: Option<NodeId>,
+    /// `nextCursor` of the page before.
+    cursor: Option<usize>,
+    /// Children per page, 500 without it, at most 1000.
+    limit: Option<usize>,
 }
 
 /// Browses a source's address space.
 #[utoipa::path(get, path = "/sources/{sourceId}/nodes", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path), NodesQuery), responses((status = 200, body = Vec<BrowsedNode>), Problems))]
+    params(("sourceId" = String, Path), NodesQuery), responses((status = 200, body = Page<BrowsedNode>), Problems))]
 pub async fn nodes(
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<NodesQuery>,
-) -> Result<Json<Vec<BrowsedNode>>, Problem> {
-    Ok(Json(api.shop_floor.browse(&id, query.parent.as_ref()).await.map_err(shop_floor)?))
+) -> Result<Json<Page<BrowsedNode>>, Problem> {
+    let limit = query.limit.unwrap_or(CHILDREN).clamp(1, CHILDREN_MAX);
+    let from = query.cursor.unwrap_or(0);
+    let browsed = api.shop_floor.browse_from(&id, query.parent.as_ref(), from, limit);
+    let (items, next) = browsed.await.map_err(shop_floor)?;
+    Ok(Json(Page { items, next_cursor: next.map(|next| next.to_string()) }))
 }
 
 /// Which variable.

@@ -19,7 +19,7 @@ use crate::{BrowsePath, BrowsedNode, ShopFloorError};
 use details::details;
 
 /// Most children of a node that are shown.
-const CHILDREN_MAX: usize = 10_000;
+const CHILDREN_MAX: usize = 100_000;
 /// Most references asked for per node and answer.
 const REFERENCES_PER_ANSWER: u32 = 1000;
 /// Most nodes visited by a search, most found, and how deep it goes.
@@ -32,22 +32,33 @@ struct Bare {
     type_definition: Option<NodeId>,
 }
 
+/// The children of a node from the one at `from` on, at most `limit` of them, and where the next ones begin. A server
+/// with a hundred thousand children below one folder is asked for the details of those only that are shown.
 pub(crate) async fn browse(
     connection: &Connection,
     parent: Option<&ModelNodeId>,
-) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+    from: usize,
+    limit: usize,
+) -> Result<(Vec<BrowsedNode>, Option<usize>), ShopFloorError> {
     let parent = match parent {
         Some(parent) => to_stack(connection, parent)?,
         None => ObjectId::ObjectsFolder.into(),
     };
-    let children = references(connection, vec![downward(parent)], CHILDREN_MAX).await?.pop().unwrap_or_default();
+    let end = from.saturating_add(limit);
+    // Repeated references may use up some of these; they are few, and then a page is a little shorter.
+    let asked_for = end.saturating_add(1).min(CHILDREN_MAX);
+    let children = references(connection, vec![downward(parent)], asked_for).await?.pop().unwrap_or_default();
+    let next = (children.len() > end).then_some(end);
     let mut seen = HashSet::new();
     let bare = children
         .into_iter()
-        .filter(|child| child.node_id.server_index == 0 && seen.insert(child.node_id.node_id.clone()))
-        .map(|child| Bare { id: child.node_id.node_id, type_definition: non_null(child.type_definition.node_id) })
+        .take(end)
+        .enumerate()
+        .filter(|(_, child)| child.node_id.server_index == 0 && seen.insert(child.node_id.node_id.clone()))
+        .filter(|(index, _)| *index >= from)
+        .map(|(_, child)| Bare { id: child.node_id.node_id, type_definition: non_null(child.type_definition.node_id) })
         .collect();
-    details(connection, bare).await
+    Ok((details(connection, bare).await?, next))
 }
 
 pub(crate) async fn describe(connection: &Connection, node: &ModelNodeId) -> Result<BrowsedNode, ShopFloorError> {

@@ -57,6 +57,31 @@ async fn a_variable_shows_type_unit_and_range() {
 }
 
 #[tokio::test]
+async fn children_come_in_pages_that_are_the_whole() {
+    let simulation = Simulation::milling_cell().await;
+    let cell = simulation.machine("Cell");
+    let floor = Floor::start();
+    let source = floor.connect(&cell).await;
+    let parent = follow(&floor.handle, &source, &["Cell"]).await.node_id;
+    let whole = floor.handle.browse(&source, Some(&parent)).await.expect("browse");
+    assert!(whole.len() > 3, "{} children are too few to be paged", whole.len());
+
+    let (mut paged, mut from) = (Vec::new(), 0);
+    loop {
+        let (page, next) = floor.handle.browse_from(&source, Some(&parent), from, 2).await.expect("a page");
+        assert!(page.len() <= 2);
+        paged.extend(page.into_iter().map(|node| node.node_id));
+        match next {
+            Some(next) => from = next,
+            None => break,
+        }
+    }
+    assert_eq!(paged, whole.into_iter().map(|node| node.node_id).collect::<Vec<_>>());
+    let (behind, next) = floor.handle.browse_from(&source, Some(&parent), 1000, 2).await.expect("behind the end");
+    assert!(behind.is_empty() && next.is_none());
+}
+
+#[tokio::test]
 async fn a_robot_is_laid_out_as_the_standard_says() {
     let simulation = Simulation::of(vec![MachineConfig::new("Robot1", MachineKind::Robot)]).await;
     let robot = simulation.machine("Robot1");

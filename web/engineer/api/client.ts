@@ -1,20 +1,27 @@
 import { path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
+import type { Entry } from '../operator/entries'
 import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answers'
 import type {
   BrowsedNode,
+  Certificate,
+  Comment,
   DataValue,
   DeadLetter,
   Decision,
   Disclosure,
+  EntryOutcome,
   Field,
   FieldKey,
+  Found,
   InboxRequest,
   Mapping,
+  NewComment,
+  OperatorOperation,
   Page,
   Preview,
+  Source,
   SourceConfig,
-  SourceStatus,
   SpoolStatus,
   Status,
   ValueSource,
@@ -27,19 +34,26 @@ const fieldPath = (key: FieldKey): string => path('fields', key.operationNetwork
 export const connector = {
   status: async (signal?: AbortSignal): Promise<Status> => statusOf(await request<StatusAnswer>('GET', '/status', { signal })),
   inbox: (cursor?: string, signal?: AbortSignal) => request<Page<InboxRequest>>('GET', `/inbox${query({ cursor })}`, { signal }),
-  networks: (signal?: AbortSignal) => request<Page<unknown>>('GET', '/operation-networks', { signal }),
+  comments: (network: string, signal?: AbortSignal) => request<Page<Comment>>('GET', path('operation-networks', network, 'comments'), { signal }),
+  comment: (network: string, comment: NewComment) => request<unknown>('POST', path('operation-networks', network, 'comments'), { body: comment }),
 
   decide: (key: FieldKey, decision: Decision) => request<Field>('PUT', `${fieldPath(key)}/decision`, { body: decision }),
   enter: (key: FieldKey, value: unknown) => request<unknown>('PUT', `${fieldPath(key)}/value`, { body: { value } }),
   preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal) =>
     request<Preview>('POST', `${fieldPath(key)}/preview`, { body: draft, signal }),
 
-  sources: (signal?: AbortSignal) => request<Page<SourceStatus & SourceConfig>>('GET', '/sources', { signal }),
+  operatorOperations: (from: string, until: string, signal?: AbortSignal) => request<Page<OperatorOperation>>('GET', `/operator/operations${query({ from, until })}`, { signal }),
+  operatorEntries: (sentAt: string, entries: Entry[]) => request<{ items: EntryOutcome[] }>('POST', '/operator/entries', { body: { sentAt, entries } }),
+
+  sources: (signal?: AbortSignal) => request<Page<Source>>('GET', '/sources', { signal }),
   addSource: (source: SourceConfig) => request<unknown>('POST', '/sources', { body: source }),
   changeSource: (source: SourceConfig) => request<unknown>('PUT', path('sources', source.sourceId), { body: source }),
   removeSource: (sourceId: string) => request<unknown>('DELETE', path('sources', sourceId)),
-  nodes: (sourceId: string, parent?: string, signal?: AbortSignal) =>
-    request<BrowsedNode[]>('GET', `${path('sources', sourceId, 'nodes')}${query({ parent })}`, { signal }),
+  certificates: (signal?: AbortSignal) => request<Page<Certificate>>('GET', '/source-certificates', { signal }),
+  trust: (thumbprint: string, isTrusted: boolean) => request<Certificate>('PUT', path('source-certificates', thumbprint), { body: { isTrusted } }),
+  nodes: (sourceId: string, parent?: string, cursor?: string, signal?: AbortSignal) =>
+    request<Page<BrowsedNode>>('GET', `${path('sources', sourceId, 'nodes')}${query({ parent, cursor })}`, { signal }),
+  search: (sourceId: string, text: string, signal?: AbortSignal) => request<Found>('GET', `${path('sources', sourceId, 'search')}${query({ text, limit: 500 })}`, { signal }),
   value: (sourceId: string, node: string, signal?: AbortSignal) =>
     request<DataValue>('GET', `${path('sources', sourceId, 'value')}${query({ node })}`, { signal }),
 
@@ -51,4 +65,4 @@ export const connector = {
 }
 
 /** What happens at the connector, as it happens. */
-export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'status'])
+export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'status'])

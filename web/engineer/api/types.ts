@@ -1,81 +1,36 @@
-/** What the connector's API says, as this UI uses it. */
+/**
+ * What the connector's API says, as this UI uses it: the generated types, with those members made precise that the
+ * description leaves open because they are addresses, wire contracts of their own or values of any type.
+ */
+import type { components } from './generated'
 
-export interface FieldKey {
+type Schemas = components['schemas']
+
+export interface RequestKey {
   operationNetworkId: string
   operationId: string
   dynamicDataRequestId: string
+}
+
+export interface FieldKey extends RequestKey {
   fieldName: string
+}
+
+export interface Page<T> {
+  items: T[]
+  nextCursor?: string | null
 }
 
 export type MappingState = 'PENDING' | 'MAPPED' | 'REFUSED'
 export type ValueSource = 'MAPPING' | 'MANUAL' | 'EXTERNAL'
 
-export interface LinkStatus {
-  state: string
-  since?: string | null
-  lastAcceptedAt?: string | null
-  lastReceiptedAt?: string | null
-  backlog?: number
-  reason?: string | null
-}
+export type Role = Schemas['Role']
+export type Disclosure = Partial<Schemas['DisclosurePolicy']>
+export type WorkingHours = Schemas['WorkingHours']
+export type DataValue = Omit<Schemas['ShownValue'], 'value' | 'status'> & { value: unknown; status?: string | number | null }
+export type MappingInput = Omit<Schemas['MappingInput'], 'valueType'> & { valueType?: string | null }
 
-export interface SourceStatus {
-  sourceId: string
-  state: string
-  since: string
-  problem?: { kind: string; message: string; remedy: string } | null
-  inputs: number
-  live: number
-  notLive: { input: number; nodeId: string; status: number; reason: string }[]
-  lastChangeAt?: string | null
-  lastSignOfLifeAt?: string | null
-  changes: number
-  sessions: number
-  clockAheadMs?: number | null
-  endpoint?: { endpointUrl: string; securityPolicy: string; messageSecurity: string; serverName: string; applicationUri: string } | null
-}
-
-export interface SpoolStatus {
-  waiting: number
-  sent: number
-  bytes: number
-  oldestAt?: string | null
-}
-
-export interface Status {
-  factoryId: string
-  version: string
-  startedAt: string
-  link: LinkStatus
-  twin: { endpointUrl?: string | null }
-  spool: SpoolStatus
-  sources: SourceStatus[]
-}
-
-export interface DataValue {
-  value: unknown
-  status?: number | string | null
-  sourceTimestamp?: string | null
-}
-
-export interface Disclosure {
-  roundingStep?: number | null
-  bands?: number[]
-  minimumIntervalMs?: number | null
-  timeStepMs?: number | null
-  delayMs?: number | null
-  workingHours?: unknown
-}
-
-export interface MappingInput {
-  name: string
-  sourceId: string
-  nodeId: string
-  valueType?: string | null
-  unit?: string | null
-  triggers?: boolean
-}
-
+/** A function of a mapping: the editor shows any of them by its catalogue. */
 export interface Step {
   function: string
   [parameter: string]: unknown
@@ -86,42 +41,24 @@ export interface Mapping {
   steps: Step[]
 }
 
-export interface Field {
+export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure'> & {
   key: FieldKey
-  name: string
-  type: string
-  typeName?: string
-  unit?: string | null
-  semantic?: string | null
-  description?: string | null
   mappingState: MappingState
   valueSource?: ValueSource | null
   disclosure?: Disclosure | null
-  disclosureStatement?: string | null
-  decisionReason?: string | null
-  decidedBy?: string | null
-  decisionTime?: string | null
-  value?: DataValue | null
   mapping?: Mapping | null
+  value?: DataValue | null
 }
 
-export interface InboxRequest {
-  key: Omit<FieldKey, 'fieldName'>
-  operation: { operationId: string; name?: string | null; operationType: string; plannedStart?: string | null; plannedEnd?: string | null }
-  requesterId: string
-  recipientList: string[]
-  purpose: string
-  description?: string | null
-  updateIntervalMs?: number | null
-  validUntil?: string | null
-  receivedAt?: string | null
-  fields: Field[]
+export interface Operation {
+  operationId: string
+  name?: string | null
+  operationType: string
+  plannedStart?: string | null
+  plannedEnd?: string | null
 }
 
-export interface Page<T> {
-  items: T[]
-  nextCursor?: string | null
-}
+export type InboxRequest = Omit<Schemas['RequestView'], 'key' | 'operation' | 'fields'> & { key: RequestKey; operation: Operation; fields: Field[] }
 
 export interface Decision {
   mappingState: MappingState
@@ -131,73 +68,57 @@ export interface Decision {
   reason?: string
 }
 
-export interface Diagnostic {
-  severity: 'hint' | 'warning' | 'error'
-  /** JSON pointer into the mapping, as `/steps/2/factor`. */
-  pointer: string
-  code: string
-  message: string
-  line?: number | null
-  column?: number | null
-}
-
-export interface PreviewStep {
-  function: string
-  value?: DataValue | null
-  message?: string | null
-}
-
-export interface Preview {
+export type Diagnostic = Schemas['MappingDiagnostic']
+export type PreviewStep = Omit<Schemas['StepView'], 'value'> & { value?: DataValue | null }
+export type Preview = Omit<Schemas['Preview'], 'inputs' | 'steps' | 'candidate' | 'disclosed'> & {
   inputs: (DataValue & { name: string })[]
-  /** What each function made of its value, as far as the chain got. */
   steps: PreviewStep[]
   candidate?: DataValue | null
   disclosed?: DataValue | null
-  /** When it would leave, where policy holds it back. */
-  disclosedAt?: string | null
-  /** The NetworkMessage as the partner would receive it, byte for byte. */
-  message?: string | null
-  /** The precision in words, as the partner reads it. */
-  statement?: string | null
-  diagnostics: Diagnostic[]
 }
 
-export interface BrowsedNode {
-  nodeId: string
-  browseName: string
-  displayName: string
-  description?: string
-  nodeClass: string
-  typeDefinition?: { nodeId: string; name: string }
-  dataType?: { nodeId: string; name: string }
-  builtInType?: string | null
-  valueRank?: number
-  unit?: { displayName: string; code?: string }
-  range?: [number, number]
-  isWritable: boolean
-  hasChildren: boolean
+export interface LinkStatus {
+  state: string
+  since?: string | null
+  lastAcceptedAt?: string | null
+  lastReceiptedAt?: string | null
+  backlog?: number
+  reason?: string | null
 }
 
-export type SecurityChoice = { choice: 'strongest' } | { choice: 'none' } | { choice: 'exactly'; policy: string; mode: string }
+export interface SpoolStatus {
+  waiting: number
+  sent: number
+  bytes: number
+  oldestAt?: string | null
+}
+
+export type SourceStatus = Schemas['SourceStatus']
+
+export type Status = Omit<Schemas['Status'], 'link' | 'twin' | 'spool' | 'sources'> & {
+  link: LinkStatus
+  twin: { endpointUrl?: string | null }
+  spool: SpoolStatus
+  sources: SourceStatus[]
+}
+
+export type BrowsedNode = Schemas['BrowsedNode']
+/** What a search in a whole server finds, and how complete the list it searches is. */
+export interface Found {
+  items: BrowsedNode[]
+  total: number
+  isComplete: boolean
+  listedAt?: string | null
+}
+export type SecurityChoice = Schemas['SecurityChoice']
 
 export type Identity = { kind: 'anonymous' } | { kind: 'userName'; userName: string; password?: string } | { kind: 'certificate'; certificatePath: string; privateKeyPath: string }
 
-export interface SourceConfig {
-  sourceId: string
-  name?: string
-  endpointUrl: string
-  security?: SecurityChoice
-  identity?: Identity
-  publishingIntervalMs?: number
-  silenceMsMax?: number
-}
+export type SourceConfig = Omit<Schemas['SourceConfig'], 'identity'> & { identity?: Identity }
+export type Source = SourceStatus & SourceConfig
+export type Certificate = Schemas['PeerCertificate']
 
-export interface LedgerEntry {
-  sequence: number
-  at: string
-  recipientId: string
-  /** CONSENT, QUEUED, SENT, RECEIPTED, COALESCED, EXPIRED or PURGED. */
-  kind: string
+export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash'> & {
   operationNetworkId?: string | null
   operationId?: string | null
   dynamicDataRequestId?: string | null
@@ -210,33 +131,58 @@ export interface LedgerEntry {
   epoch?: number | null
   firstSequence?: number | null
   lastSequence?: number | null
-  hash: string
 }
 
-export interface Verification {
-  valid: boolean
-  entries: number
-  valuesCompared: number
-  valuesEmptied: number
-  checkpoints: number
-  fault?: string | null
+export type Verification = Schemas['VerificationView']
+export type DeadLetter = Schemas['DeadLetter']
+export type Comment = Schemas['StoredComment']
+export type NewComment = Schemas['NewComment']
+export type NetworkSummary = Schemas['NetworkSummary']
+
+/** An operation of today as people at the machine see it. */
+export interface OperatorOperation {
+  operationNetworkId: string
+  operationId: string
+  name?: string | null
+  description?: string | null
+  networkName?: string | null
+  operationType: string
+  plannedStart?: string | null
+  plannedEnd?: string | null
+  plannedQuantity?: number | null
+  quantityUnit?: string | null
+  standing: {
+    state?: string | null
+    startedAt?: string | null
+    endedAt?: string | null
+    goodQuantity: number
+    scrapQuantity: number
+    problem?: { text: string; since: string; toldBy: string } | null
+    lastEntryAt?: string | null
+  }
+  /** Which buttons reach a field of a partner; the others only tell this plant. */
+  buttons: { start: boolean; addGood: boolean; addScrap: boolean; done: boolean; problem: boolean }
+  fields: OperatorField[]
 }
 
-export interface DeadLetter {
-  id: string
-  at: string
-  direction: string
-  messageId?: string | null
-  subject: string
-  code: string
-  reason: string
+export interface OperatorField {
+  key: FieldKey
+  name: string
+  type: string
+  unit?: string | null
+  semantic?: string | null
+  description?: string | null
+  /** Follows from the buttons; typing is still possible. */
+  hasButton: boolean
+  entered?: unknown
+  enteredAt?: string | null
+  /** What the partner has. */
+  value?: DataValue | null
 }
 
-export interface Comment {
-  dynamicDataRequestId?: string | null
-  fieldName?: string | null
-  authorId: string
-  isOwn: boolean
-  text: string
-  writtenAt: string
+export interface EntryOutcome {
+  entryId: string
+  result: 'TAKEN' | 'REPEATED' | 'REFUSED'
+  code?: string | null
+  message?: string | null
 }

@@ -7,13 +7,15 @@ import { stepOf } from './preview.svelte'
 import { newStep, parseLiteral, STEP_KINDS, stepKind, withParameter, writeLiteral } from './step-catalogue'
 
 const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'power' }
-const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', typeName: 'Double', unit: 'KWT', mappingState: 'PENDING', ...more })
+const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', ...more })
 const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   key,
   operation: { operationId: 'o', operationType: 'PRODUCTION' },
   requesterId: 'acme',
   recipientList: ['acme'],
   purpose: 'Plan',
+  receivedAt: '2026-01-01T00:00:00Z',
+  reportName: 'Progress',
   updateIntervalMs: 60_000,
   fields: [],
   ...more,
@@ -39,7 +41,8 @@ describe('a draft', () => {
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=2', browseName: '2:Power' }))
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=3', browseName: '2:3rd axis' }))
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=4', browseName: '2:Value' }))
-    expect(draft.inputs.map((input) => input.name)).toEqual(['power', 'power2', '_3rd_axis', 'value2'])
+    draft.take('s', node({ nodeId: 'nsu=urn:m;s=5', browseName: 'nsu=urn:m:cell;PartCounter' }))
+    expect(draft.inputs.map((input) => input.name)).toEqual(['power', 'power2', '_3rd_axis', 'value2', 'partCounter'])
   })
   it('offers the conversion that is missing', () => {
     const draft = new Draft(field(), request())
@@ -47,7 +50,7 @@ describe('a draft', () => {
     expect(draft.unitDifference).toEqual({ is: 'WTT', wanted: 'KWT' })
     draft.addUnitConversion()
     expect(draft.unitDifference).toBeUndefined()
-    const counter = new Draft(field({ type: 'UInt64', typeName: 'UInt64', unit: null }), request())
+    const counter = new Draft(field({ type: 'UInt64', unit: null }), request())
     counter.take('s', node({ builtInType: 'UInt32' }))
     expect(counter.typeDifference).toEqual({ is: 'UInt32', wanted: 'UInt64' })
     counter.addTypeConversion()
@@ -111,14 +114,14 @@ describe('literals', () => {
 describe('lines of a table', () => {
   it.each([
     ['table', [{ from: 1, to: 'Running' }, { from: 'x', to: false }]],
-    ['texts', { '0': 'Off', '1': 'On' }],
+    ['texts', [{ value: 0, text: 'Off' }, { value: 1, text: 'On' }]],
     ['bits', [{ bit: 3, text: 'Door open' }]],
   ] as const)('%s goes there and back', (kind, value) => {
     expect(fromLines(kind, toLines(kind, value))).toEqual(value)
   })
   it('ignores what is half typed', () => {
     expect(fromLines('table', [{ from: '1', to: '' }])).toEqual([])
-    expect(fromLines('texts', [{ from: 'x', to: 'y' }])).toEqual({})
+    expect(fromLines('texts', [{ from: 'x', to: 'y' }])).toEqual([])
   })
 })
 

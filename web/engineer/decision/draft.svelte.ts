@@ -43,7 +43,7 @@ export class Draft {
   /** Where the first input's type is not the one that is asked for. */
   get typeDifference(): { is: string; wanted: string } | undefined {
     const is = this.inputs[0]?.valueType
-    const wanted = this.#wanted.typeName ?? this.#wanted.type
+    const wanted = this.#wanted.type
     if (!is || is === wanted || this.steps.length > 0) return undefined
     return { is, wanted }
   }
@@ -80,7 +80,7 @@ export class Draft {
   }
 
   addTypeConversion(): void {
-    this.steps.push({ function: 'convert', to: this.#wanted.typeName ?? this.#wanted.type })
+    this.steps.push({ function: 'convert', to: this.#wanted.type })
   }
 
   addUnitConversion(): void {
@@ -99,7 +99,7 @@ export class Draft {
   }
 
   #freeName(browseName: string): string {
-    const plain = browseName.replace(/^.*[:/]/, '').replace(/[^A-Za-z0-9_]/g, '_').replace(/^(?=\d|$)/, '_').slice(0, 60)
+    const plain = browseName.replace(/^nsu=[^;]*;/, '').replace(/^.*[:/]/, '').replace(/[^A-Za-z0-9_]/g, '_').replace(/^(?=\d|$)/, '_').slice(0, 60)
     const base = plain.charAt(0).toLowerCase() + plain.slice(1)
     const isTaken = (name: string): boolean => name === 'value' || this.inputs.some((input) => input.name === name)
     let name = base

@@ -10,8 +10,8 @@ export interface Line {
 
 /** The lines that a parameter's value amounts to. */
 export function toLines(kind: TableKind, value: unknown): Line[] {
-  if (kind === 'texts') return Object.entries((value ?? {}) as Record<string, string>).map(([from, to]) => ({ from, to }))
   if (!Array.isArray(value)) return []
+  if (kind === 'texts') return (value as { value: number; text: string }[]).map((entry) => ({ from: String(entry.value), to: entry.text }))
   return kind === 'table'
     ? (value as { from: unknown; to: unknown }[]).map((entry) => ({ from: writeLiteral(entry.from), to: writeLiteral(entry.to) }))
     : (value as { bit: number; text: string }[]).map((entry) => ({ from: String(entry.bit), to: entry.text }))
@@ -23,6 +23,6 @@ export function fromLines(kind: TableKind, lines: readonly Line[]): unknown {
   if (kind === 'table') return complete.filter((line) => line.to.trim() !== '').map((line) => ({ from: parseLiteral(line.from), to: parseLiteral(line.to) }))
   const numbered = complete.filter((line) => /^-?\d+$/.test(line.from.trim()))
   return kind === 'texts'
-    ? Object.fromEntries(numbered.map((line) => [line.from.trim(), line.to]))
+    ? numbered.map((line) => ({ value: Number(line.from), text: line.to }))
     : numbered.map((line) => ({ bit: Number(line.from), text: line.to }))
 }

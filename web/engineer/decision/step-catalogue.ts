@@ -54,7 +54,7 @@ export const STEP_KINDS: readonly StepKind[] = [
   kind('rate', { per: 'minute' }, choice('per', 'second', 'minute', 'hour', 'day')),
   kind('window', { aggregate: 'mean', durationMs: 60000 }, choice('aggregate', 'minimum', 'maximum', 'mean', 'sum', 'count', 'last'), number('samples'), number('durationMs')),
   kind('lookup', { entries: [] }, { name: 'entries', kind: { is: 'table' } }, { name: 'otherwise', kind: { is: 'literal' } }, { name: 'interpolate', kind: { is: 'flag' } }),
-  kind('enumeration', { texts: {} }, { name: 'texts', kind: { is: 'texts' } }, text('otherwise')),
+  kind('enumeration', { texts: [] }, { name: 'texts', kind: { is: 'texts' } }, text('otherwise')),
   kind('bit', { bit: 0 }, number('bit', true)),
   kind('bitTexts', { bits: [] }, { name: 'bits', kind: { is: 'bits' } }, text('separator'), text('none')),
   kind('format', { template: '{value}' }, text('template', true, true)),

@@ -4,3 +4,6 @@ import type { FieldKey } from '../api/types'
 export function fieldAddress(key: FieldKey): [string, string, string, string] {
   return [key.operationNetworkId, key.operationId, key.dynamicDataRequestId, key.fieldName]
 }
+
+/** Fields of one request that are shown at first; the others at a click. */
+export const FIELDS_SHOWN = 40

@@ -9,20 +9,28 @@ export interface TreeRow {
   depth: number
   isOpen: boolean
   isLoading: boolean
-  /** Its place among its siblings, for screen readers. */
+  /** Its place among its siblings, for screen readers; -1 siblings while not all are known. */
   position: number
   siblings: number
 }
 
+/** What was read of a node's children, and where the next ones begin. */
+interface Children {
+  nodes: BrowsedNode[]
+  next: string | undefined
+}
+
 const ROOT = ''
-const CHILDREN_SHOWN = 400
 const VALUES_READ = 40
 const VALUES_EVERY_MS = 1_500
 
-/** What a source offers, as far as somebody looked: children are fetched when a node is opened. */
+/**
+ * What a source offers, as far as somebody looked: children are fetched when a node is opened, and page by page while
+ * somebody scrolls, so that a folder of a hundred thousand costs what is seen of it.
+ */
 export class AddressSpace {
   readonly #sourceId: string
-  readonly #children = new SvelteMap<string, BrowsedNode[]>()
+  readonly #children = new SvelteMap<string, Children>()
   readonly #open = new SvelteSet<string>()
   readonly #loading = new SvelteSet<string>()
 
@@ -33,8 +41,6 @@ export class AddressSpace {
     this.#collect(ROOT, 0, rows)
     return rows
   })
-  /** How many children were left out because one node has too many. */
-  readonly omitted = $derived([...this.#children.values()].reduce((sum, children) => sum + Math.max(0, children.length - CHILDREN_SHOWN), 0))
 
   constructor(sourceId: string) {
     this.#sourceId = sourceId
@@ -47,7 +53,7 @@ export class AddressSpace {
   async start(): Promise<void> {
     await this.#load(ROOT)
     // A root with a single folder in it is opened at once: that click tells nothing.
-    const only = this.#children.get(ROOT)
+    const only = this.#children.get(ROOT)?.nodes
     if (only?.length === 1 && only[0] !== undefined) await this.open(only[0])
   }
 
@@ -66,15 +72,24 @@ export class AddressSpace {
     else void this.open(node)
   }
 
-  /** Keeps the values of the visible variables live. Returns how to stop. */
-  watch(): () => void {
+  /** Reads on below every open node whose last known child is among the rows that are seen. */
+  seen(rows: readonly TreeRow[]): void {
+    for (const [parent, { nodes, next }] of this.#children) {
+      const last = nodes.at(-1)
+      const isOpen = parent === ROOT || this.#open.has(parent)
+      if (isOpen && next !== undefined && last !== undefined && rows.some((row) => row.node.nodeId === last.nodeId) && !this.#loading.has(parent)) void this.#load(parent)
+    }
+  }
+
+  /** Keeps the values of the variables that `visible` names live. Returns how to stop. */
+  watch(visible: () => readonly BrowsedNode[]): () => void {
     const running = new AbortController()
     const read = async (): Promise<void> => {
-      const wanted = document.hidden ? [] : this.rows.filter((row) => row.node.nodeClass === 'variable').slice(0, VALUES_READ)
+      const wanted = document.hidden ? [] : visible().filter((node) => node.nodeClass === 'variable').slice(0, VALUES_READ)
       await Promise.all(
-        wanted.map(async ({ node }) => {
-          const value = await connector.value(this.#sourceId, node.nodeId, running.signal).catch(() => undefined)
-          if (value !== undefined && !running.signal.aborted) this.values.set(node.nodeId, value)
+        wanted.map(async ({ nodeId }) => {
+          const value = await connector.value(this.#sourceId, nodeId, running.signal).catch(() => undefined)
+          if (value !== undefined && !running.signal.aborted) this.values.set(nodeId, value)
         }),
       )
       if (!running.signal.aborted) next = setTimeout(() => void read(), VALUES_EVERY_MS)
@@ -89,20 +104,22 @@ export class AddressSpace {
   async #load(parent: string): Promise<void> {
     this.#loading.add(parent)
     try {
-      this.#children.set(parent, await connector.nodes(this.#sourceId, parent === ROOT ? undefined : parent))
+      const known = this.#children.get(parent)
+      const page = await connector.nodes(this.#sourceId, parent === ROOT ? undefined : parent, known?.next)
+      this.#children.set(parent, { nodes: [...(known?.nodes ?? []), ...page.items], next: page.nextCursor ?? undefined })
       this.problem = undefined
     } catch (failure) {
       this.problem = Problem.from(failure)
-      this.#open.delete(parent)
+      if (!this.#children.has(parent)) this.#open.delete(parent)
     }
     this.#loading.delete(parent)
   }
 
   #collect(parent: string, depth: number, rows: TreeRow[]): void {
-    const children = (this.#children.get(parent) ?? []).slice(0, CHILDREN_SHOWN)
-    children.forEach((node, index) => {
+    const children = this.#children.get(parent)
+    children?.nodes.forEach((node, index) => {
       const isOpen = this.#open.has(node.nodeId)
-      rows.push({ node, depth, isOpen, isLoading: this.#loading.has(node.nodeId), position: index + 1, siblings: children.length })
+      rows.push({ node, depth, isOpen, isLoading: this.#loading.has(node.nodeId), position: index + 1, siblings: children.next === undefined ? children.nodes.length : -1 })
       if (isOpen) this.#collect(node.nodeId, depth + 1, rows)
     })
   }

@@ -1,0 +1,3621 @@
+// Generated from openapi.json by `npm run generate`. Do not edit.
+
+export interface paths {
+    "/api/v1/dead-letters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists messages that were received or sent and rejected, newest first. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_DeadLetter"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Server-sent events: `field` with the field's key, `inbox` and `comment` with the network's id, `status`, and `reset`
+         *     where events were missed and the page must load afresh. They name what changed; values are read.
+         */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "text/event-stream": string;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Decides about a field. The partner is told; values flow or stop at once. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["DecisionBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["FieldView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Runs a draft on the live values of its inputs; nothing is changed and nothing leaves. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Draft"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Preview"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Enters a value for a field that was decided Manual. It goes through the same gate as any other. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["EnteredValue"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Entered"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/inbox": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the requests of all active networks with their fields. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_RequestView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ledger": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the entries of a recipient's chain, newest first, with what left. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description Whose chain; the first by name without it. */
+                    recipient?: string;
+                    /** @description `nextCursor` of the page before. */
+                    after?: number;
+                    /** @description Entries on the page, 1 to 500; 100 without it. */
+                    limit?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["LedgerView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ledger/verification": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Reads every chain from its beginning and finds any change, deletion or reordering. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["VerificationView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/operation-networks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists all networks, withdrawn ones included. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_NetworkSummary"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/operation-networks/{operationNetworkId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows a network as received, and how its fields stand. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["NetworkView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/operation-networks/{operationNetworkId}/comments": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the remarks about a network, oldest first. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_StoredComment"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        /** Says something to the partners of a network. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["NewComment"];
+                };
+            };
+            responses: {
+                /** @description Said */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/session": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Signs in; the answer sets the session's cookie. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["SignIn"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Session"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/source-certificates": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the certificates that servers have shown. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_PeerCertificate"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/source-certificates/{thumbprint}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Trusts or rejects a server's certificate. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    thumbprint: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["TrustBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["PeerCertificate"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/sources": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the sources with their state. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_SourceView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        /** Adds a source; the connector connects to it at once. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["SourceConfig"];
+                };
+            };
+            responses: {
+                201: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": Record<string, never>;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/sources/{sourceId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Changes a source; mappings that use it go on under the new settings. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    sourceId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["SourceConfig"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": Record<string, never>;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        /** Removes a source; mappings that use it keep their last value with a status that says so. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    sourceId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Removed */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/sources/{sourceId}/nodes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Browses a source's address space. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description The node whose children to list; the Objects folder without it. */
+                    parent?: string;
+                };
+                header?: never;
+                path: {
+                    sourceId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["BrowsedNode"][];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/sources/{sourceId}/value": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Reads a variable of a source. */
+        get: {
+            parameters: {
+                query: {
+                    /** @description The variable. */
+                    node: string;
+                };
+                header?: never;
+                path: {
+                    sourceId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ShownValue"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/spool": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows how much waits to leave. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": Record<string, never>;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/status": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Says how the connector stands. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Status"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+}
+export type webhooks = Record<string, never>;
+export interface components {
+    schemas: {
+        /**
+         * @description What a window computes.
+         * @enum {string}
+         */
+        Aggregate: "minimum" | "maximum" | "mean" | "sum" | "count" | "last";
+        /** @description One bit of an integer, as Boolean. */
+        Bit: {
+            /**
+             * Format: int32
+             * @description 0 is the lowest.
+             */
+            bit: number;
+        };
+        /** @description What a bit means. */
+        BitText: {
+            /**
+             * Format: int32
+             * @description 0 is the lowest.
+             */
+            bit: number;
+            /** @description Its text. */
+            text: string;
+        };
+        /** @description The texts of all bits that are set, in their order. */
+        BitTexts: {
+            /** @description What the bits mean; others are left out. */
+            bits: components["schemas"]["BitText"][];
+            /** @description The text when none of the bits is set. */
+            none?: string;
+            /** @description What stands between two texts. */
+            separator?: string;
+        };
+        /**
+         * @description Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`, those of namespace
+         *     0 bare.
+         */
+        BrowsePath: string[];
+        /** @description A node as a person picks it in a tree. */
+        BrowsedNode: {
+            /** @description Its browse name, as an element of a browse path. */
+            browseName: string;
+            browsePath?: components["schemas"]["BrowsePath"] | null;
+            /** @description The built-in type that carries the value: itself, or the base of an enumeration or structure. */
+            builtInType?: string | null;
+            dataType?: components["schemas"]["TypeName"] | null;
+            /** @description What it is, where the server says so. */
+            description?: string | null;
+            /** @description Its name for people. */
+            displayName: string;
+            /** @description True where there is something below it. */
+            hasChildren: boolean;
+            /** @description True where this user may write the value. */
+            isWritable: boolean;
+            /** @description Which kind of node it is. */
+            nodeClass: components["schemas"]["NodeClass"];
+            /** @description Its identity. */
+            nodeId: string;
+            /** @description The usual range of an analog variable, low and high. */
+            range?: [
+                number,
+                number
+            ] | null;
+            typeDefinition?: components["schemas"]["TypeName"] | null;
+            unit?: components["schemas"]["UnitName"] | null;
+            /**
+             * Format: int32
+             * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
+             */
+            valueRank?: number | null;
+        };
+        /** @description The endpoint in use. */
+        ChosenEndpoint: {
+            /** @description The server's application URI. */
+            applicationUri: string;
+            /** @description The address that is used. */
+            endpointUrl: string;
+            /** @description How messages are protected. */
+            messageSecurity: components["schemas"]["MessageSecurity"];
+            /** @description Its policy. */
+            securityPolicy: components["schemas"]["SecurityPolicy"];
+            /** @description What the server calls itself. */
+            serverName: string;
+        };
+        /** @description Yields the same value whatever comes in; with no input before it, once. */
+        Constant: {
+            /** @description The value. */
+            value: components["schemas"]["Literal"];
+        };
+        /**
+         * @description Converts to another built-in type: numbers, Boolean, String, DateTime and Guid among each other where it makes
+         *     sense. Text that is no number is a fault, never zero.
+         */
+        Convert: {
+            /** @description What happens outside the wanted type's range. */
+            overflow?: components["schemas"]["Overflow"];
+            /** @description How a fraction becomes an integer. */
+            rounding?: components["schemas"]["Rounding"];
+            /** @description The wanted type. */
+            to: components["schemas"]["TypeName"];
+        };
+        /** @description The sum of a counter's increments, across wraps, resets and restarts of machine and connector. */
+        Counter: {
+            counts?: components["schemas"]["CounterInput"] | null;
+            modulus?: components["schemas"]["Number"] | null;
+            /** @description As in `increment`. */
+            onDecrease?: components["schemas"]["OnDecrease"];
+            /** @description An input that sets the sum back to `start` when it becomes true (or not zero). */
+            resetBy?: string | null;
+            /** @description Where it starts. */
+            start?: components["schemas"]["Number"];
+        };
+        /**
+         * @description What a `counter` counts.
+         * @enum {string}
+         */
+        CounterInput: "increments" | "risingEdges" | "values";
+        /** @description A message that was received or sent and rejected. */
+        DeadLetter: {
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            at: string;
+            /**
+             * Format: int64
+             * @description Its size, in bytes.
+             */
+            bytes: number;
+            /** @description Why, as a code. */
+            code: string;
+            /** @description `RECEIVED` or `SENT`. */
+            direction: string;
+            /** @description Its number, as text. */
+            id: string;
+            /** @description Its id, where it has one. */
+            messageId?: string | null;
+            /** @description Why, in words. */
+            reason: string;
+            /** @description Its type, as far as it is known. */
+            subject: string;
+        };
+        /**
+         * @description Holds changes back that are too small. Without parameters only repeats of the same value are held back; values that
+         *     are no numbers pass when they differ. A change of the status always passes.
+         */
+        Deadband: {
+            absolute?: components["schemas"]["Number"] | null;
+            /**
+             * Format: double
+             * @description The change must be greater than this share of the last value that passed, in percent.
+             */
+            percent?: number | null;
+        };
+        /** @description Lets a value pass once it has not changed for a while. */
+        Debounce: {
+            /**
+             * Format: int64
+             * @description How long it must stay the same, in milliseconds.
+             */
+            quietMs: number;
+        };
+        /** @description What is decided. */
+        DecisionBody: {
+            /** @description How values are coarsened; every change as it is without it. */
+            disclosure?: components["schemas"]["DisclosurePolicy"];
+            mapping?: components["schemas"]["MappingDraft"] | null;
+            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
+            mappingState: string;
+            /** @description Told to the partner; needed with `REFUSED`. */
+            reason?: string | null;
+            /** @description Where values come from; needed with `MAPPED`. */
+            valueSource?: string | null;
+        };
+        /**
+         * @description Stable codes of diagnostics.
+         * @enum {string}
+         */
+        DiagnosticCode: "tooMany" | "missing" | "invalidName" | "unknownName" | "invalidParameter" | "typeMismatch" | "lossyConversion" | "unknownUnit" | "incompatibleUnits" | "unitMismatch" | "syntax" | "workerUnavailable" | "scriptFault" | "closureState" | "unusedInput";
+        /** @description How a field's values are coarsened before they leave. Empty: every change leaves as it is. */
+        DisclosurePolicy: {
+            /**
+             * @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending.
+             * @default []
+             */
+            bands: number[];
+            /**
+             * Format: int64
+             * @description Every value leaves this many milliseconds late.
+             * @default null
+             */
+            delayMs: number | null;
+            /**
+             * Format: int64
+             * @description At most one value leaves per this many milliseconds; the latest wins.
+             * @default null
+             */
+            minimumIntervalMs: number | null;
+            /**
+             * Format: double
+             * @description Numbers are rounded to the nearest multiple of this, in the field's unit.
+             * @default null
+             */
+            roundingStep: number | null;
+            /**
+             * Format: int64
+             * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
+             * @default null
+             */
+            timeStepMs: number | null;
+            /** @default null */
+            workingHours: components["schemas"]["WorkingHours"] | null;
+        };
+        /** @description What would be decided. */
+        Draft: {
+            /** @description How values would be coarsened. */
+            disclosure?: components["schemas"]["DisclosurePolicy"];
+            mapping?: components["schemas"]["MappingDraft"] | null;
+            /** @description Where values would come from. */
+            valueSource: string;
+        };
+        /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
+        Edge: {
+            /** @description Which change passes. */
+            direction: components["schemas"]["EdgeDirection"];
+        };
+        /**
+         * @description A change of a Boolean.
+         * @enum {string}
+         */
+        EdgeDirection: "rising" | "falling" | "both";
+        /** @description What became of it. */
+        Entered: {
+            /** @description Less than was entered is disclosed. */
+            isCoarsened: boolean;
+            /** @description `DISCLOSED`, `UNCHANGED` or `WITHHELD`. */
+            outcome: string;
+            /**
+             * Format: date-time
+             * @description When a withheld value may leave at the earliest.
+             */
+            until?: string | null;
+        };
+        /** @description A value that a person enters. */
+        EnteredValue: {
+            /** @description The value as plain JSON; 64-bit integers may be texts. */
+            value: Record<string, never>;
+        };
+        /** @description An entry of a chain. */
+        EntryView: Record<string, never> & {
+            /** @description When it was recorded. */
+            at: string;
+            /** @description Its hash, hexadecimal. */
+            hash: string;
+            /** @description `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED` or `PURGED`. */
+            kind: string;
+            /** @description Whose chain. */
+            recipientId: string;
+            /**
+             * Format: int64
+             * @description Its place in the chain.
+             */
+            sequence: number;
+            /** @description For a report: the values that left, by field, while they are kept. */
+            value?: Record<string, never> | null;
+        };
+        /** @description From the numbers of an enumeration to texts. */
+        Enumeration: {
+            /** @description The text for any other number; the number itself in digits where absent. */
+            otherwise?: string | null;
+            /** @description Number to text. */
+            texts: components["schemas"]["EnumerationText"][];
+        };
+        /** @description The text of one number of an enumeration. */
+        EnumerationText: {
+            /** @description Its text. */
+            text: string;
+            /**
+             * Format: int64
+             * @description The number.
+             */
+            value: number;
+        };
+        /**
+         * @description An arithmetic expression over `value` and the inputs by name.
+         *
+         *     Numbers, texts in quotes, `true` and `false`; `+ - * / // %`, comparisons, `&& || !`, `c ? a : b`; `min max abs
+         *     round floor ceil trunc sqrt pow exp ln log10 clamp mod bit length upper lower trim text number`. `//` divides
+         *     towards minus infinity; `/` of two integers is an integer where it comes out even. `+` joins texts.
+         */
+        Expression: {
+            /** @description The expression. */
+            expression: string;
+        };
+        /** @description A requested field with its decision and value. */
+        FieldView: {
+            /** @description Who decided. */
+            decidedBy?: string | null;
+            /** @description Why it was decided so. */
+            decisionReason?: string | null;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            decisionTime?: string | null;
+            /** @description More about it. */
+            description?: string | null;
+            /** @description How values are coarsened. */
+            disclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description The same in words, as the partner is told. */
+            disclosureStatement?: string | null;
+            /** @description Its address. */
+            key: Record<string, never>;
+            /** @description The mapping in force, or the one to offer again. */
+            mapping?: Record<string, never> | null;
+            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
+            mappingState: string;
+            /** @description Its name. */
+            name: string;
+            /** @description What it means. */
+            semantic?: string | null;
+            /** @description Its built-in type by name. */
+            type: string;
+            /** @description Its unit as requested. */
+            unit?: string | null;
+            value?: components["schemas"]["ShownValue"] | null;
+            /**
+             * Format: int32
+             * @description -1 scalar, 1 array.
+             */
+            valueRank: number;
+            /** @description `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped. */
+            valueSource?: string | null;
+        };
+        /**
+         * @description Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
+         *
+         *     `{value}` is the chain's value, `{name}` an input. After a colon: an optional `0` and width (`{value:06}`), an
+         *     optional number of decimals (`{value:.2}`). `{{` and `}}` are braces.
+         */
+        Format: {
+            /** @description The text with its placeholders. */
+            template: string;
+        };
+        /** @description Who we are to a server. */
+        Identity: {
+            /** @enum {string} */
+            kind: "anonymous";
+        } | {
+            /** @enum {string} */
+            kind: "userName";
+            /** @description The user's name. */
+            user_name: string;
+        } | {
+            /** @description The certificate, DER or PEM. */
+            certificate_path: string;
+            /** @enum {string} */
+            kind: "certificate";
+            /** @description Its private key, PEM. */
+            private_key_path: string;
+        };
+        /** @description How much a counter went on since its last value. The first value yields nothing. */
+        Increment: {
+            modulus?: components["schemas"]["Number"] | null;
+            /** @description What a decrease means that is no wrap. */
+            onDecrease?: components["schemas"]["OnDecrease"];
+        };
+        /** @description Why an input is not live. */
+        InputProblem: {
+            /**
+             * Format: int64
+             * @description Which input.
+             */
+            input: number;
+            /** @description Its variable. */
+            nodeId: string;
+            /** @description In words. */
+            reason: string;
+            /**
+             * Format: int32
+             * @description The server's status, or ours.
+             */
+            status: number;
+        };
+        /** @description A variable with what its machine says. */
+        InputView: components["schemas"]["ShownValue"] & {
+            /** @description Its name in the mapping. */
+            name: string;
+        };
+        /** @description Something that is not as it was written. */
+        LedgerFault: {
+            /** @description What is wrong with it. */
+            message: string;
+            /**
+             * Format: int64
+             * @description The entry or checkpoint.
+             */
+            number: number;
+            /** @description Whose chain; empty where a checkpoint itself is wrong. */
+            recipient: string;
+        };
+        /** @description Entries of one chain, newest first. */
+        LedgerView: {
+            /** @description The entries. */
+            items: components["schemas"]["EntryView"][];
+            /** @description Where the next page begins. */
+            nextCursor?: string | null;
+            /** @description Every recipient that has a chain. */
+            recipients: string[];
+        };
+        /** @description A value: plain text, Boolean or number, or an object with its type. */
+        Literal: string | boolean | number | {
+            /** @description The built-in type. */
+            type: components["schemas"]["TypeName"];
+            /** @description The value; 64-bit integers as text. */
+            value: Record<string, never>;
+        };
+        /** @description From values to values by a table. */
+        Lookup: {
+            /** @description The table. Numbers match by value whatever their types, texts exactly. */
+            entries: components["schemas"]["LookupEntry"][];
+            /** @description Between two numeric entries, interpolate linearly; outside, the nearest entry. */
+            interpolate?: boolean;
+            otherwise?: components["schemas"]["Literal"] | null;
+        };
+        /** @description One line of a lookup table. */
+        LookupEntry: {
+            /** @description The value that comes in. */
+            from: components["schemas"]["Literal"];
+            /** @description The value that goes out. */
+            to: components["schemas"]["Literal"];
+        };
+        /** @description One thing to say about a mapping. */
+        MappingDiagnostic: {
+            /** @description A stable code in camelCase. */
+            code: components["schemas"]["DiagnosticCode"];
+            /**
+             * Format: int32
+             * @description The column in the expression or script, from 1.
+             */
+            column?: number | null;
+            /**
+             * Format: int32
+             * @description The line in the expression or script, from 1.
+             */
+            line?: number | null;
+            /** @description What is wrong and what to do, in a sentence. */
+            message: string;
+            /** @description JSON pointer into the mapping, as `/steps/2/factor`. */
+            pointer: string;
+            /** @description Whether it keeps the mapping from running. */
+            severity: components["schemas"]["Severity"];
+        };
+        /** @description From local variables to a field: inputs and functions. */
+        MappingDraft: {
+            /** @description The variables. */
+            inputs: components["schemas"]["MappingInput"][];
+            /** @description The functions, applied in this order. */
+            steps?: components["schemas"]["Step"][];
+        };
+        /** @description A variable of a local server, under the name that expressions and scripts use. */
+        MappingInput: {
+            /** @description How the variable is monitored: sampling, queue, browse path to find it again, part of an array. */
+            monitor?: components["schemas"]["MonitorOptions"];
+            /** @description `[A-Za-z_][A-Za-z0-9_]*`, unique within the mapping, not `value`. */
+            name: string;
+            /**
+             * @description The variable, with its namespace's URI.
+             * @example nsu=urn:press;s=Cell.Counter
+             */
+            nodeId: string;
+            /** @description The local server. */
+            sourceId: components["schemas"]["SourceId"];
+            /** @description Whether a change of this variable makes the mapping run; `false`: it is only read when another one changes. */
+            triggers?: boolean;
+            /** @description The variable's unit as seen when it was picked (UNECE code or alias). */
+            unit?: string | null;
+            valueType?: components["schemas"]["TypeName"] | null;
+        };
+        /** @description One value from several inputs. */
+        Merge: {
+            /** @description The names of the inputs, in their order of precedence; all where empty. */
+            inputs?: string[];
+            /** @description How. */
+            rule: components["schemas"]["MergeRule"];
+            /** @description What stands between the texts of `join`. */
+            separator?: string | null;
+        };
+        /**
+         * @description How several inputs become one value.
+         * @enum {string}
+         */
+        MergeRule: "newest" | "firstGood" | "minimum" | "maximum" | "sum" | "mean" | "all" | "any" | "join" | "array";
+        /**
+         * @description How messages are protected.
+         * @enum {string}
+         */
+        MessageSecurity: "none" | "sign" | "signAndEncrypt";
+        /** @description How a variable is monitored. */
+        MonitorOptions: {
+            /** @default null */
+            browsePath: components["schemas"]["BrowsePath"] | null;
+            /**
+             * @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
+             * @default null
+             */
+            indexRange: string | null;
+            /**
+             * Format: int32
+             * @description How many changes the server keeps between two publishings. Default: what sampling and publishing interval ask
+             *     for, so that no change is lost.
+             * @default null
+             */
+            queueSize: number | null;
+            /**
+             * Format: double
+             * @description How often the server looks for a change, in milliseconds. 0: on every change. Default: the publishing interval
+             *     of the source.
+             * @default null
+             */
+            samplingIntervalMs: number | null;
+        };
+        /** @description A network in short. */
+        NetworkSummary: {
+            collaborationId?: string | null;
+            fieldCount: number;
+            isWithdrawn: boolean;
+            name?: string | null;
+            operationNetworkId: string;
+            pendingCount: number;
+            /** Format: date-time */
+            receivedAt: string;
+            requestCount: number;
+            /** Format: int64 */
+            revision: number;
+        };
+        /** @description A network with its requests. */
+        NetworkView: {
+            /** @description The message as received; none once withdrawn. */
+            message?: Record<string, never> | null;
+            /** @description Its requests. */
+            requests: components["schemas"]["RequestView"][];
+            /**
+             * Format: int64
+             * @description Its revision.
+             */
+            revision: number;
+        };
+        /** @description A remark to make. */
+        NewComment: {
+            dynamicDataRequestId?: string | null;
+            fieldName?: string | null;
+            text: string;
+        };
+        /**
+         * @description Node classes (OPC 10000-3 §5.2.3).
+         * @enum {string}
+         */
+        NodeClass: "object" | "variable" | "method" | "objectType" | "variableType" | "referenceType" | "dataType" | "view";
+        /** @description A number; integers beyond 2^53 as text. */
+        Number: number | string;
+        /**
+         * @description What it means when a counter's value gets smaller and that is no wrap.
+         * @enum {string}
+         */
+        OnDecrease: "reset" | "set" | "subtract";
+        /**
+         * @description What happens to a number outside the wanted type's range.
+         * @enum {string}
+         */
+        Overflow: "fault" | "clamp";
+        /** @description A page of a list. */
+        Page_DeadLetter: {
+            /** @description The items. */
+            items: {
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                at: string;
+                /**
+                 * Format: int64
+                 * @description Its size, in bytes.
+                 */
+                bytes: number;
+                /** @description Why, as a code. */
+                code: string;
+                /** @description `RECEIVED` or `SENT`. */
+                direction: string;
+                /** @description Its number, as text. */
+                id: string;
+                /** @description Its id, where it has one. */
+                messageId?: string | null;
+                /** @description Why, in words. */
+                reason: string;
+                /** @description Its type, as far as it is known. */
+                subject: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_NetworkSummary: {
+            /** @description The items. */
+            items: {
+                collaborationId?: string | null;
+                fieldCount: number;
+                isWithdrawn: boolean;
+                name?: string | null;
+                operationNetworkId: string;
+                pendingCount: number;
+                /** Format: date-time */
+                receivedAt: string;
+                requestCount: number;
+                /** Format: int64 */
+                revision: number;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_PeerCertificate: {
+            /** @description The items. */
+            items: {
+                /** @description The length of its RSA key in bits. */
+                keyBits?: number | null;
+                /** @description Who it names. */
+                subject: string;
+                /** @description SHA-1 thumbprint, hex. */
+                thumbprint: string;
+                /** @description Whether we trust it. */
+                trust: components["schemas"]["TrustState"];
+                /**
+                 * Format: date-time
+                 * @description From when it is valid.
+                 */
+                validFrom?: string | null;
+                /**
+                 * Format: date-time
+                 * @description Until when it is valid.
+                 */
+                validTo?: string | null;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_RequestView: {
+            /** @description The items. */
+            items: {
+                /**
+                 * Format: int32
+                 * @description Its DataSetWriter.
+                 */
+                dataSetWriterId?: number | null;
+                /** @description More about it. */
+                description?: string | null;
+                /** @description Its fields. */
+                fields: components["schemas"]["FieldView"][];
+                /** @description Its address. */
+                key: Record<string, never>;
+                /** @description What the network is called. */
+                networkName?: string | null;
+                /** @description The operation it asks about, without its requests. */
+                operation: Record<string, never>;
+                /** @description What for. */
+                purpose: string;
+                /**
+                 * Format: date-time
+                 * @description When this revision came.
+                 */
+                receivedAt: string;
+                /** @description Who may see the answers. */
+                recipientList: string[];
+                /** @description What the report is called. */
+                reportName: string;
+                /** @description Who asks. */
+                requesterId: string;
+                /**
+                 * Format: int64
+                 * @description How often the partner wants to hear, as the time between two reports in milliseconds.
+                 */
+                updateIntervalMs?: number | null;
+                /**
+                 * Format: date-time
+                 * @description Until when.
+                 */
+                validUntil?: string | null;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_SourceView: {
+            /** @description The items. */
+            items: (Record<string, never> & components["schemas"]["SourceStatus"])[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_StoredComment: {
+            /** @description The items. */
+            items: {
+                /** @description Who says it. */
+                authorId: string;
+                /** @description The request talked about, if one. */
+                dynamicDataRequestId?: string | null;
+                /** @description The field talked about, if one. */
+                fieldName?: string | null;
+                /**
+                 * Format: int64
+                 * @description Its number.
+                 */
+                id: number;
+                /** @description Said by this factory. */
+                isOwn: boolean;
+                /** @description What is said. */
+                text: string;
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                writtenAt: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description Takes a value out of a text. */
+        Parse: {
+            /** @description A comma is the decimal sign, points group digits. */
+            decimalComma?: boolean;
+            /** @description Where it stands: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The whole text where absent. */
+            pattern?: string | null;
+            /**
+             * Format: int32
+             * @description The base of an integer: 2 to 36.
+             */
+            radix?: number | null;
+            /** @description The type of the value. */
+            to: components["schemas"]["TypeName"];
+        };
+        /** @description A server's certificate that we have met. */
+        PeerCertificate: {
+            /** @description The length of its RSA key in bits. */
+            keyBits?: number | null;
+            /** @description Who it names. */
+            subject: string;
+            /** @description SHA-1 thumbprint, hex. */
+            thumbprint: string;
+            /** @description Whether we trust it. */
+            trust: components["schemas"]["TrustState"];
+            /**
+             * Format: date-time
+             * @description From when it is valid.
+             */
+            validFrom?: string | null;
+            /**
+             * Format: date-time
+             * @description Until when it is valid.
+             */
+            validTo?: string | null;
+        };
+        /** @description Side by side: machine, mapping, what is disclosed, and the message. */
+        Preview: {
+            candidate?: components["schemas"]["ShownValue"] | null;
+            /** @description What is wrong or doubtful about the mapping. */
+            diagnostics: components["schemas"]["MappingDiagnostic"][];
+            disclosed?: components["schemas"]["ShownValue"] | null;
+            /**
+             * Format: date-time
+             * @description When it would leave, where policy holds it back.
+             */
+            disclosedAt?: string | null;
+            /** @description What the machines say. */
+            inputs: components["schemas"]["InputView"][];
+            /** @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times. */
+            message?: string | null;
+            /** @description The precision in words, as the partner reads it. */
+            statement: string;
+            /** @description What the mapping makes of it, function by function. */
+            steps: components["schemas"]["StepView"][];
+        };
+        /**
+         * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
+         *     never shown.
+         */
+        Problem: {
+            /** @description A stable code, as `NOT_FOUND`. */
+            code: string;
+            /** @description What is wrong and what to do, for people. */
+            detail: string;
+            /** @description Each single fault, where a document has several. */
+            faults?: components["schemas"]["ProblemFault"][];
+            /**
+             * Format: int64
+             * @description After how many seconds trying again makes sense; also the header `Retry-After`.
+             */
+            retryAfterSeconds?: number | null;
+            /**
+             * Format: int32
+             * @description The HTTP status.
+             */
+            status: number;
+            /** @description The HTTP status in words. */
+            title: string;
+            /** @description `urn:verbund:problem:<code>`. */
+            type: string;
+        };
+        /** @description One fault of a document, placed. */
+        ProblemFault: {
+            /** @description A stable code. */
+            code: string;
+            /** @description A sentence that says what is wrong and what to do. */
+            message: string;
+            /** @description JSON pointer (RFC 6901) into the document that was sent. */
+            pointer: string;
+        };
+        /** @description Change per time, by the source's times, as Double. The first value yields nothing. */
+        Rate: {
+            /** @description Per what. */
+            per?: components["schemas"]["RatePeriod"];
+        };
+        /**
+         * @description The time that a rate refers to.
+         * @enum {string}
+         */
+        RatePeriod: "second" | "minute" | "hour" | "day";
+        /** @description A request of a partner. */
+        RequestView: {
+            /**
+             * Format: int32
+             * @description Its DataSetWriter.
+             */
+            dataSetWriterId?: number | null;
+            /** @description More about it. */
+            description?: string | null;
+            /** @description Its fields. */
+            fields: components["schemas"]["FieldView"][];
+            /** @description Its address. */
+            key: Record<string, never>;
+            /** @description What the network is called. */
+            networkName?: string | null;
+            /** @description The operation it asks about, without its requests. */
+            operation: Record<string, never>;
+            /** @description What for. */
+            purpose: string;
+            /**
+             * Format: date-time
+             * @description When this revision came.
+             */
+            receivedAt: string;
+            /** @description Who may see the answers. */
+            recipientList: string[];
+            /** @description What the report is called. */
+            reportName: string;
+            /** @description Who asks. */
+            requesterId: string;
+            /**
+             * Format: int64
+             * @description How often the partner wants to hear, as the time between two reports in milliseconds.
+             */
+            updateIntervalMs?: number | null;
+            /**
+             * Format: date-time
+             * @description Until when.
+             */
+            validUntil?: string | null;
+        };
+        /**
+         * @description What a person may do.
+         * @enum {string}
+         */
+        Role: "ENGINEER" | "OPERATOR" | "VIEWER";
+        /**
+         * @description How a fraction becomes an integer.
+         * @enum {string}
+         */
+        Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
+        /**
+         * @description `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor and offset are and the
+         *     division comes out even.
+         */
+        Scale: {
+            /** @description What the product is divided by; not zero. */
+            divisor?: components["schemas"]["Number"];
+            /** @description What the value is multiplied by. */
+            factor?: components["schemas"]["Number"];
+            /** @description What is added at the end. */
+            offset?: components["schemas"]["Number"];
+        };
+        /**
+         * @description A JavaScript function `(value, ctx) => ...`, run in a worker process.
+         *
+         *     `ctx.state` is kept between calls (at most 4 KiB as JSON) and survives restarts; variables outside the function do
+         *     not. `ctx.inputs.<name>` has `value`, `status` and `sourceTimestamp`, `ctx.status` and `ctx.sourceTimestamp` are
+         *     those of `value`. 64-bit integers are BigInt. `undefined` yields nothing, `null` no value.
+         */
+        Script: {
+            /** @description The source text. */
+            source: string;
+        };
+        /** @description Which of a server's endpoints to use. */
+        SecurityChoice: {
+            /** @enum {string} */
+            choice: "strongest";
+        } | {
+            /** @enum {string} */
+            choice: "none";
+        } | {
+            /** @enum {string} */
+            choice: "exactly";
+            /** @description Signed only, or encrypted too. */
+            mode: components["schemas"]["MessageSecurity"];
+            /** @description The algorithms. */
+            policy: components["schemas"]["SecurityPolicy"];
+        };
+        /**
+         * @description Security policies (OPC 10000-7) that are not deprecated.
+         * @enum {string}
+         */
+        SecurityPolicy: "None" | "Aes128Sha256RsaOaep" | "Basic256Sha256" | "Aes256Sha256RsaPss";
+        /** @description Picks an element of an array or a field of a structure. */
+        Select: {
+            /** @description Field names and 0-based indexes, as `Axes[2].Position` or `[0]`. */
+            path: string;
+        };
+        /** @description A server's limits (OPC 10000-5 §6.3.2, §6.3.11); `None` where it declares none. */
+        ServerLimits: {
+            /** Format: int32 */
+            browseContinuationPointsMax?: number | null;
+            /** Format: int32 */
+            itemsPerCallMax?: number | null;
+            /** Format: int32 */
+            itemsPerSubscriptionMax?: number | null;
+            /** Format: int32 */
+            nodesPerBrowseMax?: number | null;
+            /** Format: int32 */
+            nodesPerReadMax?: number | null;
+            /** Format: int32 */
+            nodesPerWriteMax?: number | null;
+            /** Format: int32 */
+            pathsPerTranslateMax?: number | null;
+            /** Format: int32 */
+            subscriptionsPerSessionMax?: number | null;
+        };
+        /** @description Who is signed in. */
+        Session: {
+            /** @description What changes must carry in the header `x-csrf-token`. */
+            csrfToken: string;
+            role: components["schemas"]["Role"];
+            userName: string;
+        };
+        /**
+         * @description How bad a diagnostic is.
+         * @enum {string}
+         */
+        Severity: "hint" | "warning" | "error";
+        /** @description A value as pages show it. */
+        ShownValue: {
+            /**
+             * Format: date-time
+             * @description When the source measured it.
+             */
+            sourceTimestamp?: string | null;
+            /** @description The status, by its name where it has one. */
+            status: string;
+            /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
+            value: unknown;
+        };
+        /** @description Who wants to sign in. */
+        SignIn: {
+            /** Format: password */
+            password: string;
+            userName: string;
+        };
+        /**
+         * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a source stores
+         *     [`Password::expose`] apart.
+         */
+        SourceConfig: {
+            /** @description The server's address, `opc.tcp://host:port/path`. */
+            endpointUrl: string;
+            /** @description Who we are to the server. */
+            identity?: components["schemas"]["Identity"];
+            /** @description What people call it. */
+            name?: string;
+            /**
+             * Format: int32
+             * @description How often the server may send changes, in milliseconds (1 to 60 000).
+             */
+            publishingIntervalMs?: number;
+            /** @description Which of the server's endpoints to use. */
+            security?: components["schemas"]["SecurityChoice"];
+            /**
+             * Format: int32
+             * @description After how many milliseconds without any sign of life a connection is given up (500 to 600 000).
+             */
+            silenceMsMax?: number;
+            /** @description The source's name, unique in a connector. */
+            sourceId: components["schemas"]["SourceId"];
+        };
+        /** @description The name of a source: `[A-Za-z0-9_-]{1,64}`. */
+        SourceId: string;
+        /** @description What is wrong with a source. */
+        SourceProblem: {
+            /** @description Of which kind. */
+            kind: components["schemas"]["SourceProblemKind"];
+            /** @description What happened. */
+            message: string;
+            /** @description Who should do what. */
+            remedy: string;
+        };
+        /**
+         * @description Kinds of problems with a source.
+         * @enum {string}
+         */
+        SourceProblemKind: "unreachable" | "noSuitableEndpoint" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "clientCertificateRejected" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
+        /**
+         * @description The state of a source.
+         * @enum {string}
+         */
+        SourceState: "connecting" | "subscribing" | "connected" | "waiting";
+        /** @description How a source is doing. */
+        SourceStatus: {
+            /**
+             * Format: int64
+             * @description Changes received since the connector started.
+             */
+            changes: number;
+            /**
+             * Format: int64
+             * @description How far the server's clock is ahead of ours, in milliseconds, measured when the session was established.
+             */
+            clockAheadMs?: number | null;
+            endpoint?: components["schemas"]["ChosenEndpoint"] | null;
+            /** @description How many inputs would be found again if the server changed its node ids: those whose browse path is known. */
+            findable: number;
+            /** @description How many inputs are wanted from it. */
+            inputs: number;
+            /**
+             * Format: date-time
+             * @description When a change last arrived.
+             */
+            lastChangeAt?: string | null;
+            /**
+             * Format: date-time
+             * @description When the server last gave any sign of life.
+             */
+            lastSignOfLifeAt?: string | null;
+            limits?: components["schemas"]["ServerLimits"] | null;
+            /** @description How many of them the server monitors and has given a first value for. */
+            live: number;
+            /** @description The inputs that are not live, each with the reason; the first 1000. */
+            notLive: components["schemas"]["InputProblem"][];
+            problem?: components["schemas"]["SourceProblem"] | null;
+            /**
+             * Format: int64
+             * @description How often a session was established since the connector started.
+             */
+            sessions: number;
+            /**
+             * Format: date-time
+             * @description Since when.
+             */
+            since: string;
+            /** @description Which source. */
+            sourceId: components["schemas"]["SourceId"];
+            /** @description Its state. */
+            state: components["schemas"]["SourceState"];
+        };
+        /** @description A source with its configuration and how it stands. */
+        SourceView: Record<string, never> & components["schemas"]["SourceStatus"];
+        /** @description How the connector stands. */
+        Status: {
+            factoryId: string;
+            /** @description The link to the platform: `state` (connecting, up, down, stopped), since when, and why. */
+            link: Record<string, never>;
+            /**
+             * Format: date-time
+             * @description Its own clock, to tell ages by.
+             */
+            now: string;
+            /** @description The local servers. */
+            sources: components["schemas"]["SourceStatus"][];
+            /** @description What waits to leave. */
+            spool: Record<string, never>;
+            /** Format: date-time */
+            startedAt: string;
+            /** @description The OPC UA server. */
+            twin: Record<string, never>;
+            version: string;
+        };
+        /**
+         * @description One function of a chain. In JSON an object with `function` and the parameters.
+         *
+         *     A function gets the value the one before it yielded, and may keep it to itself: then the chain ends there
+         *     until the next value.
+         */
+        Step: (components["schemas"]["Select"] & {
+            /** @enum {string} */
+            function: "select";
+        }) | (components["schemas"]["Constant"] & {
+            /** @enum {string} */
+            function: "constant";
+        }) | (components["schemas"]["Convert"] & {
+            /** @enum {string} */
+            function: "convert";
+        }) | (components["schemas"]["Scale"] & {
+            /** @enum {string} */
+            function: "scale";
+        }) | (components["schemas"]["UnitConversion"] & {
+            /** @enum {string} */
+            function: "unitConversion";
+        }) | (components["schemas"]["Increment"] & {
+            /** @enum {string} */
+            function: "increment";
+        }) | (components["schemas"]["Counter"] & {
+            /** @enum {string} */
+            function: "counter";
+        }) | (components["schemas"]["Edge"] & {
+            /** @enum {string} */
+            function: "edge";
+        }) | (components["schemas"]["Threshold"] & {
+            /** @enum {string} */
+            function: "threshold";
+        }) | (components["schemas"]["Debounce"] & {
+            /** @enum {string} */
+            function: "debounce";
+        }) | (components["schemas"]["Deadband"] & {
+            /** @enum {string} */
+            function: "deadband";
+        }) | (components["schemas"]["Rate"] & {
+            /** @enum {string} */
+            function: "rate";
+        }) | (components["schemas"]["Window"] & {
+            /** @enum {string} */
+            function: "window";
+        }) | (components["schemas"]["Lookup"] & {
+            /** @enum {string} */
+            function: "lookup";
+        }) | (components["schemas"]["Enumeration"] & {
+            /** @enum {string} */
+            function: "enumeration";
+        }) | (components["schemas"]["Bit"] & {
+            /** @enum {string} */
+            function: "bit";
+        }) | (components["schemas"]["BitTexts"] & {
+            /** @enum {string} */
+            function: "bitTexts";
+        }) | (components["schemas"]["Format"] & {
+            /** @enum {string} */
+            function: "format";
+        }) | (components["schemas"]["Parse"] & {
+            /** @enum {string} */
+            function: "parse";
+        }) | (components["schemas"]["Expression"] & {
+            /** @enum {string} */
+            function: "expression";
+        }) | (components["schemas"]["Merge"] & {
+            /** @enum {string} */
+            function: "merge";
+        }) | (components["schemas"]["Script"] & {
+            /** @enum {string} */
+            function: "script";
+        });
+        /** @description What one function made of its value. */
+        StepView: {
+            /** @description The function. */
+            function: string;
+            /** @description Why it failed. */
+            message?: string | null;
+            value?: components["schemas"]["ShownValue"] | null;
+        };
+        /** @description A remark as it was made. */
+        StoredComment: {
+            /** @description Who says it. */
+            authorId: string;
+            /** @description The request talked about, if one. */
+            dynamicDataRequestId?: string | null;
+            /** @description The field talked about, if one. */
+            fieldName?: string | null;
+            /**
+             * Format: int64
+             * @description Its number.
+             */
+            id: number;
+            /** @description Said by this factory. */
+            isOwn: boolean;
+            /** @description What is said. */
+            text: string;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            writtenAt: string;
+        };
+        /** @description Whether a number is above a limit, with hysteresis. */
+        Threshold: {
+            above?: components["schemas"]["Literal"] | null;
+            below?: components["schemas"]["Literal"] | null;
+            /** @description At or above this it is above. */
+            limit: components["schemas"]["Number"];
+            release?: components["schemas"]["Number"] | null;
+        };
+        /** @description Whether a certificate is trusted. */
+        TrustBody: {
+            /** @description True: connections to the server are allowed. */
+            isTrusted: boolean;
+        };
+        /**
+         * @description Whether a certificate is trusted.
+         * @enum {string}
+         */
+        TrustState: "trusted" | "rejected";
+        /** @description A type's identity and name. */
+        TypeName: {
+            /** @description Its browse name without the namespace; empty where the server does not know the type. */
+            name: string;
+            /** @description Its identity. */
+            nodeId: string;
+        };
+        /** @description From one unit of measurement to another of the same kind, by UNECE codes. */
+        UnitConversion: {
+            /** @description The unit that comes in; the first input's unit where absent. */
+            from?: string | null;
+            /** @description The unit that goes out; the target's unit where absent. */
+            to?: string | null;
+        };
+        /** @description A unit as the server gives it. */
+        UnitName: {
+            /** @description The UNECE code behind it (`C16`), where the unit is one of them. */
+            code?: string | null;
+            /** @description What people see: `mm/s`. */
+            displayName: string;
+        };
+        /** @description The outcome of a verification. */
+        Verification: {
+            /**
+             * Format: int64
+             * @description Checkpoints verified.
+             */
+            checkpoints: number;
+            /**
+             * Format: int64
+             * @description Entries verified.
+             */
+            entries: number;
+            /**
+             * Format: int64
+             * @description How many faults there are.
+             */
+            faultCount: number;
+            /** @description The first hundred of them. */
+            faultList: components["schemas"]["LedgerFault"][];
+            /**
+             * Format: int64
+             * @description Of these, how many could be compared with the values they commit to.
+             */
+            valuesCompared: number;
+            /**
+             * Format: int64
+             * @description Values that retention has emptied.
+             */
+            valuesEmptied: number;
+        };
+        /** @description The outcome of a verification. */
+        VerificationView: components["schemas"]["Verification"] & {
+            /** @description How many chains there are. */
+            chains: number;
+            /** @description The first thing that is wrong, in words. */
+            fault?: string | null;
+            /** @description Nothing is wrong. */
+            valid: boolean;
+        };
+        /**
+         * @description A day of the week.
+         * @enum {string}
+         */
+        Weekday: "MONDAY" | "TUESDAY" | "WEDNESDAY" | "THURSDAY" | "FRIDAY" | "SATURDAY" | "SUNDAY";
+        /**
+         * @description An aggregate over the last values (`samples`) or the last span of time (`durationMs`); exactly one of the two. Over
+         *     time it also changes when values leave the window. At most 4096 values are kept; beyond, the oldest leave early.
+         */
+        Window: {
+            /** @description What is computed. */
+            aggregate: components["schemas"]["Aggregate"];
+            /**
+             * Format: int64
+             * @description How long back from the newest value, in milliseconds.
+             */
+            durationMs?: number | null;
+            /**
+             * Format: int32
+             * @description How many values.
+             */
+            samples?: number | null;
+        };
+        /** @description The hours in which values may leave; what changes outside of them leaves, newest only, when they begin. */
+        WorkingHours: {
+            /** @description The days. */
+            days: components["schemas"]["Weekday"][];
+            /**
+             * @description The first minute, `HH:MM`.
+             * @example 06:00
+             */
+            from: string;
+            /**
+             * @description The first minute no more, `HH:MM`; later than `from`.
+             * @example 22:00
+             */
+            until: string;
+            /**
+             * Format: int32
+             * @description How far the plant's clock is ahead of UTC, in minutes.
+             */
+            utcOffsetMinutes?: number;
+        };
+    };
+    responses: never;
+    parameters: never;
+    requestBodies: never;
+    headers: never;
+    pathItems: never;
+}
+export type $defs = Record<string, never>;
+export type operations = Record<string, never>;

@@ -1,0 +1,136 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { Problem } from '@/transport/problem'
+import { session } from '@/transport/session.svelte'
+import type { EntryOutcome, OperatorOperation } from '../api/types'
+import { expected, today, type Entry, type KeptEntry } from './entries'
+import type { Keep } from './kept-entries'
+import { Outbox } from './outbox.svelte'
+
+const place = { operationNetworkId: 'n', operationId: 'o' }
+const operation = (more: Partial<OperatorOperation['standing']> = {}): OperatorOperation => ({
+  ...place,
+  operationType: 'PRODUCTION',
+  standing: { goodQuantity: 5, scrapQuantity: 0, ...more },
+  buttons: { start: true, addGood: true, addScrap: true, done: true, problem: true },
+  fields: [],
+})
+
+/** A disk that outlives pages. */
+class Disk implements Keep {
+  kept: KeptEntry[] = []
+  entries = (): Promise<KeptEntry[]> => Promise.resolve([...this.kept])
+  put = (entry: KeptEntry): Promise<void> => {
+    this.kept.push(entry)
+    return Promise.resolve()
+  }
+  drop = (entryId: string): Promise<void> => {
+    this.kept = this.kept.filter(({ entry }) => entry.entryId !== entryId)
+    return Promise.resolve()
+  }
+  operations = (): Promise<undefined> => Promise.resolve(undefined)
+  putOperations = (): Promise<void> => Promise.resolve()
+}
+
+/** A connector that counts each entry once, and can be out of reach. */
+class Connector {
+  isReachable = true
+  taken: Entry[] = []
+  send = (_: string, entries: Entry[]): Promise<EntryOutcome[]> => {
+    if (!this.isReachable) return Promise.reject(new Problem({ title: 'unreachable', status: 0, faults: [] }))
+    const outcomes = entries.map((entry): EntryOutcome => {
+      const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
+      if (!isKnown) this.taken.push(entry)
+      return { entryId: entry.entryId, result: isKnown ? 'REPEATED' : 'TAKEN' }
+    })
+    return Promise.resolve(outcomes)
+  }
+}
+
+function signIn(userName: string): void {
+  session.state = { is: 'signedIn', who: { userName, role: 'OPERATOR', csrfToken: 't' } }
+}
+
+describe('what a card shows', () => {
+  it('lays what waits over what the connector says', () => {
+    const entries = [
+      { ...place, entryId: '2', madeAt: '2026-01-01T08:01:00Z', action: 'ADD', quantity: 2, piece: 'GOOD' },
+      { ...place, entryId: '1', madeAt: '2026-01-01T08:00:00Z', action: 'START' },
+      { ...place, entryId: '3', madeAt: '2026-01-01T08:02:00Z', action: 'ADD', quantity: -1, piece: 'GOOD' },
+      { ...place, entryId: '4', madeAt: '2026-01-01T08:03:00Z', action: 'PROBLEM', text: 'Tool broken' },
+      { ...place, operationId: 'another', entryId: '5', madeAt: '2026-01-01T08:03:00Z', action: 'DONE' },
+    ] satisfies Entry[]
+    expect(expected(operation(), entries)).toEqual({ state: 'Interrupted', good: 6, scrap: 0, problem: 'Tool broken', waiting: 4 })
+  })
+  it('covers the day of this place', () => {
+    const { from, until } = today(new Date(2026, 2, 29, 13))
+    expect([new Date(from).getHours(), new Date(until).getHours(), new Date(until).getDate()]).toEqual([0, 0, 30])
+  })
+})
+
+describe('entries on their way', () => {
+  let disk: Disk
+  let connector: Connector
+  const open = (): { outbox: Outbox; close: () => void } => {
+    const outbox = new Outbox(disk, () => undefined, connector.send)
+    return { outbox, close: outbox.open() }
+  }
+  beforeEach(() => {
+    vi.useFakeTimers()
+    disk = new Disk()
+    connector = new Connector()
+    signIn('eva')
+  })
+  afterEach(() => {
+    vi.useRealTimers()
+  })
+
+  it('leave the queue when the connector answered for them', async () => {
+    const { outbox, close } = open()
+    outbox.say(place, { action: 'START' })
+    expect(outbox.own).toHaveLength(1)
+    await vi.advanceTimersByTimeAsync(10)
+    expect([connector.taken.length, outbox.own.length, disk.kept.length]).toEqual([1, 0, 0])
+    close()
+  })
+  it('wait on the disk through an outage and a reload, keep id and time, and count once', async () => {
+    connector.isReachable = false
+    const before = open()
+    const entry = before.outbox.say(place, { action: 'ADD', quantity: 1, piece: 'GOOD' })
+    await vi.advanceTimersByTimeAsync(60_000)
+    expect(before.outbox.failingSince).toBeDefined()
+    before.close()
+
+    connector.isReachable = true
+    connector.taken.push(entry) // It had arrived, and only the answer was lost.
+    const after = open()
+    await vi.advanceTimersByTimeAsync(10)
+    expect(connector.taken).toEqual([entry])
+    expect([after.outbox.own.length, disk.kept.length, after.outbox.failingSince]).toEqual([0, 0, undefined])
+    after.close()
+  })
+  it('of another person wait for that person', async () => {
+    connector.isReachable = false
+    const eva = open()
+    eva.outbox.say(place, { action: 'START' })
+    await vi.advanceTimersByTimeAsync(10)
+    eva.close()
+
+    connector.isReachable = true
+    signIn('otto')
+    const otto = open()
+    await vi.advanceTimersByTimeAsync(10)
+    expect([otto.outbox.own.length, otto.outbox.foreign, connector.taken.length]).toEqual([0, 1, 0])
+    otto.close()
+  })
+  it('that are refused are told and leave', async () => {
+    const outbox = new Outbox(disk, () => undefined, (_, entries) => Promise.resolve(entries.map(({ entryId }) => ({ entryId, result: 'REFUSED' as const, message: 'The operation was withdrawn.' }))))
+    const close = outbox.open()
+    const { entryId } = outbox.say(place, { action: 'DONE' })
+    await vi.advanceTimersByTimeAsync(10)
+    expect(outbox.refused.map(({ message }) => message)).toEqual(['The operation was withdrawn.'])
+    expect(disk.kept).toEqual([])
+    outbox.forgive(entryId)
+    expect(outbox.refused).toEqual([])
+    close()
+  })
+})
