@@ -6,8 +6,10 @@
 
 mod document;
 mod fault;
+mod shown;
 
 pub use fault::{ConfigurationError, ConfigurationFault, Origin};
+pub use shown::{Setting, shown};
 
 use std::path::Path;
 
@@ -25,12 +27,29 @@ const FAULTS_MAX: usize = 50;
 /// # Errors
 /// [`ConfigurationError`] with every fault that could be found at once: file, line, key, what is wrong, and the remedy.
 pub fn load<T: DeserializeOwned>(path: Option<&Path>, env_prefix: &str) -> Result<T, ConfigurationError> {
-    let text = match path {
-        None => String::new(),
-        Some(path) => std::fs::read_to_string(path)
-            .map_err(|source| ConfigurationError::ReadFile { path: path.to_owned(), source })?,
-    };
-    parse(path, &text, env_prefix, std::env::vars())
+    parse(path, &read(path)?, env_prefix, std::env::vars())
+}
+
+/// The text of a configuration file; nothing where there is none.
+fn read(path: Option<&Path>) -> Result<String, ConfigurationError> {
+    path.map_or_else(
+        || Ok(String::new()),
+        |path| {
+            std::fs::read_to_string(path)
+                .map_err(|source| ConfigurationError::ReadFile { path: path.to_owned(), source })
+        },
+    )
+}
+
+/// Lays those variables over a document that carry the prefix and address it.
+fn variables_over(document: &mut Document, env_prefix: &str, variables: impl IntoIterator<Item = (String, String)>) {
+    let prefix = format!("{env_prefix}_");
+    for (name, value) in variables {
+        let Some(rest) = name.strip_prefix(&prefix) else { continue };
+        if !RESERVED_NAMES.contains(&rest) {
+            document.override_with(&name, rest, &value);
+        }
+    }
 }
 
 /// As [`load`], from a text and variables given. `path` only names the text in errors.
@@ -44,13 +63,7 @@ pub fn parse<T: DeserializeOwned>(
     variables: impl IntoIterator<Item = (String, String)>,
 ) -> Result<T, ConfigurationError> {
     let mut document = Document::parse(path, text, env_prefix)?;
-    let prefix = format!("{env_prefix}_");
-    for (name, value) in variables {
-        let Some(rest) = name.strip_prefix(&prefix) else { continue };
-        if !RESERVED_NAMES.contains(&rest) {
-            document.override_with(&name, rest, &value);
-        }
-    }
+    variables_over(&mut document, env_prefix, variables);
 
     // Each round finds one fault; what is at fault is taken out and the rest is tried again, so that the user sees
     // all faults at once and not one per start.

@@ -2,6 +2,7 @@
 
 mod accounts;
 mod comments;
+mod configuration;
 mod events;
 mod fields;
 mod inbox;
@@ -19,6 +20,7 @@ use std::{path::PathBuf, sync::Arc};
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
 use axum::{Json, Router, extract::DefaultBodyLimit, middleware, routing::get};
 use daemon::{
+    configuration::Setting,
     telemetry::Metrics,
     web::{
         assets::with_app,
@@ -80,6 +82,8 @@ pub struct Parts {
     pub encoding: Encoding,
     /// Ends live streams.
     pub shutdown: CancellationToken,
+    /// What it runs with, to read.
+    pub settings: Vec<Setting>,
     /// Cookies are for TLS only.
     pub has_tls: bool,
 }
@@ -177,6 +181,7 @@ fn guarded() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
         .routes(routes!(session::show, session::sign_out))
         .routes(routes!(status::show))
+        .routes(routes!(configuration::show))
         .routes(routes!(inbox::list))
         .routes(routes!(inbox::networks))
         .routes(routes!(inbox::network))

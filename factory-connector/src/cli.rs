@@ -25,6 +25,9 @@ use factory_connector::{
 /// Time for all tasks together to finish after the first signal.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
 
+/// What variables that override the file begin with.
+const ENVIRONMENT: &str = "VERBUND";
+
 /// The connector of one factory.
 #[derive(Debug, Parser)]
 #[command(name = "factory-connector", version, about)]
@@ -176,7 +179,8 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
 }
 
 fn load(path: Option<&Path>) -> anyhow::Result<ConnectorConfig> {
-    let config: ConnectorConfig = configuration::load(path, "VERBUND")?;
+    let mut config: ConnectorConfig = configuration::load(path, ENVIRONMENT)?;
+    config.settings = configuration::shown(path, ENVIRONMENT, EXAMPLE)?;
     let faults = config.faults();
     if faults.is_empty() {
         return Ok(config);

@@ -8,7 +8,7 @@ use std::{
 };
 
 use asi_model::pubsub::json::Encoding;
-use daemon::{Confidential, telemetry::LogConfig, web::server::TlsFiles};
+use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
@@ -38,6 +38,9 @@ pub struct ConnectorConfig {
     pub admin: AdminConfig,
     /// Logging.
     pub log: LogConfig,
+    /// All of this to read, as the page shows it.
+    #[serde(skip)]
+    pub settings: Vec<Setting>,
 }
 
 impl Default for ConnectorConfig {
@@ -51,6 +54,7 @@ impl Default for ConnectorConfig {
             mapping: MappingEngineConfig::default(),
             admin: AdminConfig::default(),
             log: LogConfig::default(),
+            settings: Vec::new(),
         }
     }
 }

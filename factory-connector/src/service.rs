@@ -146,6 +146,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             data_directory: directory,
             encoding: config.reports.encoding,
             shutdown: shutdown.clone(),
+            settings: config.settings.clone(),
             has_tls: tls.is_some(),
         }),
         tls.is_some(),

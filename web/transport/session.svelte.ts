@@ -10,6 +10,14 @@ export interface SignedIn {
 
 type State = { is: 'asking' } | { is: 'signedOut'; expired: boolean } | { is: 'signedIn'; who: SignedIn } | { is: 'unreachable'; problem: Problem }
 
+/** Who was signed in last in this browser: enough to let that person's page open while the server is out of reach. */
+export interface Known {
+  userName: string
+  role: string
+}
+
+const KEPT_AS = 'verbund.known'
+
 class Session {
   state = $state.raw<State>({ is: 'asking' })
 
@@ -21,6 +29,11 @@ class Session {
 
   get who(): SignedIn | undefined {
     return this.state.is === 'signedIn' ? this.state.who : undefined
+  }
+
+  /** Who is signed in or, while that cannot be asked, who was. */
+  get known(): Known | undefined {
+    return this.who ?? (this.state.is === 'unreachable' ? remembered() : undefined)
   }
 
   /** Asks the server whether the cookie that this browser holds is still good. */
@@ -45,12 +58,23 @@ class Session {
 
   #enter(who: SignedIn): void {
     credentials.csrfToken = who.csrfToken
+    localStorage.setItem(KEPT_AS, JSON.stringify({ userName: who.userName, role: who.role }))
     this.state = { is: 'signedIn', who }
   }
 
   #leave(expired: boolean): void {
     credentials.csrfToken = undefined
+    localStorage.removeItem(KEPT_AS)
     this.state = { is: 'signedOut', expired }
+  }
+}
+
+function remembered(): Known | undefined {
+  try {
+    const kept: unknown = JSON.parse(localStorage.getItem(KEPT_AS) ?? 'null')
+    return kept !== null && typeof kept === 'object' && 'userName' in kept && 'role' in kept ? { userName: String(kept.userName), role: String(kept.role) } : undefined
+  } catch {
+    return undefined
   }
 }
 

@@ -104,6 +104,15 @@ impl Document {
         ConfigurationFault { origin: self.origin(keys), key: keys.join("."), message, remedy }
     }
 
+    /// Who says a setting, for people.
+    pub(super) fn said_by(&self, keys: &[String]) -> Option<String> {
+        match self.origin(keys) {
+            Origin::File { path, line } => Some(format!("{path}:{line}")),
+            Origin::Variable { name } => Some(format!("environment variable {name}")),
+            Origin::Nowhere => None,
+        }
+    }
+
     /// Where the setting, or the nearest table around it, is said.
     fn origin(&self, keys: &[String]) -> Origin {
         for length in (1..=keys.len()).rev() {

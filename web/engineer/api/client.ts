@@ -20,10 +20,12 @@ import type {
   OperatorOperation,
   Page,
   Preview,
+  Setting,
   Source,
   SourceConfig,
   SpoolStatus,
   Status,
+  Suggestions,
   ValueSource,
   Verification,
 } from './types'
@@ -33,7 +35,10 @@ const fieldPath = (key: FieldKey): string => path('fields', key.operationNetwork
 /** The connector's API. */
 export const connector = {
   status: async (signal?: AbortSignal): Promise<Status> => statusOf(await request<StatusAnswer>('GET', '/status', { signal })),
+  configuration: (signal?: AbortSignal) => request<Page<Setting>>('GET', '/configuration', { signal }),
   inbox: (cursor?: string, signal?: AbortSignal) => request<Page<InboxRequest>>('GET', `/inbox${query({ cursor })}`, { signal }),
+  suggestions: (key: FieldKey, limit: number, signal?: AbortSignal) => request<Suggestions>('GET', `${fieldPath(key)}/suggestions${query({ limit })}`, { signal }),
+
   comments: (network: string, signal?: AbortSignal) => request<Page<Comment>>('GET', path('operation-networks', network, 'comments'), { signal }),
   comment: (network: string, comment: NewComment) => request<unknown>('POST', path('operation-networks', network, 'comments'), { body: comment }),
 

@@ -1,6 +1,104 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
+    "/api/v1/configuration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists every setting with its meaning, default and value, and who set it. Secrets are not shown. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_Setting"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/dead-letters": {
         parameters: {
             query?: never;
@@ -1901,6 +1999,10 @@ export interface paths {
                 query?: {
                     /** @description The node whose children to list; the Objects folder without it. */
                     parent?: string;
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: number;
+                    /** @description Children per page, 500 without it, at most 1000. */
+                    limit?: number;
                 };
                 header?: never;
                 path: {
@@ -1915,7 +2017,7 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": components["schemas"]["BrowsedNode"][];
+                        "application/json": components["schemas"]["Page_BrowsedNode"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -2865,6 +2967,44 @@ export interface components {
          */
         Overflow: "fault" | "clamp";
         /** @description A page of a list. */
+        Page_BrowsedNode: {
+            /** @description The items. */
+            items: {
+                /** @description Its browse name, as an element of a browse path. */
+                browseName: string;
+                browsePath?: components["schemas"]["BrowsePath"] | null;
+                /** @description The built-in type that carries the value: itself, or the base of an enumeration or structure. */
+                builtInType?: string | null;
+                dataType?: components["schemas"]["TypeName"] | null;
+                /** @description What it is, where the server says so. */
+                description?: string | null;
+                /** @description Its name for people. */
+                displayName: string;
+                /** @description True where there is something below it. */
+                hasChildren: boolean;
+                /** @description True where this user may write the value. */
+                isWritable: boolean;
+                /** @description Which kind of node it is. */
+                nodeClass: components["schemas"]["NodeClass"];
+                /** @description Its identity. */
+                nodeId: string;
+                /** @description The usual range of an analog variable, low and high. */
+                range?: [
+                    number,
+                    number
+                ] | null;
+                typeDefinition?: components["schemas"]["TypeName"] | null;
+                unit?: components["schemas"]["UnitName"] | null;
+                /**
+                 * Format: int32
+                 * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
+                 */
+                valueRank?: number | null;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_DeadLetter: {
             /** @description The items. */
             items: {
@@ -2981,6 +3121,28 @@ export interface components {
                  * @description Until when.
                  */
                 validUntil?: string | null;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_Setting: {
+            /** @description The items. */
+            items: {
+                /** @description What it is without being said, as TOML; none where it is absent then. */
+                default?: string | null;
+                /** @description It is set to something that is not shown. */
+                isHidden: boolean;
+                /** @description Its name. */
+                key: string;
+                /** @description What it means. */
+                meaning: string;
+                /** @description Who says so: a line of the file or a variable of the environment. */
+                origin?: string | null;
+                /** @description The section it stands in; empty at the top. */
+                section: string;
+                /** @description What it was set to, as TOML; none where the default holds. Secrets are not shown. */
+                value?: string | null;
             }[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
@@ -3244,6 +3406,23 @@ export interface components {
             csrfToken: string;
             role: components["schemas"]["Role"];
             userName: string;
+        };
+        /** @description One setting as a person reads it. */
+        Setting: {
+            /** @description What it is without being said, as TOML; none where it is absent then. */
+            default?: string | null;
+            /** @description It is set to something that is not shown. */
+            isHidden: boolean;
+            /** @description Its name. */
+            key: string;
+            /** @description What it means. */
+            meaning: string;
+            /** @description Who says so: a line of the file or a variable of the environment. */
+            origin?: string | null;
+            /** @description The section it stands in; empty at the top. */
+            section: string;
+            /** @description What it was set to, as TOML; none where the default holds. Secrets are not shown. */
+            value?: string | null;
         };
         /**
          * @description How bad a diagnostic is.

@@ -133,6 +133,7 @@ export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipi
   lastSequence?: number | null
 }
 
+export type Setting = Schemas['Setting']
 export type Verification = Schemas['VerificationView']
 export type DeadLetter = Schemas['DeadLetter']
 export type Comment = Schemas['StoredComment']
@@ -185,4 +186,26 @@ export interface EntryOutcome {
   result: 'TAKEN' | 'REPEATED' | 'REFUSED'
   code?: string | null
   message?: string | null
+}
+
+/** A variable that might be meant by a field, with the reasons and the mapping that taking it would make. */
+export interface Suggestion {
+  sourceId: string
+  nodeId: string
+  /** Names from the Objects folder down. */
+  place: string[]
+  /** 20 to 100. */
+  score: number
+  reasons: { kind: string; points: number; text: string }[]
+  description?: string | null
+  valueType?: string | null
+  unit?: string | null
+  value?: DataValue | null
+  mapping: Mapping
+}
+
+export interface Suggestions {
+  items: Suggestion[]
+  /** How far each server was listed. */
+  sources: { sourceId: string; variables: number; isComplete: boolean; listedAt?: string | null; problem?: string | null }[]
 }

@@ -71,6 +71,19 @@ export class Draft {
     })
   }
 
+  /** Takes a whole mapping, as a suggestion or a template makes it. Returns how to go back. */
+  adopt(mapping: Mapping): () => void {
+    const [inputs, steps, source] = [$state.snapshot(this.inputs), $state.snapshot(this.steps), this.source]
+    this.source = 'MAPPING'
+    this.inputs = structuredClone(mapping.inputs)
+    this.steps = structuredClone(mapping.steps)
+    return () => {
+      this.source = source
+      this.inputs = inputs as MappingInput[]
+      this.steps = steps as Step[]
+    }
+  }
+
   drop(index: number): void {
     this.inputs.splice(index, 1)
   }

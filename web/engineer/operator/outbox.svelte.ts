@@ -123,7 +123,7 @@ export class Outbox {
   }
 
   get #userName(): string {
-    return session.who?.userName ?? ''
+    return session.known?.userName ?? ''
   }
 
   async #settle(batch: readonly Entry[], outcomes: readonly EntryOutcome[]): Promise<void> {

@@ -3,6 +3,7 @@ import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed } from '../api/client'
 import type { OperatorOperation } from '../api/types'
 import { today } from './entries'
+import { keepPage } from './keep-page'
 import { BrowserKeep } from './kept-entries'
 import { Outbox } from './outbox.svelte'
 
@@ -19,6 +20,7 @@ export class Shift {
   /** Starts reading, listening and delivering. Returns how to stop. */
   open(): () => void {
     void this.#start()
+    keepPage().catch(() => undefined)
     const stops = [this.outbox.open(), feed.keepFresh(['operator', 'inbox'], this.operations), feed.onCatchUp(() => void this.outbox.deliver()), poll(EVERY_MS, this.operations)]
     return () => {
       for (const stop of stops) stop()

@@ -1,0 +1,28 @@
+import { describe, expect, it } from 'vitest'
+import { awaited, grouped } from './certificates.svelte'
+import { suggestedId } from './source-id'
+
+describe('the id of a new source', () => {
+  it.each([
+    ['opc.tcp://press-1.hall2.example:4840/UA', 'press-1'],
+    ['opc.tcp://127.0.0.1:50001', '127-0-0-1-50001'],
+    ['opc.tcp://[fe80::1]:4841', 'fe80-1-4841'],
+    ['opc.tcp://press', 'press-2'],
+    ['opc.tcp://', ''],
+    ['http://x', ''],
+  ])('of %s is %s', (url, id) => {
+    expect(suggestedId(url, ['press'])).toBe(id)
+  })
+})
+
+describe('certificates', () => {
+  const certificate = { thumbprint: 'ab12cd34', subject: 'CN=Press', trust: 'rejected' } as const
+  it('are found by the thumbprint that the problem names', () => {
+    const problem = (kind: 'serverCertificateUntrusted' | 'unreachable') => ({ problem: { kind, message: 'CN=Press, thumbprint AB12CD34.', remedy: '' } })
+    expect(awaited(problem('serverCertificateUntrusted'), [certificate])).toBe(certificate)
+    expect(awaited(problem('unreachable'), [certificate])).toBeUndefined()
+  })
+  it('are compared in groups', () => {
+    expect(grouped('ab12cd34ef')).toBe('AB12 CD34 EF')
+  })
+})
