@@ -7,6 +7,7 @@ mod events;
 mod fields;
 mod inbox;
 mod ledger;
+mod operator;
 mod preview;
 mod problems;
 mod session;
@@ -187,6 +188,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(inbox::network))
         .routes(routes!(fields::decide))
         .routes(routes!(fields::enter))
+        .routes(routes!(operator::operations))
+        .routes(routes!(operator::entries, operator::deliver))
         .routes(routes!(preview::preview))
         .routes(routes!(sources::list, sources::add))
         .routes(routes!(sources::change, sources::remove))

@@ -7,6 +7,7 @@
 mod aftermath;
 mod decisions;
 mod field;
+mod operator;
 mod requests;
 mod spool;
 #[cfg(test)]
@@ -29,10 +30,12 @@ use uuid::Uuid;
 pub use aftermath::{Aftermath, ConnectorEvent, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision};
+pub use operator::EntryOutcome;
 pub use writer::Writer;
 
 use crate::{
     ledger::{Event, Heads, SequenceRange},
+    operator::{Journal, OperationKey},
     store::{Changes, ControlRow, Snapshot, StoreError, WaitingRow},
 };
 
@@ -63,6 +66,8 @@ pub struct Books {
     pub(crate) fields: HashMap<FieldKey, Field>,
     pub(crate) writers: BTreeMap<u16, Writer>,
     pub(crate) writer_of: HashMap<RequestKey, u16>,
+    /// What people entered, per operation.
+    pub(crate) journals: HashMap<OperationKey, Journal>,
     pub(crate) heads: Heads,
     pub(crate) checkpoint: Option<(u64, DateTime)>,
     /// Writers whose data set has news.
@@ -91,6 +96,7 @@ impl Books {
             fields: HashMap::new(),
             writers: BTreeMap::new(),
             writer_of: HashMap::new(),
+            journals: HashMap::new(),
             heads: snapshot.heads,
             checkpoint: snapshot.last_checkpoint,
             dirty_writers: BTreeSet::new(),
@@ -109,6 +115,9 @@ impl Books {
                 received_at: stored.received_at,
             };
             books.networks.insert(stored.operation_network_id, network);
+        }
+        for entry in snapshot.operator_entries {
+            books.journals.entry(entry.operation.clone()).or_default().insert(entry);
         }
         for (id, row) in snapshot.writers {
             books.load_writer(id, row);

@@ -6,6 +6,7 @@
 //! - [`store`]: the durable file.
 //! - [`disclosure`]: the one gate through which values leave.
 //! - [`ledger`]: everything that left, provable.
+//! - [`operator`]: what people enter about operations without a machine.
 //! - [`values`]: values as stored and as shown.
 
 pub mod api;
@@ -15,6 +16,7 @@ pub mod desk;
 pub mod disclosure;
 pub mod enrolment;
 pub mod ledger;
+pub mod operator;
 pub mod outbox;
 pub mod service;
 pub mod store;

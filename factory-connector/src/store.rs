@@ -11,6 +11,7 @@ mod ledger;
 mod load;
 mod lookups;
 mod open;
+mod operator;
 mod rows;
 mod spool;
 

@@ -1,7 +1,7 @@
 //! Decisions about fields, and values that people enter.
 
 use asi_model::{
-    BuiltInType, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId, RequestKey,
+    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId, RequestKey,
     messages::{MappingState, ValueSource},
 };
 use axum::{Json, extract::State};
@@ -17,10 +17,10 @@ use super::{
     view::FieldView,
 };
 use crate::{
-    books::Verdict,
-    desk::{Taken, now},
+    books::{EntryOutcome, Verdict},
+    desk::now,
     disclosure::{DisclosurePolicy, Outcome},
-    values::typed_value,
+    operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
 
 /// The parts of a field's path.
@@ -164,25 +164,57 @@ pub async fn enter(
 ) -> Result<Json<Entered>, Problem> {
     operator_only(&who)?;
     let field = key(path);
-    let wanted = field.clone();
-    let field_type: Option<BuiltInType> =
-        api.desk.read(move |books| books.field(&wanted).map(|field| field.definition.field_type.0)).await?;
-    let field_type = field_type.ok_or_else(|| Problem::not_found("such field"))?;
-    let value = typed_value(&body.value, field_type, now()).map_err(|message| {
-        let fault =
-            ProblemFault { pointer: "/value".to_owned(), code: "WRONG_TYPE".to_owned(), message: message.clone() };
-        Problem::unprocessable("WRONG_TYPE", message, vec![fault])
-    })?;
-    let (outcome, is_coarsened, until) = match api.desk.value(field, ValueSource::Manual, value).await? {
-        Taken::Through(Outcome::Disclosed { is_coarsened }) => ("DISCLOSED", is_coarsened, None),
-        Taken::Through(Outcome::Unchanged { is_coarsened }) => ("UNCHANGED", is_coarsened, None),
-        Taken::Through(Outcome::Withheld { until }) => ("WITHHELD", false, Some(until)),
-        Taken::Not(_) => {
-            return Err(Problem::conflict(
-                "NOT_MANUAL",
-                "This field takes no entered values; decide it with the source MANUAL first.",
-            ));
-        }
+    let operation = OperationKey {
+        operation_network_id: field.request.operation_network_id.clone(),
+        operation_id: field.request.operation_id.clone(),
     };
-    Ok(Json(Entered { outcome, is_coarsened, until }))
+    let wanted = field.clone();
+    if !api.desk.read(move |books| books.field(&wanted).is_some()).await? {
+        return Err(Problem::not_found("such field"));
+    }
+    // As it is stored, so that it is the same after a restart.
+    let moment = DateTime::from_unix_micros(now().unix_micros());
+    let entry = OperatorEntry {
+        entry_id: EntryId::fresh(),
+        operation,
+        made_at: moment,
+        received_at: moment,
+        made_by: who.principal.user_name.clone(),
+        action: Action::Value {
+            dynamic_data_request_id: field.request.dynamic_data_request_id.clone(),
+            field_name: field.field_name.clone(),
+            value: body.value,
+        },
+    };
+    let outcome = api.desk.enter(vec![entry]).await?.pop();
+    match outcome {
+        Some(EntryOutcome::Taken(taken)) => {
+            let outcome = taken.into_iter().find(|(key, _)| *key == field).map(|(_, outcome)| outcome);
+            outcome.map(|outcome| Json(outcome.into())).ok_or_else(not_manual)
+        }
+        Some(EntryOutcome::Refused(fault @ EntryFault::WrongType(_))) => {
+            let (code, message) = (fault.code().to_owned(), fault.to_string());
+            let listed = ProblemFault { pointer: "/value".to_owned(), code: code.clone(), message: message.clone() };
+            Err(Problem::unprocessable(&code, message, vec![listed]))
+        }
+        Some(EntryOutcome::Refused(EntryFault::TooMany)) => {
+            Err(Problem::conflict("TOO_MANY", EntryFault::TooMany.to_string()))
+        }
+        _ => Err(not_manual()),
+    }
+}
+
+fn not_manual() -> Problem {
+    Problem::conflict("NOT_MANUAL", "This field takes no entered values; decide it with the source MANUAL first.")
+}
+
+impl From<Outcome> for Entered {
+    fn from(outcome: Outcome) -> Self {
+        let (outcome, is_coarsened, until) = match outcome {
+            Outcome::Disclosed { is_coarsened } => ("DISCLOSED", is_coarsened, None),
+            Outcome::Unchanged { is_coarsened } => ("UNCHANGED", is_coarsened, None),
+            Outcome::Withheld { until } => ("WITHHELD", false, Some(until)),
+        };
+        Self { outcome, is_coarsened, until }
+    }
 }

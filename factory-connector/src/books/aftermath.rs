@@ -1,5 +1,6 @@
 //! What is to be done once a transaction is committed.
 
+use crate::operator::OperationKey;
 use asi_model::{DataValue, FieldKey, OperationNetworkId};
 use mapping_engine::{Mapping, MappingId, TransformState};
 
@@ -63,6 +64,8 @@ pub enum ConnectorEvent {
     Inbox(OperationNetworkId),
     /// A remark was made.
     Comment(OperationNetworkId),
+    /// Something was entered about an operation.
+    Operator(OperationKey),
     /// Link, spool, twin or sources changed.
     Status,
 }

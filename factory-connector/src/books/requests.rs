@@ -51,6 +51,7 @@ impl Books {
                 for (key, ..) in old.operation_network.fields() {
                     self.remove_field(&key);
                 }
+                self.journals.retain(|operation, _| operation.operation_network_id != id);
                 for (request, ..) in old.operation_network.requests() {
                     self.retire_writer(&request, GapCause::Withdrawn, now);
                 }

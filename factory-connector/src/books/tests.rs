@@ -18,7 +18,7 @@ fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMe
     let mut request = json!({ "dynamicDataRequestId": "R1", "requesterId": "acme", "recipientList": ["acme", "hull"],
         "purpose": "Plan", "updateFrequency": 1, "updateFrequencyUnit": "HOUR",
         "reportDataFormat": { "reportName": "Progress", "reportFieldList": [
-            { "name": "made", "type": 9, "unit": "PIECE" }, { "name": "note", "type": 12 } ] } });
+            { "name": "made", "type": 9, "unit": "PIECE", "semantic": "PRODUCED_QUANTITY" }, { "name": "note", "type": 12 } ] } });
     change(&mut request);
     serde_json::from_value(json!({ "messageId": format!("m{revision}"), "factoryId": "F", "collaborationId": "c",
         "revision": revision, "operationNetwork": { "operationNetworkId": "n", "operationList": [
@@ -35,6 +35,7 @@ fn books() -> Books {
         heads: Heads::default(),
         last_checkpoint: None,
         last_row: 0,
+        operator_entries: Vec::new(),
         sources: Vec::new(),
     };
     let mut books = Books::new(config, snapshot, false, at(0)).expect("empty books");
@@ -186,4 +187,58 @@ fn an_old_revision_changes_nothing() {
     let (changes, _) = books.take();
     assert!(changes.networks.is_empty() && changes.fields.is_empty());
     assert!(changes.controls.iter().any(|control| control.body.contains("UNCHANGED")));
+}
+
+fn entry(id: &str, action: Value, ms: i64) -> crate::operator::OperatorEntry {
+    crate::operator::OperatorEntry {
+        entry_id: id.to_owned().try_into().expect("an id"),
+        operation: crate::operator::OperationKey {
+            operation_network_id: "n".parse().expect("an id"),
+            operation_id: "op".parse().expect("an id"),
+        },
+        made_at: at(ms),
+        received_at: at(ms),
+        made_by: "otto".to_owned(),
+        action: serde_json::from_value(action).expect("an action"),
+    }
+}
+
+fn made(books: &Books) -> Option<Variant> {
+    books.field(&field("made")).and_then(|field| field.gate.disclosed()).map(|value| value.value.clone())
+}
+
+/// Entries of the operator's page take the way of all values: the decision must be Manual, and the gate coarsens.
+#[test]
+fn entries_go_through_the_gate_once() {
+    let mut books = books();
+    let taken = |outcome| match outcome {
+        EntryOutcome::Taken(fields) => fields.len(),
+        other => panic!("{other:?}"),
+    };
+    let add = json!({ "action": "ADD" });
+    assert_eq!(taken(books.enter(entry("a", add.clone(), 1), at(1))), 0, "nothing is open yet");
+    map(&mut books, "made", ValueSource::Manual, r#"{"roundingStep":2}"#);
+    assert_eq!(taken(books.enter(entry("b", add.clone(), 2), at(2))), 1);
+    assert_eq!(made(&books), Some(2_u64.into()));
+    assert_eq!(books.enter(entry("b", add.clone(), 2), at(3)), EntryOutcome::Repeated);
+    taken(books.enter(entry("late", json!({ "action": "ADD", "quantity": 3 }), -5), at(4)));
+    assert_eq!(made(&books), Some(6_u64.into()), "5 pieces in steps of 2");
+    let value = json!({ "action": "VALUE", "dynamicDataRequestId": "R1", "fieldName": "made", "value": "twelve" });
+    let refused = |outcome| match outcome {
+        EntryOutcome::Refused(fault) => fault.code(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused(books.enter(entry("c", value.clone(), 5), at(5))), "WRONG_TYPE");
+    map(&mut books, "made", ValueSource::External, "{}");
+    assert_eq!(refused(books.enter(entry("d", value, 6), at(6))), "NOT_MANUAL");
+    assert_eq!(taken(books.enter(entry("e", add, 7), at(7))), 0, "another source is decided");
+    let stored: Vec<_> =
+        books.take().0.operator_entries.iter().map(|entry| entry.entry_id.as_str().to_owned()).collect();
+    assert_eq!(stored, ["a", "b", "late", "e"], "only what was taken is stored");
+    books.network_withdrawn(
+        serde_json::from_value(json!({ "messageId": "w", "factoryId": "F", "operationNetworkId": "n", "revision": 9 }))
+            .expect("a withdrawal"),
+        at(8),
+    );
+    assert_eq!(refused(books.enter(entry("f", json!({ "action": "DONE" }), 8), at(8))), "UNKNOWN_OPERATION");
 }

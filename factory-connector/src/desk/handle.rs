@@ -8,8 +8,9 @@ use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::{
-    books::{Books, DecisionError, Verdict},
+    books::{Books, DecisionError, EntryOutcome, Verdict},
     disclosure::Outcome,
+    operator::OperatorEntry,
     store::SourceRow,
 };
 
@@ -49,6 +50,8 @@ pub enum Command {
     #[doc(hidden)]
     Decide(Box<DecideCommand>, oneshot::Sender<Result<(), DeskError>>),
     #[doc(hidden)]
+    Enter(Vec<OperatorEntry>, oneshot::Sender<Result<Vec<EntryOutcome>, DeskError>>),
+    #[doc(hidden)]
     Comment(Comment, oneshot::Sender<bool>),
     #[doc(hidden)]
     PutSource(SourceRow, oneshot::Sender<bool>),
@@ -69,6 +72,7 @@ pub struct DecideCommand {
 pub(super) enum Reply {
     Settle(Vec<Settlement>, oneshot::Sender<Vec<Settlement>>),
     Value(Taken, oneshot::Sender<Result<Taken, DeskError>>),
+    Entered(Vec<EntryOutcome>, oneshot::Sender<Result<Vec<EntryOutcome>, DeskError>>),
     Decided(oneshot::Sender<Result<(), DeskError>>),
     Done(oneshot::Sender<bool>),
 }
@@ -83,6 +87,9 @@ impl Reply {
             }
             Self::Value(taken, reply) => {
                 reply.send(if is_written { Ok(taken) } else { Err(DeskError::NotWritten) }).ok();
+            }
+            Self::Entered(outcomes, reply) => {
+                reply.send(if is_written { Ok(outcomes) } else { Err(DeskError::NotWritten) }).ok();
             }
             Self::Decided(reply) => {
                 reply.send(if is_written { Ok(()) } else { Err(DeskError::NotWritten) }).ok();
@@ -126,6 +133,14 @@ impl DeskHandle {
     /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
     pub async fn value(&self, field: FieldKey, source: ValueSource, value: DataValue) -> Result<Taken, DeskError> {
         self.ask(|reply| Command::Value(field, source, value, reply)).await?
+    }
+
+    /// What people entered about operations, in any order; answered when it is committed.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn enter(&self, entries: Vec<OperatorEntry>) -> Result<Vec<EntryOutcome>, DeskError> {
+        self.ask(|reply| Command::Enter(entries, reply)).await?
     }
 
     /// Decides about a field; answered when the decision is committed.

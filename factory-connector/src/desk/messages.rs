@@ -51,6 +51,11 @@ impl Desk {
                 self.oldest_unwritten.get_or_insert_with(Instant::now);
                 self.replies.push(Reply::Value(taken, reply));
             }
+            Command::Enter(entries, reply) => {
+                let outcomes = entries.into_iter().map(|entry| self.books.enter(entry, now)).collect();
+                self.oldest_unwritten.get_or_insert_with(Instant::now);
+                self.replies.push(Reply::Entered(outcomes, reply));
+            }
             Command::Decide(command, reply) => {
                 match self.books.decide(&command.field, command.verdict, command.reason, &command.decided_by, now) {
                     Ok(()) => self.replies.push(Reply::Decided(reply)),

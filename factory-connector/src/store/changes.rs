@@ -7,7 +7,10 @@ use asi_model::{
     messages::{Comment, MappingState, ValueSource},
 };
 
-use crate::ledger::{LinkedEntry, SALT_BYTES};
+use crate::{
+    ledger::{LinkedEntry, SALT_BYTES},
+    operator::OperatorEntry,
+};
 
 /// Everything of one transaction. Later entries about the same thing win.
 #[derive(Debug, Default)]
@@ -46,6 +49,8 @@ pub struct Changes {
     pub comments: Vec<CommentRow>,
     /// What was rejected.
     pub dead_letters: Vec<DeadLetterRow>,
+    /// What people entered about operations.
+    pub operator_entries: Vec<OperatorEntry>,
     /// Sources that are new or changed.
     pub sources: Vec<SourceRow>,
     /// Sources that are gone.
@@ -73,6 +78,7 @@ impl Changes {
             && self.seen.is_empty()
             && self.comments.is_empty()
             && self.dead_letters.is_empty()
+            && self.operator_entries.is_empty()
             && self.sources.is_empty()
             && self.removed_sources.is_empty()
     }

@@ -27,6 +27,7 @@ impl Store {
         write_controls(&mut transaction, &changes).await?;
         write_ledger(&mut transaction, &changes).await?;
         write_sources(&mut transaction, &changes).await?;
+        super::operator::write(&mut transaction, &changes).await?;
         transaction.commit().await.map_err(StoreError::while_doing("commit a transaction"))
     }
 }

@@ -8,7 +8,10 @@ use serde::de::DeserializeOwned;
 use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 
 use super::{FieldRow, FieldValueRow, SourceRow, Store, StoreError, WriterRow};
-use crate::ledger::{Head, Heads};
+use crate::{
+    ledger::{Head, Heads},
+    operator::OperatorEntry,
+};
 
 /// A stored network.
 #[derive(Debug, Clone)]
@@ -38,6 +41,8 @@ pub struct Snapshot {
     pub last_checkpoint: Option<(u64, DateTime)>,
     /// The greatest number ever given in the spool.
     pub last_row: i64,
+    /// What people entered about operations.
+    pub operator_entries: Vec<OperatorEntry>,
     /// The sources.
     pub sources: Vec<SourceRow>,
 }
@@ -91,6 +96,7 @@ impl Store {
             .await?
             .pop(),
             last_row: last_row(connection).await?,
+            operator_entries: all(connection, super::operator::LOAD, super::operator::entry).await?,
             sources: all(connection, "SELECT source_id, config, password FROM source", |row| {
                 Ok(SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? })
             })

@@ -17,7 +17,10 @@ use uuid::Uuid;
 use super::StoreError;
 
 /// The migrations, oldest first. They only go forward and never change after a release.
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "initial", include_str!("../../migrations/0001_initial.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "initial", include_str!("../../migrations/0001_initial.sql")),
+    (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
+];
 
 const DATABASE_FILE: &str = "connector.sqlite";
 const LOCK_FILE: &str = "connector.lock";

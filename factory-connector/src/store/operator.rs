@@ -1,0 +1,56 @@
+//! What people entered at the operator's page.
+
+use asi_model::DateTime;
+use sqlx::{SqliteConnection, sqlite::SqliteRow};
+
+use super::{
+    Changes, StoreError,
+    load::{get, id},
+    rows::insert,
+};
+use crate::operator::{EntryId, OperationKey, OperatorEntry};
+
+/// Entries of networks that are still active; those of withdrawn ones go with their network.
+pub(super) const LOAD: &str =
+    "SELECT operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action FROM operator_entry";
+
+/// An entry from its row.
+pub(super) fn entry(row: &SqliteRow) -> Result<OperatorEntry, StoreError> {
+    let action: String = get(row, 6)?;
+    Ok(OperatorEntry {
+        operation: OperationKey { operation_network_id: id(row, 0)?, operation_id: id(row, 1)? },
+        entry_id: EntryId::try_from(get::<String>(row, 2)?).map_err(StoreError::unreadable("operator's entry"))?,
+        made_at: DateTime::from_unix_micros(get(row, 3)?),
+        received_at: DateTime::from_unix_micros(get(row, 4)?),
+        made_by: get(row, 5)?,
+        action: serde_json::from_str(&action).map_err(StoreError::unreadable("operator's entry"))?,
+    })
+}
+
+/// Writes new entries, and drops those of networks that are gone.
+pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+    for network in changes.networks.iter().filter(|network| network.message.is_none()) {
+        sqlx::query("DELETE FROM operator_entry WHERE operation_network_id = ?")
+            .bind(network.operation_network_id.to_string())
+            .execute(&mut *connection)
+            .await
+            .map_err(StoreError::while_doing("drop an operator's entries"))?;
+    }
+    insert(
+        connection,
+        "store an operator's entry",
+        "INSERT INTO operator_entry (operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action)",
+        "",
+        &changes.operator_entries,
+        |values, entry| {
+            values.push_bind(entry.operation.operation_network_id.to_string());
+            values.push_bind(entry.operation.operation_id.to_string());
+            values.push_bind(entry.entry_id.as_str().to_owned());
+            values.push_bind(entry.made_at.unix_micros());
+            values.push_bind(entry.received_at.unix_micros());
+            values.push_bind(entry.made_by.clone());
+            values.push_bind(serde_json::to_string(&entry.action).expect("actions have text keys"));
+        },
+    )
+    .await
+}
