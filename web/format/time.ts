@@ -53,6 +53,12 @@ export function shortMoment(at: string | number | Date): string {
   return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { day: '2-digit', month: 'short', hour: '2-digit', minute: '2-digit' }).format(new Date(at))
 }
 
+/** The name of a day of the week, 0 is Monday. */
+export function weekday(number: number, width: 'short' | 'long'): string {
+  // The first of January 2024 was a Monday.
+  return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { weekday: width, timeZone: 'UTC' }).format(new Date(Date.UTC(2024, 0, 1 + number)))
+}
+
 /** A day for reading. */
 export function day(at: string | number | Date): string {
   return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { dateStyle: 'medium' }).format(new Date(at))

@@ -5,6 +5,7 @@ import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answ
 import type {
   BrowsedNode,
   Certificate,
+  ClientCertificate,
   Comment,
   DataValue,
   DeadLetter,
@@ -16,6 +17,7 @@ import type {
   Found,
   InboxRequest,
   Mapping,
+  NewClientCertificate,
   NewComment,
   OperatorOperation,
   Page,
@@ -56,6 +58,9 @@ export const connector = {
   removeSource: (sourceId: string) => request<unknown>('DELETE', path('sources', sourceId)),
   certificates: (signal?: AbortSignal) => request<Page<Certificate>>('GET', '/source-certificates', { signal }),
   trust: (thumbprint: string, isTrusted: boolean) => request<Certificate>('PUT', path('source-certificates', thumbprint), { body: { isTrusted } }),
+  clientCertificates: (signal?: AbortSignal) => request<Page<ClientCertificate>>('GET', '/client-certificates', { signal }),
+  trustClient: (thumbprint: string, isTrusted: boolean) => request<ClientCertificate>('PUT', path('client-certificates', thumbprint), { body: { isTrusted } }),
+  addClientCertificate: (certificate: NewClientCertificate) => request<unknown>('POST', '/client-certificates', { body: certificate }),
   nodes: (sourceId: string, parent?: string, cursor?: string, signal?: AbortSignal) =>
     request<Page<BrowsedNode>>('GET', `${path('sources', sourceId, 'nodes')}${query({ parent, cursor })}`, { signal }),
   search: (sourceId: string, text: string, signal?: AbortSignal) => request<Found>('GET', `${path('sources', sourceId, 'search')}${query({ text, limit: 500 })}`, { signal }),

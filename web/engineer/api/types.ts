@@ -25,7 +25,14 @@ export type MappingState = 'PENDING' | 'MAPPED' | 'REFUSED'
 export type ValueSource = 'MAPPING' | 'MANUAL' | 'EXTERNAL'
 
 export type Role = Schemas['Role']
-export type Disclosure = Partial<Schemas['DisclosurePolicy']>
+/** How a field is coarsened. The parts below `workingHours` are younger than the others and may be absent in an older connector. */
+export type Disclosure = Partial<Schemas['DisclosurePolicy']> & {
+  significantDigits?: number | null
+  aggregate?: { function: 'LAST' | 'MAXIMUM' | 'MINIMUM' | 'SUM' | 'MEAN'; windowMs: number } | null
+  rateLimits?: { values: number; periodMs: number }[]
+  furtherHours?: WorkingHours[]
+  withholdWhile?: { field?: string | null; states: (string | number | boolean)[] }[]
+}
 export type WorkingHours = Schemas['WorkingHours']
 export type DataValue = Omit<Schemas['ShownValue'], 'value' | 'status'> & { value: unknown; status?: string | number | null }
 export type MappingInput = Omit<Schemas['MappingInput'], 'valueType'> & { valueType?: string | null }
@@ -117,6 +124,21 @@ export type Identity = { kind: 'anonymous' } | { kind: 'userName'; userName: str
 export type SourceConfig = Omit<Schemas['SourceConfig'], 'identity'> & { identity?: Identity }
 export type Source = SourceStatus & SourceConfig
 export type Certificate = Schemas['PeerCertificate']
+
+/** The certificate of an OPC UA client that has knocked at the twin. */
+export interface ClientCertificate {
+  thumbprint: string
+  subject: string
+  notBefore?: string | null
+  notAfter?: string | null
+  state: 'TRUSTED' | 'REJECTED'
+}
+
+export interface NewClientCertificate {
+  kind: 'CERTIFICATE' | 'ISSUER' | 'REVOCATION_LIST'
+  /** PEM, or DER in base64. */
+  content: string
+}
 
 export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash'> & {
   operationNetworkId?: string | null

@@ -60,11 +60,12 @@ export function expected(operation: OperatorOperation, waiting: readonly Entry[]
   return result
 }
 
-/** The day of this place, from midnight to midnight. */
-export function today(now = new Date()): { from: string; until: string } {
-  const from = new Date(now.getFullYear(), now.getMonth(), now.getDate())
-  const until = new Date(now.getFullYear(), now.getMonth(), now.getDate() + 1)
-  return { from: from.toISOString(), until: until.toISOString() }
+const DAYS_AHEAD = 7
+
+/** From this place's midnight to the next, and a week on: `until` is where what is asked for ends, `tomorrow` where today does. */
+export function today(now = new Date()): { from: string; tomorrow: string; until: string } {
+  const midnight = (days: number): string => new Date(now.getFullYear(), now.getMonth(), now.getDate() + days).toISOString()
+  return { from: midnight(0), tomorrow: midnight(1), until: midnight(DAYS_AHEAD) }
 }
 
 /** This moment, as it is written. */

@@ -62,8 +62,8 @@ describe('what a card shows', () => {
     expect(expected(operation(), entries)).toEqual({ state: 'Interrupted', good: 6, scrap: 0, problem: 'Tool broken', waiting: 4 })
   })
   it('covers the day of this place', () => {
-    const { from, until } = today(new Date(2026, 2, 29, 13))
-    expect([new Date(from).getHours(), new Date(until).getHours(), new Date(until).getDate()]).toEqual([0, 0, 30])
+    const { from, tomorrow } = today(new Date(2026, 2, 29, 13))
+    expect([new Date(from).getHours(), new Date(tomorrow).getHours(), new Date(tomorrow).getDate()]).toEqual([0, 0, 30])
   })
 })
 

@@ -5,8 +5,22 @@ import { connector } from '../api/client'
 import type { Certificate, SourceStatus } from '../api/types'
 import { texts } from '../language/texts'
 
+/** A certificate as the list shows it, whoever showed it. */
+export interface ShownCertificate {
+  thumbprint: string
+  subject: string
+  validTo?: string | null | undefined
+  keyBits?: number | null | undefined
+  isTrusted: boolean
+}
+
+/** The certificates of servers, as the list shows them. */
+export function ofServers(certificates: readonly Certificate[]): ShownCertificate[] {
+  return certificates.map(({ trust, ...others }) => ({ ...others, isTrusted: trust === 'trusted' }))
+}
+
 /** The certificate that a source waits for: its problem names the thumbprint. */
-export function awaited(source: Pick<SourceStatus, 'problem'>, certificates: readonly Certificate[]): Certificate | undefined {
+export function awaited(source: Pick<SourceStatus, 'problem'>, certificates: readonly ShownCertificate[]): ShownCertificate | undefined {
   if (source.problem?.kind !== 'serverCertificateUntrusted') return undefined
   const said = source.problem.message.toLowerCase()
   return certificates.find((certificate) => said.includes(certificate.thumbprint.toLowerCase()))
@@ -18,15 +32,20 @@ export function grouped(thumbprint: string): string {
 }
 
 /** Trusts a certificate or no longer, and offers the way back. */
-export async function setTrust(certificate: Certificate, isTrusted: boolean, list: Pick<Resource<Certificate[]>, 'refresh'>): Promise<void> {
+export async function setTrust(change: (isTrusted: boolean) => Promise<unknown>, isTrusted: boolean, list: Pick<Resource<ShownCertificate[]>, 'refresh'>): Promise<void> {
   try {
-    await connector.trust(certificate.thumbprint, isTrusted)
+    await change(isTrusted)
     toasts.show('good', isTrusted ? texts.certificates.trusted : texts.certificates.rejected, {
       label: words.action.undo,
-      run: () => void setTrust(certificate, !isTrusted, list),
+      run: () => void setTrust(change, !isTrusted, list),
     })
   } catch (failure) {
     toasts.problem(failure)
   }
   void list.refresh()
+}
+
+/** The same for a server's certificate. */
+export function trustServer(certificate: ShownCertificate, isTrusted: boolean, list: Pick<Resource<ShownCertificate[]>, 'refresh'>): Promise<void> {
+  return setTrust((wanted) => connector.trust(certificate.thumbprint, wanted), isTrusted, list)
 }
