@@ -24,6 +24,6 @@ export function app(name: 'engineer' | 'partner', backend: string): UserConfig {
       modulePreload: { polyfill: false },
       chunkSizeWarningLimit: 700,
     },
-    server: { proxy: { '/api': { target: backend, changeOrigin: false } } },
+    server: { proxy: { '/api/v1': { target: backend, changeOrigin: false } } },
   }
 }

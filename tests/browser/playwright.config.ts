@@ -19,6 +19,8 @@ export default defineConfig({
   },
   projects: [
     { name: 'story', testMatch: /story\.spec\.ts/ },
+    { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
+    { name: 'scale', testMatch: /scale\.spec\.ts/ },
     { name: 'accessibility', testMatch: /accessibility\.spec\.ts/ },
     { name: 'screenshots', testMatch: /screenshots\.spec\.ts/, timeout: 240_000 },
   ],

@@ -63,6 +63,13 @@ export async function api<T>(request: APIRequestContext, site: Site, path: strin
   return (await response.json()) as T
 }
 
+/** Changes something through the API with the page's own session. */
+export async function change(page: Page, site: Site, method: 'POST' | 'PUT' | 'DELETE', path: string, data?: unknown): Promise<void> {
+  const { csrfToken } = await api<{ csrfToken: string }>(page.request, site, '/session')
+  const response = await page.request.fetch(`${site.url.replace(/\/$/, '')}/api/v1${path}`, { method, headers: { 'x-csrf-token': csrfToken }, ...(data === undefined ? {} : { data }) })
+  expect(response.ok(), `${method} ${path} gave ${response.status()}: ${await response.text()}`).toBe(true)
+}
+
 interface Items<T> {
   items: T[]
 }
@@ -106,6 +113,7 @@ export async function places(page: Page, site: Site): Promise<{ name: string; ha
     ...at('field-manual', fields.find((field) => field.valueSource === 'MANUAL')),
     ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
     { name: 'sources', hash: '#/sources' },
+    { name: 'operator', hash: '#/operator' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
     { name: 'ledger', hash: '#/ledger' },
     { name: 'link', hash: '#/link' },

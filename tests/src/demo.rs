@@ -1,9 +1,11 @@
 //! The demo: the frame order, played for a person or checked without one.
 
 mod check;
+mod newcomer;
 mod run;
 
 pub use check::{check, latency, screenshots};
+pub use newcomer::newcomer;
 pub use run::run;
 
 use crate::{

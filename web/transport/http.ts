@@ -8,6 +8,11 @@ export const credentials: { csrfToken: string | undefined; onExpired: () => void
 
 interface Options {
   body?: unknown
+  /** A body that is no JSON of ours, as it is. */
+  text?: string
+  contentType?: string
+  /** The version that was read: the change is refused where another came in between. */
+  ifMatch?: number
   signal?: AbortSignal
   /** The one call that may be answered 401 without ending the session: signing in. */
   signingIn?: boolean
@@ -18,7 +23,8 @@ type Method = 'GET' | 'POST' | 'PUT' | 'DELETE'
 /** One request to the API of the daemon that served this page. Throws {@link Problem}. */
 export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
   const headers: Record<string, string> = { accept: 'application/json' }
-  if (options.body !== undefined) headers['content-type'] = 'application/json'
+  if (options.body !== undefined || options.text !== undefined) headers['content-type'] = options.contentType ?? 'application/json'
+  if (options.ifMatch !== undefined) headers['if-match'] = `"${options.ifMatch}"`
   if (method !== 'GET' && credentials.csrfToken !== undefined) headers['x-csrf-token'] = credentials.csrfToken
 
   const timeout = AbortSignal.timeout(TIMEOUT_MS)
@@ -28,7 +34,7 @@ export async function request<T>(method: Method, path: string, options: Options 
     credentials: 'same-origin',
     cache: 'no-store',
     signal: options.signal === undefined ? timeout : AbortSignal.any([options.signal, timeout]),
-    ...(options.body === undefined ? {} : { body: JSON.stringify(options.body) }),
+    ...(options.text !== undefined ? { body: options.text } : options.body === undefined ? {} : { body: JSON.stringify(options.body) }),
   }).catch((failure: unknown) => {
     if (failure instanceof DOMException && failure.name === 'AbortError') throw failure
     throw Problem.from(failure)
@@ -40,6 +46,23 @@ export async function request<T>(method: Method, path: string, options: Options 
   }
   if (response.status === 204 || response.headers.get('content-length') === '0') return undefined as T
   return (await response.json()) as T
+}
+
+/** Fetches a file of the API and hands it to the browser to keep, under the name that the server gives it. */
+export async function download(address: string): Promise<void> {
+  const response = await fetch(`/api/v1${address}`, { credentials: 'same-origin', cache: 'no-store' }).catch((failure: unknown) => {
+    throw Problem.from(failure)
+  })
+  if (!response.ok) {
+    if (response.status === 401) credentials.onExpired()
+    throw await Problem.of(response)
+  }
+  const name = /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'download'
+  const link = document.createElement('a')
+  link.href = URL.createObjectURL(await response.blob())
+  link.download = name
+  link.click()
+  URL.revokeObjectURL(link.href)
 }
 
 /** A path of ids: every part is encoded, `/` inside an id included. */

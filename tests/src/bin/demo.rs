@@ -26,6 +26,8 @@ enum Command {
         #[arg(long)]
         keep: bool,
     },
+    /// Goes a new factory's first steps in a browser, counted, and measures the pages with very much on them.
+    Newcomer,
     /// Plays it headless and takes pictures of every page, into target/screenshots.
     Screenshots,
 }
@@ -36,6 +38,7 @@ async fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run { folder } => demo::run(folder).await,
         Command::Check { keep } => demo::check(keep).await,
+        Command::Newcomer => demo::newcomer().await,
         Command::Screenshots => demo::screenshots().await,
     };
     match outcome {

@@ -2,7 +2,7 @@
 //! a browser see it - one line a step.
 
 mod amqp;
-mod browser;
+pub(super) mod browser;
 mod crash;
 pub mod latency;
 mod opcua;

@@ -208,8 +208,9 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `field` with the field's key, `inbox` and `comment` with the network's id, `status`, and `reset`
-         *     where events were missed and the page must load afresh. They name what changed; values are read.
+         * Server-sent events: `field` with the field's key, `inbox` and `comment` with the network's id, `operator` with the
+         *     operation's key, `status`, and `reset` where events were missed and the page must load afresh. They name what changed;
+         *     values are read.
          */
         get: {
             parameters: {
@@ -1311,6 +1312,298 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/operator/entries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists what was entered about an operation, newest first: the last 200 entries. */
+        get: {
+            parameters: {
+                query: {
+                    /** @description The network. */
+                    operationNetworkId: string;
+                    /** @description The operation. */
+                    operationId: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_OperatorEntry"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        /** Takes entries. They are stored together when the answer comes; without an answer the page delivers them again. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Delivery"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_EntryResult"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/operator/operations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the operations of a day that have fields for people to fill, and those that are running or interrupted. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description When the shown day begins; the present day in UTC without it. */
+                    from?: string;
+                    /** @description When it ends; a day later without it. */
+                    until?: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_OperatorOperation"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/session": {
         parameters: {
             query?: never;
@@ -2396,6 +2689,38 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /** @description What was entered. */
+        Action: {
+            /** @enum {string} */
+            action: "START";
+        } | {
+            /** @enum {string} */
+            action: "ADD";
+            /** @description Good pieces without it. */
+            piece?: components["schemas"]["Piece"];
+            /**
+             * Format: double
+             * @description How many; 1 without it.
+             */
+            quantity?: number;
+        } | {
+            /** @enum {string} */
+            action: "DONE";
+        } | {
+            /** @enum {string} */
+            action: "PROBLEM";
+            /** @description What is wrong. */
+            text: string;
+        } | {
+            /** @enum {string} */
+            action: "VALUE";
+            /** @description The field's request. */
+            dynamic_data_request_id: string;
+            /** @description The field. */
+            field_name: string;
+            /** @description As plain JSON; 64-bit integers may be texts. */
+            value: Record<string, never>;
+        };
         /**
          * @description What a window computes.
          * @enum {string}
@@ -2465,6 +2790,14 @@ export interface components {
              * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
              */
             valueRank?: number | null;
+        };
+        /** @description Which buttons have an effect on a field; the others only tell this plant. */
+        Buttons: {
+            addGood: boolean;
+            addScrap: boolean;
+            done: boolean;
+            problem: boolean;
+            start: boolean;
         };
         /** @description The endpoint in use. */
         ChosenEndpoint: {
@@ -2569,6 +2902,16 @@ export interface components {
             /** @description Where values come from; needed with `MAPPED`. */
             valueSource?: string | null;
         };
+        /** @description Entries that a page kept. */
+        Delivery: {
+            /** @description Up to 500, in any order. */
+            entries: components["schemas"]["NewEntry"][];
+            /**
+             * Format: date-time
+             * @description The page's clock when it delivers; the entries' times are corrected by how far it is off.
+             */
+            sentAt?: string | null;
+        };
         /**
          * @description Stable codes of diagnostics.
          * @enum {string}
@@ -2643,6 +2986,19 @@ export interface components {
             /** @description The value as plain JSON; 64-bit integers may be texts. */
             value: Record<string, never>;
         };
+        /** @description What became of an entry. */
+        EntryResult: {
+            /** @description For `REFUSED`: why, as a code. */
+            code?: string | null;
+            /** @description The entry. */
+            entryId: string;
+            /** @description Fields that took a value from it. */
+            fields: components["schemas"]["FieldResult"][];
+            /** @description For `REFUSED`: why, and what to do. */
+            message?: string | null;
+            /** @description `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again. */
+            result: string;
+        };
         /** @description An entry of a chain. */
         EntryView: Record<string, never> & {
             /** @description When it was recorded. */
@@ -2688,6 +3044,10 @@ export interface components {
         Expression: {
             /** @description The expression. */
             expression: string;
+        };
+        /** @description What became of a value of an entry. */
+        FieldResult: components["schemas"]["Entered"] & {
+            key: Record<string, never>;
         };
         /** @description A requested field with its decision and value. */
         FieldView: {
@@ -2949,6 +3309,16 @@ export interface components {
             fieldName?: string | null;
             text: string;
         };
+        /** @description An entry as the page made it. */
+        NewEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
+            /** @description Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no further effect. */
+            entryId: string;
+            /**
+             * Format: date-time
+             * @description When it was made, by the page's clock.
+             */
+            madeAt: string;
+        };
         /**
          * @description Node classes (OPC 10000-3 §5.2.3).
          * @enum {string}
@@ -2961,6 +3331,69 @@ export interface components {
          * @enum {string}
          */
         OnDecrease: "reset" | "set" | "subtract";
+        /** @description An operation of a network. */
+        OperationKey: {
+            /** @description The operation in it. */
+            operationId: string;
+            /** @description The network. */
+            operationNetworkId: string;
+        };
+        /** @description An entry as kept. */
+        OperatorEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
+            /** @description Made where it was entered. */
+            entryId: string;
+            /**
+             * Format: date-time
+             * @description When it was entered, by the connector's clock.
+             */
+            madeAt: string;
+            /** @description Who. */
+            madeBy: string;
+            /**
+             * Format: date-time
+             * @description When it came here.
+             */
+            receivedAt: string;
+        };
+        /** @description A field that takes entered values. */
+        OperatorField: {
+            description?: string | null;
+            /** @description What was entered last, as it was before the gate. */
+            entered?: Record<string, never> | null;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            enteredAt?: string | null;
+            /** @description The value follows from the buttons; it can be typed all the same. */
+            hasButton: boolean;
+            key: Record<string, never>;
+            name: string;
+            semantic?: string | null;
+            type: string;
+            unit?: string | null;
+            value?: components["schemas"]["ShownValue"] | null;
+        };
+        /** @description An operation as the operator sees it. */
+        OperatorOperation: components["schemas"]["OperationKey"] & {
+            buttons: components["schemas"]["Buttons"];
+            description?: string | null;
+            /** @description The fields that take entered values. */
+            fields: components["schemas"]["OperatorField"][];
+            name?: string | null;
+            networkName?: string | null;
+            /** @description `PRODUCTION`, `INSPECTION` or `TRANSPORTATION`. */
+            operationType: string;
+            /** Format: date-time */
+            plannedEnd?: string | null;
+            /** Format: double */
+            plannedQuantity?: number | null;
+            /** Format: date-time */
+            plannedStart?: string | null;
+            quantityUnit?: string | null;
+            /** @description By the entries so far. */
+            standing: components["schemas"]["Standing"];
+        };
         /**
          * @description What happens to a number outside the wanted type's range.
          * @enum {string}
@@ -3035,6 +3468,24 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_EntryResult: {
+            /** @description The items. */
+            items: {
+                /** @description For `REFUSED`: why, as a code. */
+                code?: string | null;
+                /** @description The entry. */
+                entryId: string;
+                /** @description Fields that took a value from it. */
+                fields: components["schemas"]["FieldResult"][];
+                /** @description For `REFUSED`: why, and what to do. */
+                message?: string | null;
+                /** @description `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again. */
+                result: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_NetworkSummary: {
             /** @description The items. */
             items: {
@@ -3050,6 +3501,53 @@ export interface components {
                 /** Format: int64 */
                 revision: number;
             }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_OperatorEntry: {
+            /** @description The items. */
+            items: (components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
+                /** @description Made where it was entered. */
+                entryId: string;
+                /**
+                 * Format: date-time
+                 * @description When it was entered, by the connector's clock.
+                 */
+                madeAt: string;
+                /** @description Who. */
+                madeBy: string;
+                /**
+                 * Format: date-time
+                 * @description When it came here.
+                 */
+                receivedAt: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_OperatorOperation: {
+            /** @description The items. */
+            items: (components["schemas"]["OperationKey"] & {
+                buttons: components["schemas"]["Buttons"];
+                description?: string | null;
+                /** @description The fields that take entered values. */
+                fields: components["schemas"]["OperatorField"][];
+                name?: string | null;
+                networkName?: string | null;
+                /** @description `PRODUCTION`, `INSPECTION` or `TRANSPORTATION`. */
+                operationType: string;
+                /** Format: date-time */
+                plannedEnd?: string | null;
+                /** Format: double */
+                plannedQuantity?: number | null;
+                /** Format: date-time */
+                plannedStart?: string | null;
+                quantityUnit?: string | null;
+                /** @description By the entries so far. */
+                standing: components["schemas"]["Standing"];
+            })[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
@@ -3217,6 +3715,11 @@ export interface components {
              */
             validTo?: string | null;
         };
+        /**
+         * @description What a counted piece is.
+         * @enum {string}
+         */
+        Piece: "GOOD" | "SCRAP";
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
         Preview: {
             candidate?: components["schemas"]["ShownValue"] | null;
@@ -3544,6 +4047,37 @@ export interface components {
         };
         /** @description A source with its configuration and how it stands. */
         SourceView: Record<string, never> & components["schemas"]["SourceStatus"];
+        /** @description How an operation stands by its entries. */
+        Standing: {
+            /**
+             * Format: date-time
+             * @description When it was finished, while it is.
+             */
+            endedAt?: string | null;
+            /**
+             * Format: double
+             * @description Good pieces counted with the buttons.
+             */
+            goodQuantity: number;
+            /**
+             * Format: date-time
+             * @description When the last entry was made.
+             */
+            lastEntryAt?: string | null;
+            problem?: components["schemas"]["Problem"] | null;
+            /**
+             * Format: double
+             * @description Scrap counted with the buttons.
+             */
+            scrapQuantity: number;
+            /**
+             * Format: date-time
+             * @description When it was first started.
+             */
+            startedAt?: string | null;
+            /** @description `Running`, `Interrupted` or `Ended`; none before anything was entered. */
+            state?: string | null;
+        };
         /** @description How the connector stands. */
         Status: {
             factoryId: string;

@@ -163,59 +163,19 @@ export type NewComment = Schemas['NewComment']
 export type NetworkSummary = Schemas['NetworkSummary']
 
 /** An operation of today as people at the machine see it. */
-export interface OperatorOperation {
-  operationNetworkId: string
-  operationId: string
-  name?: string | null
-  description?: string | null
-  networkName?: string | null
-  operationType: string
-  plannedStart?: string | null
-  plannedEnd?: string | null
-  plannedQuantity?: number | null
-  quantityUnit?: string | null
-  standing: {
-    state?: string | null
-    startedAt?: string | null
-    endedAt?: string | null
-    goodQuantity: number
-    scrapQuantity: number
-    problem?: { text: string; since: string; toldBy: string } | null
-    lastEntryAt?: string | null
-  }
-  /** Which buttons reach a field of a partner; the others only tell this plant. */
-  buttons: { start: boolean; addGood: boolean; addScrap: boolean; done: boolean; problem: boolean }
+export type OperatorOperation = Omit<Schemas['OperatorOperation'], 'standing' | 'fields'> & {
+  standing: Omit<Schemas['Standing'], 'problem'> & { problem?: { text: string; since: string; toldBy: string } | null }
   fields: OperatorField[]
 }
-
-export interface OperatorField {
-  key: FieldKey
-  name: string
-  type: string
-  unit?: string | null
-  semantic?: string | null
-  description?: string | null
-  /** Follows from the buttons; typing is still possible. */
-  hasButton: boolean
-  entered?: unknown
-  enteredAt?: string | null
-  /** What the partner has. */
-  value?: DataValue | null
-}
-
-export interface EntryOutcome {
-  entryId: string
-  result: 'TAKEN' | 'REPEATED' | 'REFUSED'
-  code?: string | null
-  message?: string | null
-}
+export type OperatorField = Omit<Schemas['OperatorField'], 'key' | 'entered' | 'value'> & { key: FieldKey; entered?: unknown; value?: DataValue | null }
+export type EntryOutcome = Omit<Schemas['EntryResult'], 'fields' | 'result'> & { result: 'TAKEN' | 'REPEATED' | 'REFUSED' }
 
 /** A variable that might be meant by a field, with the reasons and the mapping that taking it would make. */
 export interface Suggestion {
   sourceId: string
   nodeId: string
-  /** Names from the Objects folder down. */
-  place: string[]
+  /** Where it stands, as people read it. */
+  place: string
   /** 20 to 100. */
   score: number
   reasons: { kind: string; points: number; text: string }[]
@@ -231,3 +191,122 @@ export interface Suggestions {
   /** How far each server was listed. */
   sources: { sourceId: string; variables: number; isComplete: boolean; listedAt?: string | null; problem?: string | null }[]
 }
+
+/** One difference between two mappings, as a JSON pointer with what was and what is there. */
+export interface MappingChange {
+  pointer: string
+  before?: unknown
+  after?: unknown
+}
+
+export interface MappingVersion {
+  version: number
+  author?: string | null
+  note?: string | null
+  publishedAt: string
+  isCurrent: boolean
+  mapping: Mapping
+  changes: MappingChange[]
+}
+
+export interface TracedValue {
+  type?: string
+  value: unknown
+  status: number
+  statusName?: string
+  sourceTimestamp?: string
+}
+
+export interface TraceRun {
+  at: string
+  input?: string
+  value?: TracedValue
+  steps: { step: number; function: string; value?: TracedValue; fault?: { message: string } }[]
+  candidate?: TracedValue
+  fault?: { message: string }
+}
+
+/** A mapping run over recorded values. */
+export interface Trial {
+  diagnostics: Diagnostic[]
+  runs: TraceRun[]
+  runsTotal: number
+  values: number
+  from?: string | null
+  to?: string | null
+  unrecorded: string[]
+}
+
+/** How a mapping is doing. */
+export interface MappingStatus {
+  received: number
+  yielded: number
+  faults: number
+  lastFault?: { message: string } | null
+  lastYieldedAt?: string
+  lastCandidate?: TracedValue
+  spentUs: number
+}
+
+/** A mapping on trial beside the published one. */
+export interface Shadow {
+  mapping: Mapping
+  author: string
+  startedAt: string
+  changes: MappingChange[]
+  status?: MappingStatus | null
+  published?: MappingStatus | null
+}
+
+export interface ImportOutcome {
+  isDryRun: boolean
+  published: number
+  proposed: number
+  unchanged: number
+  templates: number
+  items: { key: FieldKey; outcome: string }[]
+}
+
+export interface MappingTemplate {
+  templateId: string
+  name?: string | null
+  description?: string | null
+  parameters: { name: string; description?: string | null; default?: string | null }[]
+  mapping: unknown
+  author?: string
+  changedAt?: string
+}
+
+/** Receipt of an ended consent. */
+export interface Revocation {
+  revocationId: string
+  revokedAt: string
+  revokedBy?: string | null
+  reason?: string | null
+  cause: string
+  fields: { field: FieldKey; consentVersion: number }[]
+  writers: {
+    dataSetWriterId: number
+    request: RequestKey
+    recipientList: string[]
+    lastQueuedSequence?: number | null
+    lastSentSequence?: number | null
+    lastDeliveredSequence?: number | null
+  }[]
+  signature: string
+  arrivedSince: number
+  open: number
+}
+
+/** Whose consent is to end. */
+export interface RevocationBody {
+  fields?: FieldKey[]
+  operationNetworkId?: string
+  operationId?: string
+  dynamicDataRequestId?: string
+  recipientId?: string
+  mappingState?: 'PENDING' | 'REFUSED'
+  reason?: string
+}
+
+export * from './policy-types'

@@ -20,6 +20,19 @@ pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
 /// # Errors
 /// What the browser found.
 pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Result<String> {
+    run_with(world, script, arguments, &[]).await
+}
+
+/// As [`run`], with further variables.
+///
+/// # Errors
+/// What the browser found.
+pub async fn run_with(
+    world: &World,
+    script: &str,
+    arguments: &[&str],
+    variables: &[(&str, String)],
+) -> anyhow::Result<String> {
     let folder = repository()?.join("tests/browser");
     let script = if script == "test" { "playwright test" } else { script };
     let mut command = Command::new("npx");
@@ -30,7 +43,8 @@ pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Res
         .env("PLATFORM_PASSWORD", PASSWORD)
         .env("CONNECTOR_URL", format!("http://127.0.0.1:{}", world.places.munich.connector_web))
         .env("CONNECTOR_USER", ENGINEER)
-        .env("CONNECTOR_PASSWORD", PASSWORD);
+        .env("CONNECTOR_PASSWORD", PASSWORD)
+        .envs(variables.iter().map(|(name, value)| (*name, value)));
     let output = tokio::time::timeout(Duration::from_secs(600), command.output())
         .await
         .context("the browser did not end in time")?

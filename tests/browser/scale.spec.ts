@@ -1,0 +1,126 @@
+import { expect, test, type Page } from '@playwright/test'
+import { api, change, connector, platform, signedIn, visit } from './world.ts'
+
+const REQUESTS = 2_000
+const FIELDS_PER_REQUEST = 10
+const NETWORKS = 10
+const OPERATIONS_PER_NETWORK = 20
+const INTERACTION_MS_MAX = 200
+const PAINT_MS_MAX = 1_000
+/** A server with a hundred thousand variables in one folder. */
+const BANK = process.env['BANK_URL'] ?? ''
+
+test.describe.configure({ mode: 'serial', timeout: 300_000 })
+
+test('a partner asks for twenty thousand fields', async ({ browser }) => {
+  const partner = await signedIn(browser, platform)
+  const engineer = await signedIn(browser, connector)
+  const { factoryId } = await api<{ factoryId: string }>(engineer.request, connector, '/status')
+  const { items } = await api<{ items: { collaborationId: string; members: string[] }[] }>(partner.request, platform, '/collaborations')
+  const [collaboration] = items
+  if (collaboration === undefined) throw new Error('There is no collaboration.')
+  const requester = (await api<{ items: { organisationId: string }[] }>(partner.request, platform, '/organisations')).items[0]?.organisationId ?? ''
+
+  const perOperation = REQUESTS / NETWORKS / OPERATIONS_PER_NETWORK
+  for (let network = 0; network < NETWORKS; network += 1) {
+    const operationList = Array.from({ length: OPERATIONS_PER_NETWORK }, (_, operation) => ({
+      operationId: `Op${operation}`,
+      operationType: 'PRODUCTION',
+      name: `Lot ${network}-${operation}`,
+      owningFactoryId: factoryId,
+      dynamicDataRequestList: Array.from({ length: perOperation }, (_, number) => ({
+        dynamicDataRequestId: `Req${network}x${operation}x${number}`,
+        requesterId: requester,
+        recipientList: [requester],
+        purpose: `Follow lot ${network}-${operation}, question ${number}`,
+        updateFrequency: 1,
+        updateFrequencyUnit: 'MINUTE',
+        reportDataFormat: { reportName: 'R', reportFieldList: Array.from({ length: FIELDS_PER_REQUEST }, (_, field) => ({ name: `value${field}`, type: 11, unit: 'KWT' })) },
+      })),
+    }))
+    await change(partner, platform, 'PUT', `/operation-networks/many-${network}`, { collaborationId: collaboration.collaborationId, operationNetwork: { operationNetworkId: `many-${network}`, operationList } })
+  }
+  await expect
+    .poll(async () => (await api<{ items: { requestCount: number }[] }>(engineer.request, connector, '/operation-networks')).items.reduce((sum, each) => sum + each.requestCount, 0), { timeout: 120_000, intervals: [1_000] })
+    .toBeGreaterThanOrEqual(REQUESTS)
+  await change(engineer, connector, 'POST', '/sources', { sourceId: 'Bank1', endpointUrl: BANK, security: { choice: 'none' } })
+  await expect.poll(async () => (await api<{ items: { sourceId: string; state: string }[] }>(engineer.request, connector, '/sources')).items.find((each) => each.sourceId === 'Bank1')?.state, { timeout: 60_000 }).toBe('connected')
+})
+
+/** Notes how long the page takes from every input to the next frame it paints. */
+async function watchInteractions(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const slowest = { ms: 0, what: '' }
+    Object.assign(globalThis, { slowest })
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries()) if (entry.duration > slowest.ms) Object.assign(slowest, { ms: entry.duration, what: entry.name })
+    }).observe({ type: 'event', durationThreshold: 16, buffered: true } as PerformanceObserverInit)
+  })
+}
+const slowest = (page: Page): Promise<{ ms: number; what: string }> => page.evaluate(() => (globalThis as unknown as { slowest: { ms: number; what: string } }).slowest)
+
+test('every page paints at once and answers quickly', async ({ browser }) => {
+  const page = await signedIn(browser, connector, { locale: 'en-GB' })
+  await watchInteractions(page)
+  const said: string[] = []
+  for (const hash of ['#/', '#/inbox', '#/sources', '#/sources/Bank1', '#/fields/many-0/Op0/Req0x0x0/value0', '#/operator', '#/ledger', '#/link', '#/settings']) {
+    await page.goto('about:blank')
+    await visit(page, connector, hash)
+    const paint = await page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? Number.NaN)
+    said.push(`${hash} ${Math.round(paint)} ms`)
+    expect.soft(paint, `first paint of ${hash}`).toBeLessThan(PAINT_MS_MAX)
+  }
+  console.info(`first paint: ${said.join(', ')}`)
+  await page.context().close()
+})
+
+test('the inbox scrolls, searches and filters within a moment', async ({ browser }) => {
+  const page = await signedIn(browser, connector, { locale: 'en-GB' })
+  await watchInteractions(page)
+  await page.goto('about:blank')
+  await visit(page, connector, '#/inbox')
+  await expect(page.getByRole('radio', { name: /^All 20,?0/ })).toBeAttached({ timeout: 60_000 })
+  expect(await page.locator('tr[data-field]').count(), 'only what is seen is in the document').toBeLessThan(400)
+
+  await page.getByLabel('Search requests and fields').click()
+  await page.keyboard.type('lot 7-13', { delay: 60 })
+  await expect(page.getByRole('heading', { name: /Lot 7-13/ }).first()).toBeVisible()
+  await page.keyboard.press('Control+A')
+  await page.keyboard.press('Backspace')
+  await page.locator('label').filter({ hasText: /^Open/ }).click()
+  await page.locator('label').filter({ hasText: /^All/ }).click()
+  for (let turn = 0; turn < 20; turn += 1) await page.mouse.wheel(0, 2_000)
+  await expect(page.locator('tr[data-field]').first()).toBeVisible()
+  await page.getByRole('link', { name: /^Decide: value/ }).first().click()
+  await expect(page.getByRole('heading', { name: /^value\d/, level: 1 })).toBeVisible()
+  const worst = await slowest(page)
+  console.info(`slowest interaction with the inbox: ${worst.ms} ms (${worst.what})`)
+  expect(worst.ms).toBeLessThan(INTERACTION_MS_MAX)
+  await page.context().close()
+})
+
+test('a folder of a hundred thousand variables opens, scrolls and is searched', async ({ browser }) => {
+  const page = await signedIn(browser, connector, { locale: 'en-GB' })
+  await watchInteractions(page)
+  await page.goto('about:blank')
+  await visit(page, connector, '#/sources/Bank1')
+  const tree = page.getByRole('tree')
+  await expect(tree.getByRole('treeitem').nth(1)).toBeVisible({ timeout: 30_000 })
+  // Down to the folder that holds them all.
+  for (let level = 1; level < 4; level += 1) {
+    const item = tree.locator(`[role=treeitem][aria-level="${level}"][aria-expanded=false]`).first()
+    if ((await item.count()) > 0) await item.click()
+    await page.waitForLoadState('networkidle').catch(() => undefined)
+  }
+  await expect.poll(() => tree.getByRole('treeitem').count(), { timeout: 30_000 }).toBeGreaterThan(10)
+  expect(await tree.getByRole('treeitem').count(), 'only what is seen is in the document').toBeLessThan(100)
+  await tree.getByRole('treeitem').last().hover()
+  for (let turn = 0; turn < 10; turn += 1) await page.mouse.wheel(0, 1_500)
+  await page.getByLabel('Search the whole server').click()
+  await page.keyboard.type('99998', { delay: 60 })
+  await expect(page.getByRole('button', { name: /99998/ }).first()).toBeVisible({ timeout: 60_000 })
+  const worst = await slowest(page)
+  console.info(`slowest interaction with the tree: ${worst.ms} ms (${worst.what})`)
+  expect(worst.ms).toBeLessThan(INTERACTION_MS_MAX)
+  await page.context().close()
+})

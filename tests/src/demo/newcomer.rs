@@ -1,0 +1,85 @@
+//! A factory that has just installed its connector: nothing in it yet, a machine that shows a certificate, and later more
+//! requests and nodes than any page can show at once.
+
+use std::{path::Path, time::Duration};
+
+use anyhow::Context as _;
+
+use super::check::browser;
+use crate::{
+    harness::{Daemon, DaemonCommand, Steps, binary, free_ports, say},
+    scenario::{
+        frame_order::{HAMBURG, MUNICH},
+        story,
+    },
+    world::{Places, World},
+};
+
+/// Variables of the server that is larger than any page.
+const NODES: u32 = 100_000;
+
+/// Goes the way from an empty installation to the first mapped field in a browser, counting clicks and texts; then fills
+/// the inbox and the sources and measures how quickly the pages answer.
+///
+/// # Errors
+/// The first step that does not hold.
+pub async fn newcomer() -> anyhow::Result<()> {
+    let folder = tempfile::Builder::new().prefix("verbund-newcomer-").tempdir()?;
+    let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
+    let mut steps = Steps::default();
+    let [machine, bank, control] = free_ports::<3>()?;
+    let mut machines = plant(folder.path(), machine, bank, control)?;
+    let outcome = everything(&mut world, &mut steps, machine, bank).await;
+    if outcome.is_err() {
+        for daemon in world.daemons() {
+            say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));
+        }
+        say(&format!("\nKept for a look: {}", folder.keep().display()));
+    }
+    machines.stop(Duration::from_secs(15))?;
+    world.stop()?;
+    outcome
+}
+
+async fn everything(world: &mut World, steps: &mut Steps, machine: u16, bank: u16) -> anyhow::Result<()> {
+    let platform = world.platform_api().await?;
+    steps.run("three organisations found a collaboration", story::found_collaboration(&platform)).await?;
+    for factory_id in [MUNICH, HAMBURG] {
+        let step = format!("{factory_id}: an empty connector joins");
+        steps.run(&step, story::join_factory(world, &platform, factory_id)).await?;
+        story::link_is_up(&world.connector_api(factory_id).await?).await?;
+    }
+    steps.run("the buyer sends the operation network", story::send_network(&platform)).await?;
+    let variables = [
+        ("MACHINE_URL", format!("opc.tcp://127.0.0.1:{machine}")),
+        ("BANK_URL", format!("opc.tcp://127.0.0.1:{bank}")),
+    ];
+    for (title, project) in [
+        ("from nothing to the first mapped field", "--project=newcomer"),
+        ("20 000 fields and 100 000 nodes leave the pages quick", "--project=scale"),
+    ] {
+        steps.run(title, browser::run_with(world, "test", &[project], &variables)).await?;
+    }
+    Ok(())
+}
+
+/// A milling cell that wants to be trusted, and a bank of counters too large for a page.
+fn plant(folder: &Path, machine: u16, bank: u16, control: u16) -> anyhow::Result<Daemon> {
+    let config = folder.join("machines-newcomer.toml");
+    let text = format!(
+        "seed = 1\nhost = \"127.0.0.1\"\ncontrol = \"127.0.0.1:{control}\"\n\
+         pki_directory = \"{folder}/machines-newcomer\"\n\n\
+         [[machines]]\nname = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {machine}\n\
+         security = {{ unprotected = false, protected = true, trusts_all_clients = true }}\n\n\
+         [[machines]]\nname = \"Bank1\"\nkind = \"bank\"\nport = {bank}\nvariables = {NODES}\nchanges_per_second = 10.0\n",
+        folder = folder.display(),
+    );
+    std::fs::write(&config, text).with_context(|| format!("writing {}", config.display()))?;
+    Daemon::start(DaemonCommand {
+        name: "machines-newcomer".to_owned(),
+        program: binary("simulator")?,
+        arguments: vec!["--config".to_owned(), config.display().to_string()],
+        environment: Vec::new(),
+        log: folder.join("machines-newcomer.log"),
+    })
+}
