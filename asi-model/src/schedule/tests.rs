@@ -1,5 +1,6 @@
 //! Plans whose times are known by hand.
 
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::*;
@@ -111,12 +112,163 @@ fn conflicts_are_found() {
             ("FINISH_TO_START", start_by("2026-01-01T03:00:00Z")),
             Some(ConflictPlace::Condition { relation: 0, condition: 0 }),
         ),
+        // Without a planned end, an operation may last until its predecessor is done.
+        ([("a", Some(0), Some(4)), ("b", Some(3), None)], ("FINISH_TO_FINISH", json!([])), None),
         ([("a", None, None), ("b", None, None)], ("FINISH_TO_START", json!([])), None),
         ([("a", None, None), ("b", Some(1), Some(2))], ("START_TO_FINISH", json!([])), None),
     ] {
         let network = network(&operations, &[("a", "b", relation.0, relation.1.clone())]);
         let places: Vec<_> = Schedule::of(&network).conflicts.into_iter().map(|conflict| conflict.place).collect();
         assert_eq!(places, expected.into_iter().collect::<Vec<_>>(), "{operations:?} {relation:?}");
+    }
+}
+
+#[test]
+fn maximum_gaps_bind_backwards() {
+    let by = |kind: &str, hour: u32| json!([{ "conditionId": "c", "conditionKind": kind, "time": format!("2026-01-01T{hour:02}:00:00Z") }]);
+    // b follows a within an hour and starts at 10, so that a cannot be done by 5.
+    let operations = [("x", None, None), ("a", None, None), ("b", Some(10), None)];
+    let late = ("a", "b", "FINISH_TO_START", duration("MAXIMUM_GAP", "PT1H"));
+    let conflicts = |relations: &[(&str, &str, &str, Value)], operations| {
+        let found = Schedule::of(&network(operations, relations)).conflicts;
+        found.into_iter().map(|conflict| conflict.place).collect::<Vec<_>>()
+    };
+    let place = |relation| vec![ConflictPlace::Condition { relation, condition: 0 }];
+    let early = ("x", "a", "FINISH_TO_START", by("FINISH_NO_LATER_THAN", 5));
+    assert_eq!(conflicts(&[early, late.clone()], &operations), place(0));
+    let early = ("x", "a", "FINISH_TO_START", by("FINISH_NO_LATER_THAN", 9));
+    assert_eq!(conflicts(&[early, late], &operations), []);
+    // The way round takes longer than the direct one may, whenever that is.
+    let operations = [("a", None, None), ("b", None, None), ("c", None, None)];
+    let round = |maximum: &str| {
+        [
+            ("a", "b", "START_TO_START", duration("MINIMUM_GAP", "PT5H")),
+            ("b", "c", "START_TO_START", duration("MINIMUM_GAP", "PT5H")),
+            ("a", "c", "START_TO_START", duration("MAXIMUM_GAP", maximum)),
+        ]
+    };
+    assert_eq!(conflicts(&round("PT9H"), &operations), place(2));
+    assert_eq!(conflicts(&round("PT10H"), &operations), []);
+}
+
+#[test]
+fn endless_chains_do_not_overflow() {
+    let ids: Vec<String> = (0..500).map(|n| n.to_string()).collect();
+    let operations: Vec<_> = ids.iter().map(|id| (id.as_str(), None, None)).collect();
+    let relations: Vec<_> = ids
+        .windows(2)
+        .map(|pair| (&*pair[0], &*pair[1], "FINISH_TO_START", duration("MINIMUM_GAP", "P36500D")))
+        .collect();
+    let mut chain = network(&operations, &relations);
+    assert_eq!(Schedule::of(&chain).conflicts, []);
+    chain.operation_list[0].planned_end = Some(DateTime::MAX);
+    assert_eq!(Schedule::of(&chain).operations.len(), 500);
+}
+
+/// What is drawn for an operation: start hour, length, and whether each end is planned.
+type OperationDraw = (u32, u32, bool, bool);
+/// What is drawn for a relation: its ends, its type, and conditions of a kind with an hour or a length.
+type RelationDraw = (usize, usize, usize, Vec<(usize, u32)>);
+
+const TYPES: [&str; 4] = ["FINISH_TO_START", "START_TO_START", "FINISH_TO_FINISH", "START_TO_FINISH"];
+const KINDS: [&str; 6] = [
+    "START_NO_EARLIER_THAN",
+    "START_NO_LATER_THAN",
+    "FINISH_NO_EARLIER_THAN",
+    "FINISH_NO_LATER_THAN",
+    "MINIMUM_GAP",
+    "MAXIMUM_GAP",
+];
+
+/// Whether times exist that keep everything, by relaxing each inequality `to >= from + distance` until nothing moves.
+fn is_feasible(operations: &[OperationDraw], relations: &[RelationDraw]) -> bool {
+    let origin = 2 * operations.len();
+    let (start, finish) = (|at: usize| 2 * at, |at: usize| 2 * at + 1);
+    let mut bounds: Vec<(usize, usize, i64)> = Vec::new();
+    let mut fix = |end: usize, hour: i64| bounds.extend([(origin, end, hour), (end, origin, -hour)]);
+    for (at, &(hour, length, has_start, has_end)) in operations.iter().enumerate() {
+        if has_start {
+            fix(start(at), i64::from(hour));
+        }
+        if has_end {
+            fix(finish(at), i64::from(hour + length));
+        }
+    }
+    bounds.extend((0..operations.len()).map(|at| (start(at), finish(at), 0)));
+    for (from, to, relation_type, conditions) in relations {
+        let from = if [0, 2].contains(relation_type) { finish(*from) } else { start(*from) };
+        let end = if [0, 1].contains(relation_type) { start(*to) } else { finish(*to) };
+        bounds.push((from, end, 0));
+        for (kind, number) in conditions {
+            let number = i64::from(*number);
+            bounds.push(match kind {
+                0 => (origin, start(*to), number),
+                1 => (start(*to), origin, -number),
+                2 => (origin, finish(*to), number),
+                3 => (finish(*to), origin, -number),
+                4 => (from, end, number),
+                _ => (end, from, -number),
+            });
+        }
+    }
+    let mut least = vec![-1_000_000; origin + 1];
+    least[origin] = 0;
+    for _ in 0..=least.len() {
+        let mut is_moved = false;
+        for &(from, to, distance) in &bounds {
+            if least[from] + distance > least[to] {
+                least[to] = least[from] + distance;
+                is_moved = true;
+            }
+        }
+        if !is_moved {
+            return least[origin] == 0;
+        }
+    }
+    false
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// Conflicts are found where no times keep everything, and only there.
+    #[test]
+    fn conflicts_are_exactly_what_cannot_hold(
+        operations in proptest::collection::vec((0_u32..20, 0_u32..6, any::<bool>(), any::<bool>()), 2..6),
+        relations in proptest::collection::vec(
+            (0_usize..6, 0_usize..6, 0_usize..4, proptest::collection::vec((0_usize..6, 0_u32..20), 0..3)), 0..7)
+    ) {
+        let count = operations.len();
+        let relations: Vec<RelationDraw> = relations
+            .into_iter()
+            .map(|(a, b, relation_type, conditions)| ((a % count).min(b % count), (a % count).max(b % count), relation_type, conditions))
+            .filter(|(from, to, ..)| from != to)
+            .collect();
+        let ids: Vec<String> = (0..count).map(|n| n.to_string()).collect();
+        let planned: Vec<_> = operations
+            .iter()
+            .zip(&ids)
+            .map(|(&(hour, length, has_start, has_end), id)| {
+                (id.as_str(), has_start.then_some(hour), has_end.then_some(hour + length))
+            })
+            .collect();
+        let related: Vec<_> = relations
+            .iter()
+            .map(|(from, to, relation_type, conditions)| {
+                let conditions: Vec<Value> = conditions
+                    .iter()
+                    .map(|(kind, number)| match kind {
+                        4 | 5 => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
+                            "duration": format!("PT{number}H") }),
+                        _ => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
+                            "time": format!("2026-01-01T{number:02}:00:00Z") }),
+                    })
+                    .collect();
+                (ids[*from].as_str(), ids[*to].as_str(), TYPES[*relation_type], json!(conditions))
+            })
+            .collect();
+        let conflicts = Schedule::of(&network(&planned, &related)).conflicts;
+        prop_assert_eq!(conflicts.is_empty(), is_feasible(&operations, &relations), "{:?}", conflicts);
     }
 }
 
