@@ -143,4 +143,6 @@ pub fn decode_value(
 }
 
 #[cfg(test)]
+pub(crate) mod arbitrary;
+#[cfg(test)]
 mod tests;

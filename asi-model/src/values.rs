@@ -4,12 +4,14 @@
 //! where a foreign message gave one without its table.
 
 mod date_time;
+mod named_type;
 mod node_id;
 mod scalar;
 mod status_code;
 mod structure_type;
 
 pub use date_time::{DateTime, InvalidDateTime};
+pub use named_type::{EnumType, EnumValue, SimpleType};
 pub use node_id::{ExpandedNodeId, Identifier, InvalidNodeId, Namespace, NodeId, QualifiedName, Server};
 pub use scalar::{
     Array, BuiltInType, DiagnosticInfo, ExtensionBody, ExtensionObject, LocalizedText, Scalar, StructureValue, Variant,

@@ -32,7 +32,10 @@ impl Decoder<'_> {
             T::Byte => Scalar::Byte(integer(node, "a number from 0 to 255")?),
             T::Int16 => Scalar::Int16(integer(node, "a number from -32768 to 32767")?),
             T::UInt16 => Scalar::UInt16(integer(node, "a number from 0 to 65535")?),
-            T::Int32 => Scalar::Int32(integer(node, "a number from -2147483648 to 2147483647")?),
+            T::Int32 => Scalar::Int32(match named_value(node) {
+                Some(value) => value,
+                None => integer(node, "a number from -2147483648 to 2147483647")?,
+            }),
             T::UInt32 => Scalar::UInt32(integer(node, "a number from 0 to 4294967295")?),
             T::Int64 => Scalar::Int64(self.integer_64(node, "an Int64 as a string of digits")?),
             T::UInt64 => Scalar::UInt64(self.integer_64(node, "a UInt64 as a string of digits")?),
@@ -74,7 +77,7 @@ impl Decoder<'_> {
         Err(Mismatch::new(node, "expected true or false"))
     }
 
-    fn integer_64<'t, 'a, T: std::str::FromStr>(
+    pub(crate) fn integer_64<'t, 'a, T: std::str::FromStr>(
         &mut self,
         node: Node<'t, 'a>,
         expected: &'static str,
@@ -289,6 +292,13 @@ pub(crate) fn integer<'t, 'a, T: std::str::FromStr>(
             Mismatch::out_of_range(node, format!("out of range: expected {expected}"))
         }
     })
+}
+
+/// The number of an enumeration's value as people read it: `"AUTOMATIC_3"`.
+fn named_value(node: Node<'_, '_>) -> Option<i32> {
+    let text = node.text()?;
+    let (name, number) = text.rsplit_once('_')?;
+    if name.is_empty() || number.starts_with('+') { None } else { number.parse().ok() }
 }
 
 fn float<'t, 'a, T>(node: Node<'t, 'a>, infinity: T, is_finite: fn(&T) -> bool, nan: T) -> Result<T, Mismatch<'t, 'a>>

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::DataEncoding;
 use crate::{
     json::write,
-    values::{Array, DataValue, DiagnosticInfo, Scalar, StatusCode, StructureType, Variant},
+    values::{Array, DataValue, DiagnosticInfo, EnumType, Scalar, StatusCode, StructureType, Variant},
 };
 
 /// Writes values in one encoding, straight into a buffer.
@@ -16,13 +16,15 @@ pub struct Encoder<'e> {
     pub(super) namespaces: &'e [Arc<str>],
     /// Descriptions of structures beside those of namespace 0.
     pub(super) types: &'e [StructureType],
+    /// Descriptions of enumerations, whose values have names for people.
+    pub(super) enum_types: &'e [EnumType],
 }
 
 impl Encoder<'static> {
     /// An encoder that writes namespaces as URIs.
     #[must_use]
     pub const fn new(encoding: DataEncoding) -> Self {
-        Self { encoding, namespaces: &[], types: &[] }
+        Self { encoding, namespaces: &[], types: &[], enum_types: &[] }
     }
 }
 
@@ -30,7 +32,14 @@ impl<'e> Encoder<'e> {
     /// An encoder with the namespaces and structures that the receiver knows from metadata.
     #[must_use]
     pub const fn described(encoding: DataEncoding, namespaces: &'e [Arc<str>], types: &'e [StructureType]) -> Self {
-        Self { encoding, namespaces, types }
+        Self { encoding, namespaces, types, enum_types: &[] }
+    }
+
+    /// With the enumerations that the receiver knows from metadata: where forms for people are written, their values
+    /// inside structures stand with their names.
+    #[must_use]
+    pub const fn with_enum_types(self, enum_types: &'e [EnumType]) -> Self {
+        Self { enum_types, ..self }
     }
 
     /// A variant with its type (bare in 1.04 non-reversible).

@@ -7,8 +7,8 @@ use super::{
 use crate::{
     json::{Limits, Tape, write},
     values::{
-        BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, STRUCTURE, Scalar, Server, StructureField,
-        StructureKind, StructureType, StructureValue, Variant,
+        BuiltInType, EnumType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, STRUCTURE, Scalar, Server,
+        StructureField, StructureKind, StructureType, StructureValue, Variant,
     },
 };
 
@@ -138,7 +138,10 @@ impl Encoder<'_> {
         let is_concrete = field
             .is_some_and(|field| field.built_in_type == BuiltInType::ExtensionObject && field.data_type != STRUCTURE);
         if !is_concrete {
-            return self.bare(out, value);
+            return match field.and_then(|field| self.enum_type(field)) {
+                Some(known) => self.enumeration(out, value, known),
+                None => self.bare(out, value),
+            };
         }
         match value {
             Variant::Scalar(Scalar::ExtensionObject(object)) => self.body(out, object),
@@ -152,6 +155,40 @@ impl Encoder<'_> {
                         Scalar::ExtensionObject(object) => self.body(out, object),
                         other => self.scalar(out, other),
                     }
+                }
+                out.push(b']');
+            }
+            other => self.bare(out, other),
+        }
+    }
+}
+
+impl Encoder<'_> {
+    /// The enumeration of a field, where its values are written with their names.
+    fn enum_type(&self, field: &StructureField) -> Option<&EnumType> {
+        let is_for_people = matches!(self.encoding, DataEncoding::NonReversible104 | DataEncoding::Verbose105);
+        let is_enumeration = is_for_people && field.built_in_type == BuiltInType::Int32;
+        is_enumeration.then(|| EnumType::find(self.enum_types, &field.data_type)).flatten()
+    }
+
+    /// `"AUTOMATIC_3"` (OPC 10000-6 §5.4.4); the number alone where it has no name.
+    fn enumeration(&self, out: &mut Vec<u8>, value: &Variant, known: &EnumType) {
+        let element = |out: &mut Vec<u8>, scalar: &Scalar| match scalar {
+            Scalar::Int32(number) => match known.name_of(i64::from(*number)) {
+                Some(name) => write::string(out, &format!("{name}_{number}")),
+                None => write::signed(out, i64::from(*number)),
+            },
+            other => self.scalar(out, other),
+        };
+        match value {
+            Variant::Scalar(scalar) => element(out, scalar),
+            Variant::Array(array) if array.dimensions.is_none() => {
+                out.push(b'[');
+                for (index, scalar) in array.elements.iter().enumerate() {
+                    if index > 0 {
+                        out.push(b',');
+                    }
+                    element(out, scalar);
                 }
                 out.push(b']');
             }

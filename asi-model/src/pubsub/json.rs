@@ -106,4 +106,6 @@ impl schemars::JsonSchema for Encoding {
 }
 
 #[cfg(test)]
+mod properties;
+#[cfg(test)]
 mod tests;

@@ -142,6 +142,8 @@ pub struct DataSetMessage {
     pub data_set_writer_name: Option<Arc<str>>,
     /// Who publishes, where the NetworkMessage has no header to say it.
     pub publisher_id: Option<Arc<str>>,
+    /// The writer's group, where the NetworkMessage has no header to say it.
+    pub writer_group_name: Option<Arc<str>>,
     /// Counts up by one per DataSetMessage of the writer; in a keep-alive the next expected number.
     pub sequence_number: Option<u32>,
     /// The metadata's version.

@@ -10,7 +10,10 @@ use crate::{
     messages::DisclosureStatement,
     network::{ReportField, Semantic},
     units::{self, EngineeringUnit},
-    values::{BuiltInType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, StructureType, Variant},
+    values::{
+        BuiltInType, EnumType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, SimpleType, StructureType,
+        Variant,
+    },
 };
 
 /// Property of a field: its unit as EUInformation (BrowseName of namespace 0).
@@ -31,6 +34,10 @@ pub struct DataSetMetaData {
     pub namespaces: Vec<Arc<str>>,
     /// Descriptions of the structures that fields contain, beside those of namespace 0.
     pub structure_types: Vec<StructureType>,
+    /// Descriptions of the enumerations that fields have.
+    pub enum_types: Vec<EnumType>,
+    /// Descriptions of the other names for simple types that fields have.
+    pub simple_types: Vec<SimpleType>,
     /// The fields, in payload order.
     pub fields: Vec<FieldMetaData>,
     /// The class of data sets this one belongs to.
@@ -64,7 +71,9 @@ impl DataSetMetaData {
     pub fn change_since(&self, old: &Self) -> MetaDataChange {
         let is_kept = self.fields.len() >= old.fields.len()
             && self.fields.iter().zip(&old.fields).all(|(new, old)| new.is_compatible(old))
-            && self.structure_types.starts_with(&old.structure_types);
+            && self.structure_types.starts_with(&old.structure_types)
+            && self.enum_types.starts_with(&old.enum_types)
+            && self.simple_types.starts_with(&old.simple_types);
         match (is_kept, self.fields.len() > old.fields.len()) {
             (false, _) => MetaDataChange::Major,
             (true, true) => MetaDataChange::Minor,

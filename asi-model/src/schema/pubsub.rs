@@ -121,6 +121,8 @@ fn definitions() -> Value {
             "properties": {
                 "DataSetWriterId": { "$ref": "#/$defs/UInt16" },
                 "DataSetWriterName": { "type": "string" },
+                "PublisherId": { "type": "string" },
+                "WriterGroupName": { "type": "string" },
                 "SequenceNumber": { "$ref": "#/$defs/UInt32" },
                 "MetaDataVersion": { "$ref": "#/$defs/MetaDataVersion" },
                 "MinorVersion": { "$ref": "#/$defs/UInt32" },
@@ -190,6 +192,8 @@ pub(super) fn meta_data() -> Value {
                 "properties": {
                     "Namespaces": { "type": "array", "items": { "type": "string" } },
                     "StructureDataTypes": { "type": "array", "items": { "type": "object" } },
+                    "EnumDataTypes": { "type": "array", "items": { "type": "object" } },
+                    "SimpleDataTypes": { "type": "array", "items": { "type": "object" } },
                     "Name": { "type": "string" },
                     "Description": { "$ref": "#/$defs/LocalizedText" },
                     "Fields": { "type": "array", "items": { "$ref": "#/$defs/FieldMetaData" } },

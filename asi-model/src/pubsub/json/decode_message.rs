@@ -99,6 +99,7 @@ fn header<'t, 'a>(
             "DataSetWriterId" => message.data_set_writer_id = Some(writer_id(value)?),
             "DataSetWriterName" => message.data_set_writer_name = Some(text(value)?.into()),
             "PublisherId" => message.publisher_id = publisher_id(node)?,
+            "WriterGroupName" => message.writer_group_name = Some(text(value)?.into()),
             "SequenceNumber" => {
                 message.sequence_number = Some(integer(value, "a number from 0 to 4294967295")?);
             }

@@ -1,6 +1,6 @@
 //! Reading `ua-metadata`, in 1.04 and 1.05 form.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use uuid::Uuid;
 
@@ -15,13 +15,16 @@ use crate::{
         decode_scalar::{guid, integer, localized_text, text},
     },
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, PubSubMessage},
-    values::{BuiltInType, LocalizedText, NodeId, QualifiedName, StructureField, StructureKind, StructureType},
+    values::{
+        BuiltInType, EnumType, EnumValue, LocalizedText, NodeId, SimpleType, StructureField, StructureKind,
+        StructureType,
+    },
 };
 
-/// Most structures described in one message.
-const STRUCTURES_MAX: usize = 256;
-/// Most fields of one structure.
-const STRUCTURE_FIELDS_MAX: usize = 512;
+/// Most structures, enumerations and aliases described in one message, each.
+const TYPES_MAX: usize = 256;
+/// Most fields of one structure, or values of one enumeration.
+const TYPE_FIELDS_MAX: usize = 512;
 /// Most fields of one data set, and properties of one field.
 const FIELDS_MAX: usize = 4096;
 
@@ -76,9 +79,23 @@ fn data_set<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<Dat
         ..DataSetMetaData::default()
     };
     let mut local = Decoder::new(decoder.leniency(), &[], &namespaces);
-    let aliases = simple_types(node, &local)?;
-    for structure in list(node, "StructureDataTypes", STRUCTURES_MAX)? {
-        known.structure_types.push(structure_type(structure, &local, &aliases)?);
+    for entry in list(node, "EnumDataTypes", TYPES_MAX)? {
+        known.enum_types.extend(enum_type(entry, &mut local)?);
+    }
+    for entry in list(node, "SimpleDataTypes", TYPES_MAX)? {
+        known.simple_types.extend(simple_type(entry, &local)?);
+    }
+    let aliases: HashMap<&NodeId, BuiltInType> = (known.simple_types.iter())
+        .map(|known| (&known.type_id, known.built_in_type))
+        .chain(known.enum_types.iter().map(|known| (&known.type_id, known.built_in_type)))
+        .collect();
+    let mut structure_types = Vec::new();
+    for structure in list(node, "StructureDataTypes", TYPES_MAX)? {
+        structure_types.push(structure_type(structure, &local, &aliases)?);
+    }
+    known.structure_types = structure_types;
+    for diagnostic in local.into_diagnostics() {
+        decoder.adopt(diagnostic);
     }
     local = Decoder::new(decoder.leniency(), &known.structure_types, &namespaces);
     for entry in list(node, "Fields", FIELDS_MAX)? {
@@ -136,34 +153,66 @@ fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldM
     Ok(field)
 }
 
-/// The data types that are other names for built-in ones, and enumerations, with the built-in type behind each.
-fn simple_types<'t, 'a>(
-    node: Node<'t, 'a>,
-    decoder: &Decoder<'_>,
-) -> Result<Vec<(NodeId, BuiltInType)>, Mismatch<'t, 'a>> {
-    let mut aliases = Vec::new();
-    for (name, fallback) in [("SimpleDataTypes", BuiltInType::Variant), ("EnumDataTypes", BuiltInType::Int32)] {
-        for entry in list(node, name, STRUCTURES_MAX)? {
-            let Some(id) = entry.get("DataTypeId") else { continue };
-            let built_in = entry.get("BuiltInType").and_then(Node::integer).and_then(BuiltInType::from_id);
-            aliases.push((decoder.node_id(id)?, built_in.unwrap_or(fallback)));
+/// An enumeration; one without id describes nothing.
+fn enum_type<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<Option<EnumType>, Mismatch<'t, 'a>> {
+    let Some(id) = node.get("DataTypeId") else { return Ok(None) };
+    let mut values = Vec::new();
+    if let Some(definition) = node.get("EnumDefinition").filter(|definition| !definition.is_null()) {
+        for value in list(definition, "Fields", TYPE_FIELDS_MAX)? {
+            let part = |name: &str| value.get(name).map(localized_text).transpose().map(Option::unwrap_or_default);
+            let display_name = part("DisplayName")?;
+            let number = value.get("Value").map(|number| decoder.integer_64(number, "an Int64 as a string of digits"));
+            let name = match value.get("Name").filter(|name| !name.is_null()) {
+                Some(name) => text(name)?.into(),
+                None => display_name.text.clone().unwrap_or_default(),
+            };
+            values.push(EnumValue {
+                value: number.transpose()?.unwrap_or_default(),
+                name,
+                display_name,
+                description: part("Description")?,
+            });
         }
     }
-    Ok(aliases)
+    Ok(Some(EnumType {
+        type_id: decoder.node_id(id)?,
+        name: type_name(node, decoder)?,
+        built_in_type: stated_type(node).unwrap_or(BuiltInType::Int32),
+        values,
+    }))
+}
+
+/// Another name for a simple type; one without id describes nothing.
+fn simple_type<'t, 'a>(node: Node<'t, 'a>, decoder: &Decoder<'_>) -> Result<Option<SimpleType>, Mismatch<'t, 'a>> {
+    let Some(id) = node.get("DataTypeId") else { return Ok(None) };
+    let base_type = node.get("BaseDataType").filter(|id| !id.is_null()).map(|id| decoder.node_id(id)).transpose()?;
+    let inherited = base_type.as_ref().map(built_in_type_of).filter(|found| *found != BuiltInType::ExtensionObject);
+    let built_in_type = stated_type(node).or(inherited).unwrap_or(BuiltInType::Variant);
+    Ok(Some(SimpleType {
+        type_id: decoder.node_id(id)?,
+        name: type_name(node, decoder)?,
+        base_type: base_type.unwrap_or_else(|| NodeId::ua(u32::from(built_in_type.id()))),
+        built_in_type,
+    }))
+}
+
+fn stated_type(node: Node<'_, '_>) -> Option<BuiltInType> {
+    node.get("BuiltInType").and_then(Node::integer).and_then(BuiltInType::from_id)
+}
+
+fn type_name<'t, 'a>(node: Node<'t, 'a>, decoder: &Decoder<'_>) -> Result<Arc<str>, Mismatch<'t, 'a>> {
+    let name = node.get("Name").map(|name| decoder.qualified_name(name)).transpose()?;
+    Ok(name.and_then(|name| name.name).unwrap_or_default())
 }
 
 fn structure_type<'t, 'a>(
     node: Node<'t, 'a>,
     decoder: &Decoder<'_>,
-    aliases: &[(NodeId, BuiltInType)],
+    aliases: &HashMap<&NodeId, BuiltInType>,
 ) -> Result<StructureType, Mismatch<'t, 'a>> {
     let missing = |name: &str| Mismatch::new(node, format!("{name} is missing"));
     let id = node.get("DataTypeId").ok_or_else(|| missing("DataTypeId"))?;
     let definition = node.get("StructureDefinition").ok_or_else(|| missing("StructureDefinition"))?;
-    let name = match node.get("Name") {
-        Some(name) => decoder.qualified_name(name)?,
-        None => QualifiedName::default(),
-    };
     let kind = match definition.get("StructureType").map(|kind| integer::<u8>(kind, "0 to 4")).transpose()? {
         None | Some(0 | 3) => StructureKind::Plain,
         Some(1) => StructureKind::WithOptionalFields,
@@ -175,13 +224,13 @@ fn structure_type<'t, 'a>(
         None => None,
     };
     let mut fields = Vec::new();
-    for field in list(definition, "Fields", STRUCTURE_FIELDS_MAX)? {
+    for field in list(definition, "Fields", TYPE_FIELDS_MAX)? {
         fields.push(structure_field(field, decoder, aliases)?);
     }
     Ok(StructureType {
         type_id: decoder.node_id(id)?,
         encoding_ids: encoding_ids.into_iter().collect(),
-        name: name.name.unwrap_or_default(),
+        name: type_name(node, decoder)?,
         kind,
         fields,
     })
@@ -190,21 +239,18 @@ fn structure_type<'t, 'a>(
 fn structure_field<'t, 'a>(
     node: Node<'t, 'a>,
     decoder: &Decoder<'_>,
-    aliases: &[(NodeId, BuiltInType)],
+    aliases: &HashMap<&NodeId, BuiltInType>,
 ) -> Result<StructureField, Mismatch<'t, 'a>> {
     let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
     let data_type = match node.get("DataType").filter(|id| !id.is_null()) {
         Some(id) => decoder.node_id(id)?,
         None => NodeId::ua(24),
     };
-    let aliased = aliases.iter().find(|(id, _)| *id == data_type).map(|(_, built_in_type)| *built_in_type);
-    let built_in_type = aliased.unwrap_or_else(|| built_in_type_of(&data_type));
-    let is_structure = built_in_type == BuiltInType::ExtensionObject;
+    let built_in_type = aliases.get(&data_type).copied().unwrap_or_else(|| built_in_type_of(&data_type));
     Ok(StructureField {
         name: text(name)?.into(),
         built_in_type,
-        // What is no structure is described by its built-in type from here on.
-        data_type: if is_structure { data_type } else { NodeId::ua(u32::from(built_in_type.id())) },
+        data_type,
         value_rank: node.get("ValueRank").map_or(Ok(-1), |rank| integer(rank, "a ValueRank"))?,
         is_optional: node.get("IsOptional").and_then(Node::boolean).unwrap_or(false),
     })

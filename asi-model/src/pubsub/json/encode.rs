@@ -44,7 +44,8 @@ pub fn encode_described(message: &NetworkMessage, encoding: Encoding, lookup: &d
         let publisher_id = part.publisher_id.as_deref().or(message.publisher_id.as_deref());
         let meta_data = lookup.meta_data(publisher_id, part.data_set_writer_id);
         let encoder = match meta_data {
-            Some(known) => Encoder::described(encoding.data_encoding(), &known.namespaces, &known.structure_types),
+            Some(known) => Encoder::described(encoding.data_encoding(), &known.namespaces, &known.structure_types)
+                .with_enum_types(&known.enum_types),
             None => Encoder::new(encoding.data_encoding()),
         };
         let fields = meta_data.map_or(&[][..], |known| &known.fields);
@@ -144,7 +145,11 @@ impl DataSetWriter<'_> {
             write_name(out, "DataSetWriterId");
             write::unsigned(out, u64::from(id));
         }
-        let texts = [("DataSetWriterName", &message.data_set_writer_name), ("PublisherId", &message.publisher_id)];
+        let texts = [
+            ("DataSetWriterName", &message.data_set_writer_name),
+            ("PublisherId", &message.publisher_id),
+            ("WriterGroupName", &message.writer_group_name),
+        ];
         for (name, text) in texts {
             if let Some(text) = text.as_deref() {
                 write_name(out, name);

@@ -1,5 +1,7 @@
 //! Writing `ua-metadata`.
 
+use std::sync::Arc;
+
 use super::{
     Encoding,
     encode::{header, version},
@@ -8,7 +10,7 @@ use crate::{
     json::write,
     opcua_json::{Encoder, encode::write_name},
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage},
-    values::{NodeId, StructureKind, StructureType},
+    values::{BuiltInType, EnumType, NodeId, QualifiedName, SimpleType, StructureKind, StructureType},
 };
 
 /// Writes a metadata message: in 1.04 reversible for `digicor`, else in 1.05 Compact.
@@ -47,6 +49,14 @@ fn data_set(out: &mut Vec<u8>, meta_data: &DataSetMetaData, encoder: Encoder<'_>
     if !meta_data.structure_types.is_empty() {
         write_name(out, "StructureDataTypes");
         list(out, &meta_data.structure_types, |out, known| structure(out, known, encoder));
+    }
+    if !meta_data.enum_types.is_empty() {
+        write_name(out, "EnumDataTypes");
+        list(out, &meta_data.enum_types, |out, known| enumeration(out, known, encoder));
+    }
+    if !meta_data.simple_types.is_empty() {
+        write_name(out, "SimpleDataTypes");
+        list(out, &meta_data.simple_types, |out, known| simple(out, known, encoder));
     }
     write_name(out, "Name");
     write::string(out, &meta_data.name);
@@ -118,12 +128,7 @@ fn field(out: &mut Vec<u8>, field: &FieldMetaData, encoder: Encoder<'_>) {
 }
 
 fn structure(out: &mut Vec<u8>, known: &StructureType, encoder: Encoder<'_>) {
-    out.extend_from_slice(b"{\"DataTypeId\":");
-    encoder.node_id(out, &known.type_id);
-    out.extend_from_slice(b",\"Name\":");
-    let name =
-        crate::values::QualifiedName { namespace: known.type_id.namespace.clone(), name: Some(known.name.clone()) };
-    encoder.qualified_name(out, &name);
+    type_name(out, &known.type_id, &known.name, encoder);
     out.extend_from_slice(b",\"StructureDefinition\":{\"DefaultEncodingId\":");
     encoder.node_id(out, known.encoding_ids.first().unwrap_or(&NodeId::null()));
     out.extend_from_slice(b",\"BaseDataType\":");
@@ -151,4 +156,47 @@ fn structure(out: &mut Vec<u8>, known: &StructureType, encoder: Encoder<'_>) {
         out.push(b'}');
     });
     out.extend_from_slice(b"}}");
+}
+
+/// The members that every description of a data type begins with. The name is of the type's own namespace.
+fn type_name(out: &mut Vec<u8>, type_id: &NodeId, name: &Arc<str>, encoder: Encoder<'_>) {
+    out.extend_from_slice(b"{\"DataTypeId\":");
+    encoder.node_id(out, type_id);
+    out.extend_from_slice(b",\"Name\":");
+    let name = QualifiedName { namespace: type_id.namespace.clone(), name: Some(Arc::clone(name)) };
+    encoder.qualified_name(out, &name);
+}
+
+fn enumeration(out: &mut Vec<u8>, known: &EnumType, encoder: Encoder<'_>) {
+    type_name(out, &known.type_id, &known.name, encoder);
+    out.extend_from_slice(b",\"EnumDefinition\":{\"Fields\":");
+    list(out, &known.values, |out, value| {
+        out.extend_from_slice(b"{\"Value\":");
+        write::string(out, &value.value.to_string());
+        for (name, text) in [("DisplayName", &value.display_name), ("Description", &value.description)] {
+            if text.locale.is_some() || text.text.is_some() {
+                write_name(out, name);
+                encoder.localized_text(out, text);
+            }
+        }
+        write_name(out, "Name");
+        write::string(out, &value.name);
+        out.push(b'}');
+    });
+    out.push(b'}');
+    built_in_type(out, known.built_in_type);
+}
+
+fn simple(out: &mut Vec<u8>, known: &SimpleType, encoder: Encoder<'_>) {
+    type_name(out, &known.type_id, &known.name, encoder);
+    out.extend_from_slice(b",\"BaseDataType\":");
+    encoder.node_id(out, &known.base_type);
+    built_in_type(out, known.built_in_type);
+}
+
+/// The last member of a description.
+fn built_in_type(out: &mut Vec<u8>, built_in_type: BuiltInType) {
+    write_name(out, "BuiltInType");
+    write::unsigned(out, u64::from(built_in_type.id()));
+    out.push(b'}');
 }

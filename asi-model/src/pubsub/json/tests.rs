@@ -221,7 +221,10 @@ fn keep_alive_and_status_read_back() {
 
 #[test]
 fn metadata_gives_bare_values_their_types() {
-    use crate::values::{BuiltInType, Namespace, NodeId, QualifiedName, StructureField, StructureKind, StructureType};
+    use crate::values::{
+        BuiltInType, EnumType, EnumValue, Namespace, NodeId, QualifiedName, SimpleType, StructureField, StructureKind,
+        StructureType,
+    };
     let power = NodeId::string("urn:robots", "Power");
     let mut fields: Vec<FieldMetaData> = progress_report().messages[0]
         .fields
@@ -251,7 +254,27 @@ fn metadata_gives_bare_values_their_types() {
                 StructureField::scalar("WattsMin", BuiltInType::Double),
                 StructureField { is_optional: true, ..StructureField::scalar("WattsMax", BuiltInType::Double) },
                 StructureField::structure("Range", NodeId::ua(884)).array(),
+                StructureField {
+                    data_type: NodeId::string("urn:robots", "Mode"),
+                    ..StructureField::scalar("Mode", BuiltInType::Int32)
+                },
+                StructureField {
+                    data_type: NodeId::string("urn:robots", "Watts"),
+                    ..StructureField::scalar("Limit", BuiltInType::Float)
+                },
             ],
+        }],
+        enum_types: vec![EnumType {
+            type_id: NodeId::string("urn:robots", "Mode"),
+            name: "Mode".into(),
+            built_in_type: BuiltInType::Int32,
+            values: vec![EnumValue { value: 3, name: "AUTOMATIC".into(), ..EnumValue::default() }],
+        }],
+        simple_types: vec![SimpleType {
+            type_id: NodeId::string("urn:robots", "Watts"),
+            name: "Watts".into(),
+            base_type: NodeId::ua(10),
+            built_in_type: BuiltInType::Float,
         }],
         fields,
         configuration_version: MetaDataVersion { major: 7, minor: 8 },
