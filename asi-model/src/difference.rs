@@ -220,7 +220,7 @@ fn is_same_operation(old: &&Operation, new: &&Operation) -> bool {
         && old.planned_start == new.planned_start
         && old.planned_end == new.planned_end
         && old.planned_quantity == new.planned_quantity
-        && old.quantity_unit == new.quantity_unit
+        && is_same_unit(old.quantity_unit.as_deref(), new.quantity_unit.as_deref())
         && old.equipment_requirement_list == new.equipment_requirement_list
 }
 
@@ -387,6 +387,9 @@ mod tests {
     fn parts_come_change_and_go() {
         let old = network(example());
         assert!(difference(&old, &old).is_empty());
+        let mut renamed = example();
+        renamed["operationList"][0]["quantityUnit"] = json!("H87");
+        assert!(difference(&old, &network(renamed)).is_empty());
         let mut changed = example();
         changed["name"] = json!("Other");
         changed["operationList"][0]["plannedQuantity"] = json!(13);

@@ -25,8 +25,13 @@ fn is_name(text: &str) -> bool {
     (1..=64).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
 }
 
+/// True for the two characters that are none, which XML documents cannot carry.
+pub(crate) const fn is_noncharacter(c: char) -> bool {
+    matches!(c, '\u{FFFE}' | '\u{FFFF}')
+}
+
 fn is_network_id(text: &str) -> bool {
-    (1..=ID_BYTES_MAX).contains(&text.len()) && !text.chars().any(char::is_control)
+    (1..=ID_BYTES_MAX).contains(&text.len()) && !text.chars().any(|c| c.is_control() || is_noncharacter(c))
 }
 
 fn is_field_name(text: &str) -> bool {
@@ -133,31 +138,31 @@ id!(
 );
 id!(
     /// An operation network, unique on a platform.
-    OperationNetworkId, "an operation network id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    OperationNetworkId, "an operation network id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// An operation, unique within its network.
-    OperationId, "an operation id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    OperationId, "an operation id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// A relation between two operations, unique within its network.
-    OperationRelationId, "an operation relation id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    OperationRelationId, "an operation relation id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// A condition of a relation, unique within its network.
-    ConditionId, "a condition id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    ConditionId, "a condition id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// An equipment requirement, unique within its network.
-    EquipmentRequirementId, "an equipment requirement id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    EquipmentRequirementId, "an equipment requirement id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// A dynamic data request, unique within its network. One request is one DataSetWriter.
-    DynamicDataRequestId, "a dynamic data request id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    DynamicDataRequestId, "a dynamic data request id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId).
-    AssetId, "an asset id", "^[^\\p{Cc}]{1,256}$", is_network_id
+    AssetId, "an asset id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
 );
 id!(
     /// The name of a report field: a key of the payload.
@@ -231,6 +236,9 @@ mod tests {
             assert_eq!(FieldName::new(text).is_ok(), ok, "{text:?}");
         }
         assert!(OperationId::new("Frame %1/2#3").is_ok());
-        assert!(OperationId::new("a\u{0}b").is_err());
+        assert!(OperationId::new(" %20 ").is_ok());
+        for text in ["a\u{0}b", "a\nb", "a\u{FFFE}", "\u{FFFF}"] {
+            assert!(OperationId::new(text).is_err(), "{text:?}");
+        }
     }
 }

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 pub use from_nodes::to_json;
 pub use nodes::node_set;
-pub use path::{FOLDER_ID, FOLDER_NAME, Path, encode_segment};
+pub use path::{FOLDER_ID, FOLDER_NAME, Path, decode_segment, encode_segment};
 
 use crate::{
     ids::{FieldKey, RequestKey},

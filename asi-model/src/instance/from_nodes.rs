@@ -1,11 +1,11 @@
 //! From nodes back to the message they came from.
 
-use std::{collections::HashMap, time::Duration};
+use std::collections::{HashMap, HashSet};
 
 use serde_json::{Map, Value, json};
 
 use crate::{
-    asi_types::{self, INSTANCE_NAMESPACE_PREFIX, asi},
+    asi_types::{self, INSTANCE_NAMESPACE_PREFIX, asi, browse_name},
     network::IsoDuration,
     node_set::{Node, NodeClass, NodeSet, ns0},
     units::EngineeringUnit,
@@ -56,17 +56,18 @@ const FREQUENCY_UNITS: [&str; 5] = ["SECOND", "MINUTE", "HOUR", "DAY", "WEEK"];
 impl<'n> Graph<'n> {
     fn of(node_set: &'n NodeSet) -> Self {
         let by_id: HashMap<&NodeId, &Node> = node_set.nodes.iter().map(|node| (&node.node_id, node)).collect();
-        let hierarchical = [ns0::HAS_PROPERTY, ns0::HAS_COMPONENT, ns0::ORGANIZES, asi(asi_types::HAS_OPERATION)];
+        let aggregating = [ns0::HAS_PROPERTY, ns0::HAS_COMPONENT, asi(asi_types::HAS_OPERATION)];
         let mut children: HashMap<&NodeId, Vec<&Node>> = HashMap::new();
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         for node in &node_set.nodes {
-            for reference in node.references.iter().filter(|r| hierarchical.contains(&r.reference_type)) {
+            for reference in node.references.iter().filter(|r| aggregating.contains(&r.reference_type)) {
                 let (parent, child) = if reference.is_forward {
                     (&node.node_id, by_id.get(&reference.target).copied())
                 } else {
                     (&reference.target, Some(node))
                 };
-                if let Some(child) = child.filter(|child| seen.insert((parent, &child.node_id))) {
+                // The first parent keeps the child: what many parents shared would be told once for each of them.
+                if let Some(child) = child.filter(|child| seen.insert(&child.node_id)) {
                     children.entry(parent).or_default().push(child);
                 }
             }
@@ -90,10 +91,11 @@ impl<'n> Graph<'n> {
         self.children(node).filter(move |child| self.is_of(child, type_id))
     }
 
+    /// A part that the model or the standard names; a report field may be called alike in its own namespace.
     fn part(&self, node: &Node, name: &str) -> Option<&'n Node> {
-        self.children(node).find(|child| {
-            child.browse_name.name.as_deref() == Some(name) && matches!(child.class, NodeClass::Variable { .. })
-        })
+        let names = [browse_name(name, false), browse_name(name, true)];
+        self.children(node)
+            .find(|child| names.contains(&child.browse_name) && matches!(child.class, NodeClass::Variable { .. }))
     }
 
     fn value(&self, node: &Node, name: &str) -> Option<&'n Variant> {
@@ -265,8 +267,8 @@ impl<'n> Graph<'n> {
                 copy(&mut object, self, condition, &[("conditionId", "ConditionId"), ("time", "Time")]);
                 self.named(&mut object, condition, "conditionKind", "ConditionKind", &CONDITION_KINDS);
                 let millis = self.value(condition, "Duration").and_then(Variant::as_f64);
-                if let Some(duration) = millis.and_then(|ms| Duration::try_from_secs_f64(ms / 1000.0).ok()) {
-                    object.insert("duration".into(), IsoDuration(duration).to_string().into());
+                if let Some(duration) = millis.and_then(IsoDuration::from_milliseconds) {
+                    object.insert("duration".into(), duration.to_string().into());
                 }
                 Value::Object(object)
             })

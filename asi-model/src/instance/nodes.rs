@@ -158,10 +158,10 @@ impl Writer<'_> {
         self.operations.insert(operation.operation_id.clone(), self.nodes.len());
         let parent = (asi(asi_types::HAS_OPERATION), self.id(parent));
         self.object(&path, name, type_id, parent, |part| operation_part(operation, part));
-        if let (Some(quantity), Some(part)) =
-            (operation.planned_quantity, parts_of_type(type_id).find(|part| part.name == "PlannedQuantity"))
-        {
-            self.part(&path, part, quantity.into());
+        // A unit without a quantity is kept at a variable without a value.
+        let has_quantity = operation.planned_quantity.is_some() || operation.quantity_unit.is_some();
+        if let Some(part) = parts_of_type(type_id).find(|part| has_quantity && part.name == "PlannedQuantity") {
+            self.part(&path, part, operation.planned_quantity.map_or(Variant::Null, Into::into));
             if let Some(unit) = &operation.quantity_unit {
                 self.unit(&path.part(part.name), unit);
             }
@@ -324,8 +324,7 @@ fn condition_part(condition: &RelationCondition, part: &str) -> Option<Variant> 
         "ConditionId" => text(condition.condition_id.as_str()),
         "ConditionKind" => Some((condition.condition_kind as i32).into()),
         "Time" => condition.time.map(Into::into),
-        // OPC UA Duration: milliseconds.
-        "Duration" => condition.duration.map(|duration| (duration.0.as_secs_f64() * 1000.0).into()),
+        "Duration" => condition.duration.map(|duration| duration.as_milliseconds().into()),
         _ => None,
     }
 }

@@ -1,9 +1,9 @@
 //! The readable NodeIds of an interface's nodes, stable over restarts: `<net>`, `<net>/op/<op>`,
 //! `<net>/op/<op>/eq/<requirement>`, `<net>/op/<op>/req/<req>`, `.../<field>`, `<net>/rel/<rel>`,
 //! `<net>/rel/<rel>/cond/<condition>`; parts with a fixed BrowseName follow after `#`. Inside an id `/`, `#` and `%` are
-//! percent-encoded, so that every id has one NodeId and the other way round.
+//! percent-encoded, and so are blanks at its ends, so that every id has one NodeId and the other way round.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
 use crate::{
     FactoryId,
@@ -20,16 +20,58 @@ pub const FOLDER_ID: &str = "#CollaborativeProcessTwin";
 /// The BrowseName of that folder.
 pub const FOLDER_NAME: &str = "CollaborativeProcessTwin";
 
-/// Appends an id with its separators percent-encoded.
+/// Appends an id with its separators percent-encoded, and the blanks at its ends: foreign tools trim the NodeIds they
+/// read.
 pub fn encode_segment(out: &mut String, id: &str) {
-    for character in id.chars() {
+    let inner = id.trim_matches(is_blank);
+    // An id of blanks only is all lead.
+    let (lead, trail) = match inner {
+        "" => (id, ""),
+        inner => {
+            let at = id.len() - id.trim_start_matches(is_blank).len();
+            (&id[..at], &id[at + inner.len()..])
+        }
+    };
+    encode_bytes(out, lead);
+    for character in inner.chars() {
         match character {
-            '%' => out.push_str("%25"),
-            '/' => out.push_str("%2F"),
-            '#' => out.push_str("%23"),
+            '%' | '/' | '#' => encode_bytes(out, character.encode_utf8(&mut [0; 4])),
             other => out.push(other),
         }
     }
+    encode_bytes(out, trail);
+}
+
+/// What one language or another counts as white space.
+fn is_blank(c: char) -> bool {
+    c.is_whitespace() || c == '\u{feff}'
+}
+
+fn encode_bytes(out: &mut String, text: &str) {
+    for byte in text.bytes() {
+        out.push_str(&format!("%{byte:02X}"));
+    }
+}
+
+/// The id behind its encoded form; `None` where [`encode_segment`] did not encode it.
+#[must_use]
+pub fn decode_segment(text: &str) -> Option<Cow<'_, str>> {
+    if !text.contains('%') && text.trim_matches(is_blank).len() == text.len() {
+        return Some(Cow::Borrowed(text));
+    }
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((plain, after)) = rest.split_once('%') {
+        bytes.extend_from_slice(plain.as_bytes());
+        bytes.push(u8::from_str_radix(after.get(..2)?, 16).ok()?);
+        rest = &after[2..];
+    }
+    bytes.extend_from_slice(rest.as_bytes());
+    let id = String::from_utf8(bytes).ok()?;
+    // Each id has one form: another one that means the same names no node.
+    let mut form = String::with_capacity(text.len());
+    encode_segment(&mut form, &id);
+    (form == text).then_some(Cow::Owned(id))
 }
 
 /// The identifier of a node, built from the network down.

@@ -73,12 +73,37 @@ fn node_ids_are_readable_and_stable() {
 }
 
 #[test]
+fn every_id_has_one_form_and_the_other_way_round() {
+    for (id, form) in [
+        ("frame", "frame"),
+        ("a/b#c%", "a%2Fb%23c%25"),
+        ("n ", "n%20"),
+        (" n  n ", "%20n  n%20"),
+        ("  ", "%20%20"),
+        ("\u{a0}n\u{feff}", "%C2%A0n%EF%BB%BF"),
+        ("%20", "%2520"),
+    ] {
+        let mut out = String::new();
+        encode_segment(&mut out, id);
+        assert_eq!(out, form);
+        assert_eq!(decode_segment(form).as_deref(), Some(id));
+    }
+    for form in ["n ", "%6E", "%2f", "%", "%2", "%+5", "%C2", "a%20b", "ü%ü"] {
+        assert_eq!(decode_segment(form), None, "{form}");
+    }
+}
+
+#[test]
 fn broken_node_sets_have_faults() {
     let factory = "FOR_MUC".parse().expect("valid");
     for (body, code) in [
         ("<UANodeSet>", "NOT_NODE_SET"),
         ("<!DOCTYPE x [<!ENTITY a 'b'>]><UANodeSet/>", "NOT_NODE_SET"),
         ("<html/>", "NOT_NODE_SET"),
+        (
+            r#"<UANodeSet><UAObject NodeId="i=1" BrowseName="a"/><UAObject NodeId="i=1" BrowseName="b"/></UANodeSet>"#,
+            "NOT_NODE_SET",
+        ),
         ("<UANodeSet/>", "NO_INTERFACE"),
     ] {
         let rejection = parse_platform_message(body.as_bytes(), &factory).expect_err(body);

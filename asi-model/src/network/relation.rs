@@ -76,7 +76,8 @@ impl ConditionKind {
 }
 
 /// An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`). Years and months
-/// have no fixed length and are refused. Resolution 1 ns.
+/// have no fixed length and are refused. Digits beyond the microsecond are dropped on reading: as OPC UA's Duration, a
+/// Double of milliseconds, a hundred years stay exact to that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(with = "String", extend("format" = "duration"))]
 pub struct IsoDuration(pub Duration);
@@ -126,7 +127,7 @@ fn parse(text: &str) -> Option<Duration> {
         nanos += match number.split_once('.') {
             None => number.parse::<u128>().ok()? * seconds as u128 * 1_000_000_000,
             Some((whole, fraction)) => {
-                let fraction = fraction.get(..9).unwrap_or(fraction);
+                let fraction = fraction.get(..6).unwrap_or(fraction);
                 let scale = 10_u128.pow(9 - u32::try_from(fraction.len()).ok()?);
                 whole.parse::<u128>().ok()? * 1_000_000_000 + fraction.parse::<u128>().ok()? * scale
             }
@@ -135,6 +136,22 @@ fn parse(text: &str) -> Option<Duration> {
         rest = &rest[end + 1..];
     }
     (parts > 0).then(|| Duration::new((nanos / 1_000_000_000) as u64, (nanos % 1_000_000_000) as u32))
+}
+
+impl IsoDuration {
+    /// As OPC UA's Duration: milliseconds.
+    #[must_use]
+    pub fn as_milliseconds(self) -> f64 {
+        self.0.as_micros() as f64 / 1000.0
+    }
+
+    /// From OPC UA's Duration; `None` where it is negative, not finite or beyond what is accepted.
+    #[must_use]
+    pub fn from_milliseconds(milliseconds: f64) -> Option<Self> {
+        let micros = (milliseconds * 1000.0).round();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // The range is checked.
+        (0.0..=SECONDS_MAX * 1e6).contains(&micros).then(|| Self(Duration::from_micros(micros as u64)))
+    }
 }
 
 impl std::str::FromStr for IsoDuration {
@@ -193,6 +210,7 @@ mod tests {
         for text in ["PT8H", "P1DT30M", "PT0S", "PT1.5S", "P14D", "PT1H1M1S"] {
             assert_eq!(text.parse::<IsoDuration>().map(|d| d.to_string()), Ok(text.to_owned()));
         }
+        assert_eq!("PT0.1234567891S".parse::<IsoDuration>().map(|d| d.to_string()), Ok("PT0.123456S".to_owned()));
         assert_eq!("P2W".parse::<IsoDuration>().map(|d| d.to_string()), Ok("P14D".to_owned()));
         for text in ["", "P", "PT", "P1Y", "P1M", "PT1M1H", "8H", "PT1.5H", "PT1H1H", "P999999999999D", "PT.S"] {
             assert!(text.parse::<IsoDuration>().is_err(), "{text:?}");

@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::{
-    ids::{DynamicDataRequestId, FieldName, OrganisationId, ToolId},
+    ids::{DynamicDataRequestId, FieldName, OrganisationId, ToolId, is_noncharacter},
     values::{BuiltInType, DateTime},
 };
 
@@ -229,7 +229,8 @@ impl std::str::FromStr for Semantic {
                 && scheme.starts_with(|c: char| c.is_ascii_alphabetic())
                 && scheme.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'))
         });
-        if is_iri && text.len() <= 2048 && !text.contains(char::is_whitespace) {
+        let is_foreign = |c: char| c.is_whitespace() || c.is_control() || is_noncharacter(c);
+        if is_iri && text.len() <= 2048 && !text.contains(is_foreign) {
             Ok(Self::Iri(text.to_owned()))
         } else {
             Err(())
@@ -262,7 +263,7 @@ impl JsonSchema for Semantic {
             "description": "What a field means: one of the names, or an IRI.",
             "anyOf": [
                 { "type": "string", "enum": names },
-                { "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9+.-]*:[^\\s]+$", "maxLength": 2048 }
+                { "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9+.-]*:[^\\s\\p{Cc}\\uFFFE\\uFFFF]+$", "maxLength": 2048 }
             ]
         })
     }

@@ -1,6 +1,6 @@
 //! Reading NodeSet2.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{
     Model, Node, NodeClass, NodeSet, Reference, value,
@@ -54,17 +54,22 @@ pub fn read(bytes: &[u8]) -> Result<NodeSet, NodeSetError> {
     }
     let names = Names::of(&root);
     let models = root.child("Models").map(|models| models.children.iter().map(model).collect());
-    let mut nodes = Vec::new();
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut ids = HashSet::new();
     for element in &root.children {
         if let Some(class) = class(element, &names) {
-            nodes.push(node(element, class?, &names)?);
+            let node = node(element, class?, &names)?;
+            if !ids.insert(node.node_id.clone()) {
+                return Err(failed(element, "the NodeId is that of an earlier node"));
+            }
+            nodes.push(node);
         }
     }
     Ok(NodeSet { models: models.unwrap_or_default(), nodes })
 }
 
 /// The document's namespaces and aliases.
-struct Names {
+pub(super) struct Names {
     namespaces: Vec<Namespace>,
     aliases: HashMap<String, String>,
 }
@@ -74,15 +79,15 @@ impl Names {
         let uris = root.child("NamespaceUris").map(|list| list.children.as_slice()).unwrap_or_default();
         let aliases = root.child("Aliases").map(|list| list.children.as_slice()).unwrap_or_default();
         Self {
-            namespaces: uris.iter().map(|uri| Namespace::uri(uri.text.trim())).collect(),
+            namespaces: uris.iter().map(|uri| Namespace::uri(uri.trimmed())).collect(),
             aliases: aliases
                 .iter()
-                .filter_map(|alias| Some((alias.attribute("Alias")?.to_owned(), alias.text.trim().to_owned())))
+                .filter_map(|alias| Some((alias.attribute("Alias")?.to_owned(), alias.trimmed().to_owned())))
                 .collect(),
         }
     }
 
-    fn namespace(&self, namespace: Namespace) -> Option<Namespace> {
+    pub(super) fn namespace(&self, namespace: Namespace) -> Option<Namespace> {
         match namespace {
             Namespace::Index(0) => Some(Namespace::Ua),
             Namespace::Index(index) => self.namespaces.get(usize::from(index) - 1).cloned(),
@@ -90,7 +95,7 @@ impl Names {
         }
     }
 
-    fn node_id(&self, text: &str) -> Option<NodeId> {
+    pub(super) fn node_id(&self, text: &str) -> Option<NodeId> {
         let text = self.aliases.get(text).map_or(text, String::as_str);
         let id: NodeId = text.parse().ok()?;
         Some(NodeId { namespace: self.namespace(id.namespace)?, ..id })
@@ -136,7 +141,7 @@ fn class(element: &Element, names: &Names) -> Option<Result<NodeClass, NodeSetEr
             };
             let access: u8 = element.attribute("AccessLevel").and_then(|level| level.parse().ok()).unwrap_or(1);
             let content = element.child("Value");
-            let value = content.and_then(|content| value::read(content, &|text| names.node_id(text)));
+            let value = content.and_then(|content| value::read(content, names));
             NodeClass::Variable {
                 data_type,
                 value_rank,
@@ -180,7 +185,7 @@ fn node(element: &Element, class: NodeClass, names: &Names) -> Result<Node, Node
     let mut references = Vec::new();
     for reference in element.child("References").map(|list| list.children.as_slice()).unwrap_or_default() {
         let reference_type = reference.attribute("ReferenceType").and_then(|id| names.node_id(id));
-        let target = names.node_id(reference.text.trim());
+        let target = names.node_id(reference.trimmed());
         let (Some(reference_type), Some(target)) = (reference_type, target) else {
             return Err(failed(element, "a reference has no type or target that is a NodeId"));
         };

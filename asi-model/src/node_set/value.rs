@@ -5,32 +5,57 @@ use std::sync::Arc;
 use base64::Engine as _;
 
 use super::{
+    read::Names,
     write::Namespaces,
     xml::{Element, escape},
 };
 use crate::values::{
-    Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, Namespace, NodeId, QualifiedName, Scalar,
-    StatusCode, StructureType, StructureValue, Variant,
+    Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, Namespace, QualifiedName, Scalar, StatusCode,
+    StructureType, StructureValue, Variant,
 };
 
-/// Calls `visit` for each NodeId inside a value.
-pub(super) fn for_each_node_id(value: &Variant, visit: &mut dyn FnMut(&NodeId)) {
-    let scalars = match value {
-        Variant::Null => &[],
-        Variant::Scalar(scalar) => std::slice::from_ref(scalar),
-        Variant::Array(array) => array.elements.as_slice(),
-    };
-    for scalar in scalars {
+/// Calls `visit` for each namespace inside a value.
+pub(super) fn for_each_namespace(value: &Variant, visit: &mut dyn FnMut(&Namespace)) {
+    for scalar in scalars(value) {
         match scalar {
-            Scalar::NodeId(id) => visit(id),
+            Scalar::NodeId(id) => visit(&id.namespace),
+            Scalar::ExpandedNodeId(id) => visit(&id.node_id.namespace),
+            Scalar::QualifiedName(name) => visit(&name.namespace),
             Scalar::ExtensionObject(object) => {
                 if let ExtensionBody::Structure(structure) = &object.body {
-                    structure.fields.values().for_each(|field| for_each_node_id(field, visit));
+                    structure.fields.values().for_each(|field| for_each_namespace(field, visit));
                 }
             }
             _ => {}
         }
     }
+}
+
+fn scalars(value: &Variant) -> &[Scalar] {
+    match value {
+        Variant::Null => &[],
+        Variant::Scalar(scalar) => std::slice::from_ref(scalar),
+        Variant::Array(array) => array.elements.as_slice(),
+    }
+}
+
+/// True for what this form carries: no matrices, no values inside values, no structures but those of namespace 0, and
+/// no null texts, which would come back as empty ones.
+pub(super) fn is_writable(value: &Variant) -> bool {
+    let is_matrix = matches!(value, Variant::Array(array) if array.dimensions.is_some());
+    let can_be = |scalar: &Scalar| match scalar {
+        Scalar::DataValue(_) | Scalar::Variant(_) | Scalar::DiagnosticInfo(_) => false,
+        Scalar::String(None) | Scalar::XmlElement(None) | Scalar::ByteString(None) => false,
+        Scalar::ExtensionObject(object) => match &object.body {
+            ExtensionBody::Structure(structure) => {
+                StructureType::find(&[], &object.type_id.node_id).is_some()
+                    && structure.fields.values().all(|field| field.is_null() || is_writable(field))
+            }
+            _ => false,
+        },
+        _ => true,
+    };
+    !value.is_null() && !is_matrix && scalars(value).iter().all(can_be)
 }
 
 /// The content of `<Value>`.
@@ -84,7 +109,15 @@ fn body(out: &mut String, scalar: &Scalar, prefix: &str, namespaces: &Namespaces
                 text(out, prefix, "Text", content);
             }
         }
-        Scalar::QualifiedName(value) => text(out, prefix, "Name", value.name.as_deref().unwrap_or_default()),
+        Scalar::QualifiedName(value) => {
+            let index = namespaces.index(&value.namespace);
+            if index != 0 {
+                text(out, prefix, "NamespaceIndex", &index.to_string());
+            }
+            if let Some(name) = &value.name {
+                text(out, prefix, "Name", name);
+            }
+        }
         Scalar::ExtensionObject(object) => structure(out, object, prefix, namespaces),
         Scalar::Boolean(value) => out.push_str(if *value { "true" } else { "false" }),
         integer => out.push_str(&integer.as_i128().unwrap_or_default().to_string()),
@@ -130,25 +163,21 @@ fn members(out: &mut String, value: &StructureValue, prefix: &str, namespaces: &
 }
 
 /// Reads the content of `<Value>`; what our models do not use yields `None`.
-pub(super) fn read(value: &Element, resolve: &dyn Fn(&str) -> Option<NodeId>) -> Option<Variant> {
+pub(super) fn read(value: &Element, names: &Names) -> Option<Variant> {
     let content = value.children.first()?;
     if let Some(element_name) = content.name.strip_prefix("ListOf") {
         let element_type: BuiltInType = element_name.parse().ok()?;
         let elements: Option<Vec<Scalar>> =
-            content.children.iter().map(|child| read_scalar(child, element_type, resolve)).collect();
+            content.children.iter().map(|child| read_scalar(child, element_type, names)).collect();
         return Some(Variant::Array(Arc::new(Array { element_type, elements: elements?, dimensions: None })));
     }
-    read_scalar(content, content.name.parse().ok()?, resolve).map(Variant::Scalar)
+    read_scalar(content, content.name.parse().ok()?, names).map(Variant::Scalar)
 }
 
-fn read_scalar(
-    element: &Element,
-    built_in_type: BuiltInType,
-    resolve: &dyn Fn(&str) -> Option<NodeId>,
-) -> Option<Scalar> {
+fn read_scalar(element: &Element, built_in_type: BuiltInType, names: &Names) -> Option<Scalar> {
     use BuiltInType as T;
     let content = || Arc::<str>::from(element.text.as_str());
-    let trimmed = element.text.trim();
+    let trimmed = element.trimmed();
     let float = |text: &str| match text {
         "INF" => Some(f64::INFINITY),
         "-INF" => Some(f64::NEG_INFINITY),
@@ -159,7 +188,7 @@ fn read_scalar(
         T::String => Scalar::String(Some(content())),
         T::XmlElement => Scalar::XmlElement(Some(content())),
         T::DateTime => Scalar::DateTime(read_time(trimmed)?),
-        T::Guid => Scalar::Guid(element.child("String")?.text.trim().parse().ok()?),
+        T::Guid => Scalar::Guid(element.child("String")?.trimmed().parse().ok()?),
         T::ByteString => {
             let compact: String = trimmed.split_ascii_whitespace().collect();
             Scalar::ByteString(Some(base64::engine::general_purpose::STANDARD.decode(compact).ok()?.into()))
@@ -167,20 +196,23 @@ fn read_scalar(
         #[allow(clippy::cast_possible_truncation)] // A Float was written with the digits of a Float.
         T::Float => Scalar::Float(float(trimmed)? as f32),
         T::Double => Scalar::Double(float(trimmed)?),
-        T::NodeId => Scalar::NodeId(Box::new(resolve(element.child("Identifier")?.text.trim())?)),
+        T::NodeId => Scalar::NodeId(Box::new(names.node_id(element.child("Identifier")?.trimmed())?)),
         T::ExpandedNodeId => {
-            Scalar::ExpandedNodeId(Box::new(resolve(element.child("Identifier")?.text.trim())?.into()))
+            Scalar::ExpandedNodeId(Box::new(names.node_id(element.child("Identifier")?.trimmed())?.into()))
         }
-        T::StatusCode => Scalar::StatusCode(StatusCode(element.child("Code")?.text.trim().parse().ok()?)),
+        T::StatusCode => Scalar::StatusCode(StatusCode(element.child("Code")?.trimmed().parse().ok()?)),
         T::LocalizedText => {
             let part = |name: &str| element.child(name).map(|part| Arc::from(part.text.as_str()));
             Scalar::LocalizedText(Box::new(LocalizedText { locale: part("Locale"), text: part("Text") }))
         }
-        T::QualifiedName => Scalar::QualifiedName(Box::new(QualifiedName {
-            namespace: Namespace::Ua,
-            name: element.child("Name").map(|name| Arc::from(name.text.as_str())),
-        })),
-        T::ExtensionObject => Scalar::ExtensionObject(Box::new(read_structure(element, resolve)?)),
+        T::QualifiedName => {
+            let index = element.child("NamespaceIndex").map_or(Some(0), |index| index.trimmed().parse().ok())?;
+            Scalar::QualifiedName(Box::new(QualifiedName {
+                namespace: names.namespace(Namespace::Index(index))?,
+                name: element.child("Name").map(|name| Arc::from(name.text.as_str())),
+            }))
+        }
+        T::ExtensionObject => Scalar::ExtensionObject(Box::new(read_structure(element, names)?)),
         T::DataValue | T::Variant | T::DiagnosticInfo => return None,
         integer => Scalar::from_i128(trimmed.parse().ok()?, integer)?,
     })
@@ -191,8 +223,8 @@ pub(super) fn read_time(text: &str) -> Option<crate::values::DateTime> {
     text.parse().ok().or_else(|| format!("{text}Z").parse().ok())
 }
 
-fn read_structure(element: &Element, resolve: &dyn Fn(&str) -> Option<NodeId>) -> Option<ExtensionObject> {
-    let type_id = resolve(element.child("TypeId")?.child("Identifier")?.text.trim())?;
+fn read_structure(element: &Element, names: &Names) -> Option<ExtensionObject> {
+    let type_id = names.node_id(element.child("TypeId")?.child("Identifier")?.trimmed())?;
     let known = StructureType::find(&[], &type_id)?;
     let content = element.child("Body")?.children.first()?;
     let mut structure = StructureValue::default();
@@ -201,11 +233,11 @@ fn read_structure(element: &Element, resolve: &dyn Fn(&str) -> Option<NodeId>) -
             None => Variant::Null,
             Some(child) if field.value_rank >= 0 => {
                 let elements: Option<Vec<Scalar>> =
-                    child.children.iter().map(|entry| read_scalar(entry, field.built_in_type, resolve)).collect();
+                    child.children.iter().map(|entry| read_scalar(entry, field.built_in_type, names)).collect();
                 let array = Array { element_type: field.built_in_type, elements: elements?, dimensions: None };
                 if array.elements.is_empty() { Variant::Null } else { Variant::Array(Arc::new(array)) }
             }
-            Some(child) => Variant::Scalar(read_scalar(child, field.built_in_type, resolve)?),
+            Some(child) => Variant::Scalar(read_scalar(child, field.built_in_type, names)?),
         };
         structure.fields.insert(Arc::clone(&field.name), value);
     }

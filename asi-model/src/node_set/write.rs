@@ -44,9 +44,13 @@ impl Namespaces {
                 namespaces.note(&reference.reference_type.namespace);
                 namespaces.note(&reference.target.namespace);
             }
-            if let NodeClass::Variable { data_type, value, .. } = &node.class {
-                namespaces.note(&data_type.namespace);
-                value::for_each_node_id(value, &mut |id| namespaces.note(&id.namespace));
+            match &node.class {
+                NodeClass::Variable { data_type, value, .. } => {
+                    namespaces.note(&data_type.namespace);
+                    value::for_each_namespace(value, &mut |namespace| namespaces.note(namespace));
+                }
+                NodeClass::VariableType { data_type, .. } => namespaces.note(&data_type.namespace),
+                _ => {}
             }
         }
         namespaces
@@ -60,7 +64,7 @@ impl Namespaces {
         }
     }
 
-    fn index(&self, namespace: &Namespace) -> usize {
+    pub(super) fn index(&self, namespace: &Namespace) -> usize {
         match namespace {
             Namespace::Ua => 0,
             Namespace::Index(index) => usize::from(*index),
@@ -189,7 +193,7 @@ fn write_children(out: &mut String, node: &Node, namespaces: &Namespaces) {
             }
             line(out, 2, format_args!("</Definition>"));
         }
-        NodeClass::Variable { value, .. } if !value.is_null() => {
+        NodeClass::Variable { value, .. } if value::is_writable(value) => {
             let mut text = String::new();
             value::write(&mut text, value, namespaces);
             line(out, 2, format_args!("<Value>{text}</Value>"));

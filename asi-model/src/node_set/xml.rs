@@ -29,6 +29,11 @@ impl Element {
         self.children.iter().find(|child| child.name == name)
     }
 
+    /// The text without the blanks that XML allows around a token; no others, which may belong to an identifier.
+    pub(super) fn trimmed(&self) -> &str {
+        self.text.trim_matches([' ', '\t', '\r', '\n'])
+    }
+
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }

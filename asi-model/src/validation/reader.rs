@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::{FaultCode, NAME_CHARS_MAX, TEXT_CHARS_MAX, faults::Faults};
 use crate::{
-    ids::InvalidId,
+    ids::{InvalidId, is_noncharacter},
     json::{Kind, Node},
     values::DateTime,
 };
@@ -149,6 +149,14 @@ impl Reader {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
         if text.chars().nth(chars_max).is_some() {
             self.fault(node, FaultCode::TextTooLong, format!("The text may have at most {chars_max} characters."));
+            return None;
+        }
+        // XML, and with it NodeSet2, has no way to write these.
+        let is_unwritable = |c: char| (c < ' ' && !matches!(c, '\t' | '\n' | '\r')) || is_noncharacter(c);
+        if let Some((index, c)) = text.chars().enumerate().find(|(_, c)| is_unwritable(*c)) {
+            let message =
+                format!("The text has the control character U+{:04X} at position {index}; remove it.", c as u32);
+            self.fault(node, FaultCode::InvalidValue, message);
             return None;
         }
         Some(text.into_owned())

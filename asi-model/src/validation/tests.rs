@@ -75,6 +75,9 @@ fn structure_is_checked() {
     check(&format!("{OP}/plannedQuantity"), json!(-1), &[(&format!("{OP}/plannedQuantity"), "INVALID_VALUE")]);
     check(&format!("{OP}/operationId"), json!("a\u{0}"), &[(&format!("{OP}/operationId"), "INVALID_ID")]);
     check(&format!("{OP}/name"), json!("x".repeat(300)), &[(&format!("{OP}/name"), "TEXT_TOO_LONG")]);
+    check(&format!("{OP}/name"), json!("a\u{8}"), &[(&format!("{OP}/name"), "INVALID_VALUE")]);
+    check(&format!("{OP}/description"), json!("tab\tline\r\n\u{9f}"), &[]);
+    check(&format!("{OP}/description"), json!("\u{FFFE}"), &[(&format!("{OP}/description"), "INVALID_VALUE")]);
     check(&format!("{REQ}/purpose"), json!(" "), &[(&format!("{REQ}/purpose"), "INVALID_VALUE")]);
     check(&format!("{REQ}/recipientList"), json!([]), &[(&format!("{REQ}/recipientList"), "EMPTY_LIST")]);
     check(&format!("{REQ}/recipientList"), json!(["a", "a"]), &[(&format!("{REQ}/recipientList/1"), "DUPLICATE_ID")]);

@@ -39,8 +39,31 @@ fn hostile_input_costs_linear_time() {
     let repeated: Make = |count| format!("{{{}\"a\":1}}", "\"a\":1,".repeat(count));
     let structures: Make =
         |count| format!("{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}", "{\"UaTypeId\":\"i=12079\"},".repeat(count));
-    let xml: Make =
-        |count| format!("<UANodeSet>{}</UANodeSet>", "<UAObject NodeId=\"i=1\" BrowseName=\"a\"/>".repeat(count));
+    let xml: Make = |count| {
+        let nodes: String = (0..count).map(|n| format!("<UAObject NodeId=\"i={n}\" BrowseName=\"a\"/>")).collect();
+        format!("<UANodeSet>{nodes}</UANodeSet>")
+    };
+    // Many operations claim the same request with many fields.
+    let shared: Make = |count| {
+        let node = |kind: &str, id: &str, references: &str| {
+            format!("<{kind} NodeId=\"{id}\" BrowseName=\"{id}\"><References>{references}</References></{kind}>")
+        };
+        let reference = |kind: &str, forward: bool, id: &str| {
+            format!("<Reference ReferenceType=\"{kind}\" IsForward=\"{forward}\">{id}</Reference>")
+        };
+        let typed = |id: u32| reference("i=40", true, &format!("ns=1;i={id}"));
+        let mut nodes = node("UAObject", "ns=2;s=n", &typed(1001));
+        nodes += &node("UAObject", "ns=2;s=n#", &(typed(1002) + &reference("i=47", false, "ns=2;s=n")));
+        nodes += &node("UAObject", "ns=2;s=r", &typed(1010));
+        nodes += &node("UAObject", "ns=2;s=f", &(typed(1011) + &reference("i=47", false, "ns=2;s=r")));
+        for n in 0..count {
+            let owned = reference("i=47", false, "ns=2;s=n#") + &reference("i=47", true, "ns=2;s=r");
+            nodes += &node("UAObject", &format!("ns=2;s=o{n}"), &(typed(1004) + &owned));
+            nodes += &node("UAVariable", &format!("ns=2;s=f{n}"), &reference("i=47", false, "ns=2;s=f"));
+        }
+        let uris = "<Uri>urn:verbund:UA:ASI</Uri><Uri>urn:verbund:cpt:F</Uri>";
+        format!("<UANodeSet><NamespaceUris>{uris}</NamespaceUris>{nodes}</UANodeSet>")
+    };
     let attributes: Make =
         |count| format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>());
     for (name, make, count) in [
@@ -50,6 +73,7 @@ fn hostile_input_costs_linear_time() {
         ("repeated members", repeated, 8_000),
         ("structures", structures, 2_000),
         ("node set", xml, 4_000),
+        ("shared nodes", shared, 400),
     ] {
         let time_of = |count: usize| {
             let text = make(count);

@@ -1,10 +1,12 @@
-//! What can only be seen from outside the crate: allocations, and time that stays linear.
+//! What is seen from outside the crate: round trips of whole networks, foreign stacks, allocations, linear time.
 #![allow(unsafe_code, clippy::unwrap_used)] // The counting allocator has to pass on to the system's.
 
 mod allocations;
 mod corpus;
 mod foreign;
 mod linear;
+mod networks;
+mod round_trip;
 mod vectors;
 
 #[global_allocator]

@@ -2,11 +2,12 @@
 //!
 //! `<net>`, `<net>/op/<op>`, `<net>/op/<op>/req/<req>`, `.../<field>`, `<net>/op/<op>/eq/<requirement>`,
 //! `<net>/rel/<rel>`, `<net>/rel/<rel>/cond/<condition>`; parts with a fixed BrowseName follow after `#`. Inside an id
-//! `/`, `#` and `%` are percent-encoded, so that every id has one NodeId and the other way round, over all restarts.
+//! `/`, `#` and `%` are percent-encoded, and so are blanks at its ends, so that every id has one NodeId and the other way
+//! round, over all restarts.
 
 use std::borrow::Cow;
 
-use asi_model::instance::encode_segment;
+use asi_model::instance::{decode_segment, encode_segment};
 
 use super::interface::Interface;
 
@@ -26,27 +27,6 @@ pub(super) enum Place {
 
 const OPERATION_NETWORK: &str = "OperationNetwork";
 const REPORT_DATA_FORMAT: &str = "ReportDataFormat";
-
-/// The id behind its encoded form; `None` where it was not encoded by [`encode_segment`].
-fn decode(text: &str) -> Option<Cow<'_, str>> {
-    if !text.contains('%') {
-        return Some(Cow::Borrowed(text));
-    }
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find('%') {
-        out.push_str(&rest[..at]);
-        out.push(match rest.get(at + 1..at + 3)? {
-            "25" => '%',
-            "2F" => '/',
-            "23" => '#',
-            _ => return None,
-        });
-        rest = &rest[at + 3..];
-    }
-    out.push_str(rest);
-    Some(Cow::Owned(out))
-}
 
 /// An identifier taken apart: the network's id, the rest of its path, and the names after `#`.
 pub(super) struct Identifier<'a> {
@@ -68,7 +48,7 @@ impl<'a> Identifier<'a> {
             if path.len() == SEGMENTS_MAX {
                 return None;
             }
-            path.push(decode(segment)?);
+            path.push(decode_segment(segment)?);
         }
         let network = path.remove(0);
         let parts: Vec<&str> = pieces.by_ref().take(PARTS_MAX).collect();
