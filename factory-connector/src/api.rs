@@ -4,16 +4,23 @@ mod accounts;
 mod comments;
 mod configuration;
 mod events;
+mod exchange;
 mod fields;
 mod inbox;
 mod ledger;
 mod operator;
 mod preview;
 mod problems;
+mod search;
 mod session;
+mod shadow;
 mod sources;
 mod spool;
 mod status;
+mod suggestions;
+mod templates;
+mod trials;
+mod versions;
 mod view;
 
 use std::{path::PathBuf, sync::Arc};
@@ -43,11 +50,14 @@ use utoipa::{
     Modify, OpenApi,
     openapi::security::{ApiKey, ApiKeyValue, SecurityScheme},
 };
-use utoipa_axum::{router::OpenApiRouter, routes};
+use utoipa_axum::{
+    router::{OpenApiRouter, UtoipaMethodRouterExt as _},
+    routes,
+};
 
 pub use accounts::{Principal, StoredAccounts};
 
-use crate::{books::ConnectorEvent, desk::DeskHandle};
+use crate::{books::ConnectorEvent, catalog::CatalogHandle, desk::DeskHandle};
 
 const COOKIE: &str = "verbund_connector";
 /// Largest body of any request, in bytes.
@@ -63,6 +73,8 @@ pub struct Parts {
     pub shop_floor: ShopFloorHandle,
     /// Checks and tries mappings.
     pub engine: MappingEngineHandle,
+    /// Which variables local servers have.
+    pub catalog: CatalogHandle,
     /// The OPC UA server.
     pub twin: TwinHandle,
     /// The link to the platform.
@@ -191,10 +203,26 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(operator::operations))
         .routes(routes!(operator::entries, operator::deliver))
         .routes(routes!(preview::preview))
+        .routes(routes!(suggestions::list))
+        .routes(routes!(versions::list))
+        .routes(routes!(versions::difference))
+        .routes(routes!(versions::rollback))
+        .routes(routes!(shadow::start, shadow::status, shadow::end))
+        .routes(routes!(shadow::publish))
+        .routes(routes!(trials::run))
+        .routes(routes!(trials::status))
+        .routes(routes!(trials::restart))
+        .routes(routes!(exchange::export))
+        .routes(routes!(exchange::import).layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
+        .routes(routes!(templates::list))
+        .routes(routes!(templates::put, templates::remove))
+        .routes(routes!(templates::from_field))
+        .routes(routes!(templates::fill))
         .routes(routes!(sources::list, sources::add))
         .routes(routes!(sources::change, sources::remove))
         .routes(routes!(sources::nodes))
         .routes(routes!(sources::value))
+        .routes(routes!(search::search))
         .routes(routes!(sources::certificates))
         .routes(routes!(sources::trust))
         .routes(routes!(comments::list, comments::add))

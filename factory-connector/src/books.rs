@@ -7,12 +7,14 @@
 mod aftermath;
 mod decisions;
 mod field;
+mod mappings;
 mod operator;
 mod requests;
 mod spool;
 #[cfg(test)]
 mod tests;
 mod values;
+mod wanted;
 mod writer;
 
 use std::{
@@ -30,6 +32,7 @@ use uuid::Uuid;
 pub use aftermath::{Aftermath, ConnectorEvent, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision};
+pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
 pub use writer::Writer;
 
@@ -122,8 +125,14 @@ impl Books {
         for (id, row) in snapshot.writers {
             books.load_writer(id, row);
         }
+        let mut shelf = snapshot.mappings;
         for (row, value) in snapshot.fields {
+            let (newest, shadow) = (shelf.versions.remove(&row.id), shelf.shadows.remove(&row.id));
+            let key = row.key.clone();
             books.load_field(row, value, now)?;
+            if let Some(field) = books.fields.get_mut(&key) {
+                field.shelf = Self::load_shelf(newest, field.decision.mapping.as_ref(), shadow)?;
+            }
         }
         if is_restored {
             tracing::warn!("The store is an older copy of itself; every data set writer begins a new epoch.");

@@ -26,6 +26,7 @@ use twin::Twin;
 use crate::{
     api::{self, Api},
     books::BooksConfig,
+    catalog::Catalog,
     config::ConnectorConfig,
     desk::{self, Desk, DeskConfig, Rooms, now},
     ledger::LedgerKey,
@@ -88,6 +89,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
     let (engine, engine_handle, candidates) = MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let ephemerals = Arc::new(Ephemerals::default());
+    let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     let outbox = Outbox::new(
         factory_id.clone(),
         SpoolReader::new(readers.clone()),
@@ -136,6 +138,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             readers,
             shop_floor: floor_handle,
             engine: engine_handle.clone(),
+            catalog: catalog_handle,
             twin: twin_handle.clone(),
             link: Some(link_handle),
             events,
@@ -159,6 +162,11 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let token = shutdown.clone();
     lifecycle.spawn("shop floor", Importance::Essential, async move {
         floor.run(token).await;
+        anyhow::Ok(())
+    });
+    let token = shutdown.clone();
+    lifecycle.spawn("catalog", Importance::Essential, async move {
+        catalog.run(token).await;
         anyhow::Ok(())
     });
     let token = shutdown.clone();

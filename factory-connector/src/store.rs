@@ -10,6 +10,7 @@ mod error;
 mod ledger;
 mod load;
 mod lookups;
+mod mappings;
 mod open;
 mod operator;
 mod rows;
@@ -24,5 +25,8 @@ pub use error::StoreError;
 pub use ledger::{LedgerPage, LedgerRow, ledger_page, verify_ledger};
 pub use load::Snapshot;
 pub use lookups::{DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources};
+pub use mappings::{
+    MappingChanges, MappingShelf, ShadowRow, TemplateRow, VERSIONS_MAX, VersionRow, templates, versions,
+};
 pub use open::{Identity, Store};
 pub use spool::{Message, SpoolReader, WaitingRow};

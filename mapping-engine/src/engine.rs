@@ -6,6 +6,7 @@
 //! coalesces.
 
 mod core;
+mod history;
 mod inventory;
 mod routes;
 mod service;
@@ -24,11 +25,12 @@ use crate::{
     diagnostic::MappingDiagnostic,
     dry_run::{DryRunSample, SAMPLES_MAX, Trace},
     inputs::Inputs,
-    mapping::{Mapping, MappingId},
+    mapping::{Mapping, MappingId, MappingInput},
     script::config::ScriptConfig,
     state::TransformState,
     transform::{Plan, compile},
 };
+pub use history::HistoryConfig;
 pub use service::MappingEngine;
 pub use status::{CircuitState, InputStatus, MappingStatus};
 use trial::Trial;
@@ -43,6 +45,8 @@ pub struct MappingEngineConfig {
     pub waiting_candidates_max: usize,
     /// Most batches of candidates in the channel to the consumer.
     pub waiting_batches_max: usize,
+    /// What is kept to try mappings on.
+    pub history: HistoryConfig,
     /// Scripts.
     pub script: ScriptConfig,
 }
@@ -53,6 +57,7 @@ impl Default for MappingEngineConfig {
             mappings_max: 200_000,
             waiting_candidates_max: 65_536,
             waiting_batches_max: 64,
+            history: HistoryConfig::default(),
             script: ScriptConfig::default(),
         }
     }
@@ -81,11 +86,13 @@ pub struct Published {
     pub state: Option<TransformState>,
     /// Its last candidate; shown as last usable value until the source gives one.
     pub last: Option<DataValue>,
+    /// It runs on live values for its status alone: it yields no candidates.
+    pub is_shadow: bool,
 }
 
 impl From<Mapping> for Published {
     fn from(mapping: Mapping) -> Self {
-        Self { mapping, state: None, last: None }
+        Self { mapping, state: None, last: None, is_shadow: false }
     }
 }
 
@@ -126,6 +133,7 @@ enum Command {
     Remove(MappingId, oneshot::Sender<bool>),
     Status(Option<MappingId>, oneshot::Sender<Vec<MappingStatus>>),
     Reset(MappingId, oneshot::Sender<bool>),
+    Recorded(Vec<MappingInput>, oneshot::Sender<Vec<DryRunSample>>),
 }
 
 #[derive(Debug)]
@@ -133,6 +141,7 @@ struct Compiled {
     plan: Arc<Plan>,
     state: Option<TransformState>,
     last: Option<DataValue>,
+    is_shadow: bool,
 }
 
 impl MappingEngineHandle {
@@ -148,7 +157,7 @@ impl MappingEngineHandle {
         mapping: Mapping,
         state: Option<TransformState>,
     ) -> Result<Vec<MappingDiagnostic>, EngineError> {
-        let published = Published { mapping, state, last: None };
+        let published = Published { mapping, state, last: None, is_shadow: false };
         self.put_many(vec![published]).await?.pop().ok_or(EngineError::Stopped)?
     }
 
@@ -162,11 +171,11 @@ impl MappingEngineHandle {
     ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
         let mut results = Vec::with_capacity(published.len());
         let mut compiled = Vec::with_capacity(published.len());
-        for Published { mapping, state, last } in published {
+        for Published { mapping, state, last, is_shadow } in published {
             let (plan, diagnostics) = compile(&Arc::new(mapping));
             results.push(match plan {
                 Some(plan) => {
-                    compiled.push(Compiled { plan: Arc::new(plan), state, last });
+                    compiled.push(Compiled { plan: Arc::new(plan), state, last, is_shadow });
                     Ok(diagnostics)
                 }
                 None => Err(EngineError::Rejected(diagnostics)),
@@ -228,21 +237,37 @@ impl MappingEngineHandle {
     /// # Errors
     /// [`EngineError::Stopped`].
     pub async fn check(&self, mapping: Mapping) -> Result<Vec<MappingDiagnostic>, EngineError> {
-        self.dry_run(mapping, Vec::new()).await.map(|trace| trace.diagnostics)
+        self.dry_run(mapping, Vec::new(), None).await.map(|trace| trace.diagnostics)
+    }
+
+    /// The last values of these variables, in the order they came: those that a mapping at work uses are recorded.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn recorded(&self, inputs: Vec<MappingInput>) -> Result<Vec<DryRunSample>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Recorded(inputs, reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
     }
 
     /// Runs a mapping on samples, in a worker for trials, and shows every intermediate value. Nothing is published.
+    /// Its functions start with `state`, where there is one, as if the mapping had run before.
     ///
     /// # Errors
     /// [`EngineError::TooManySamples`], [`EngineError::Stopped`].
-    pub async fn dry_run(&self, mapping: Mapping, samples: Vec<DryRunSample>) -> Result<Trace, EngineError> {
+    pub async fn dry_run(
+        &self,
+        mapping: Mapping,
+        samples: Vec<DryRunSample>,
+        state: Option<TransformState>,
+    ) -> Result<Trace, EngineError> {
         if samples.len() > SAMPLES_MAX {
             return Err(EngineError::TooManySamples);
         }
         let (plan, diagnostics) = compile(&Arc::new(mapping));
         let Some(plan) = plan else { return Ok(Trace { diagnostics, runs: Vec::new() }) };
         let (reply, answer) = oneshot::channel();
-        let trial = Trial { plan: Arc::new(plan), diagnostics, samples, reply };
+        let trial = Trial { plan: Arc::new(plan), diagnostics, samples, state, reply };
         self.trials.send(trial).await.map_err(|_| EngineError::Stopped)?;
         answer.await.map_err(|_| EngineError::Stopped)
     }

@@ -4,6 +4,7 @@
 //! shop floor, runs the chains - built-in functions in its own task, scripts in worker processes - and yields
 //! *candidates*: values with status and times that the disclosure gate then judges. It ends there.
 
+pub mod comparison;
 mod convert;
 mod diagnostic;
 mod dry_run;
@@ -27,8 +28,8 @@ mod transform;
 pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
 pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
 pub use engine::{
-    Candidate, CircuitState, EngineError, InputStatus, MappingEngine, MappingEngineConfig, MappingEngineHandle,
-    MappingStatus, Published,
+    Candidate, CircuitState, EngineError, HistoryConfig, InputStatus, MappingEngine, MappingEngineConfig,
+    MappingEngineHandle, MappingStatus, Published,
 };
 pub use fault::{Fault, FaultKind, FaultRecord};
 pub use inputs::Inputs;

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::{number::Number, quality::Meta, stored};
+use crate::{mapping::Step, number::Number, quality::Meta, stored};
 
 /// What the functions of a mapping remember: returned with each candidate that it belongs to, so that both can be
 /// committed together, and given back when the mapping is put again. Copies are cheap; serialise it when it is stored.
@@ -18,6 +18,24 @@ use crate::{number::Number, quality::Meta, stored};
 pub struct TransformState(pub(crate) Arc<Vec<StepState>>);
 
 impl TransformState {
+    /// What of this state, left by a mapping with the steps `before`, a mapping with the steps `after` may go on with:
+    /// that of every function which stands in the same place with the same parameters. A script's own state is kept
+    /// as long as there is a script in its place, so that a corrected script goes on counting.
+    #[must_use]
+    pub fn carried_over(&self, before: &[Step], after: &[Step]) -> Self {
+        let is_same = |place: usize| match (before.get(place), after.get(place)) {
+            (Some(Step::Script(_)), Some(Step::Script(_))) => true,
+            (Some(before), Some(after)) => before == after,
+            _ => false,
+        };
+        let kept = self
+            .0
+            .iter()
+            .enumerate()
+            .map(|(place, state)| if is_same(place) { state.clone() } else { StepState::None });
+        Self::new(kept.collect())
+    }
+
     pub(crate) fn new(steps: Vec<StepState>) -> Self {
         Self(Arc::new(steps))
     }
@@ -107,4 +125,26 @@ pub(crate) struct Sample {
     pub at: DateTime,
     pub value: Number,
     pub status: StatusCode,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_changed_mapping_keeps_the_state_of_what_did_not_change() {
+        let steps = |json: &str| -> Vec<Step> { serde_json::from_str(json).expect("steps") };
+        let counter = r#"{"function":"counter"}"#;
+        let before = steps(&format!(
+            r#"[{counter},{{"function":"deadband","absolute":1}},{{"function":"script","source":"a"}}]"#
+        ));
+        let after = steps(&format!(
+            r#"[{counter},{{"function":"deadband","absolute":2}},{{"function":"script","source":"b"}}]"#
+        ));
+        let total = StepState::Counter { total: Number::Integer(7), last: None, level: None };
+        let script = StepState::Script { state: Some("1".into()) };
+        let state = TransformState::new(vec![total.clone(), StepState::Deadband { passed: None }, script.clone()]);
+        assert_eq!(state.carried_over(&before, &after), TransformState::new(vec![total, StepState::None, script]));
+        assert_eq!(state.carried_over(&before, &[]), TransformState::new(vec![StepState::None; 3]));
+    }
 }

@@ -9,7 +9,7 @@ mod words;
 
 use asi_model::{BuiltInType, NodeId, network::Semantic, units as unece};
 use serde::{Deserialize, Serialize};
-use shop_floor::{BrowsedNode, SourceId};
+use shop_floor::{BrowsedNode, ListedVariable, SourceId};
 use utoipa::ToSchema;
 
 use crate::{
@@ -68,22 +68,37 @@ pub struct KnownVariable {
 }
 
 impl KnownVariable {
-    /// A variable as browsing showed it.
+    /// A variable as a list of all of a server's shows it: names and types of what stands above, nothing of its value.
     #[must_use]
-    pub fn of(source_id: &SourceId, node: &BrowsedNode) -> Self {
-        let mut path = node.browse_path.as_ref().map(|path| path.0.clone()).unwrap_or_default();
-        path.pop();
+    pub fn listed(source_id: &SourceId, variable: &ListedVariable) -> Self {
+        let (_, above) = variable.browse_path.0.split_last().unzip();
         Self {
             source_id: source_id.clone(),
-            node_id: node.node_id.clone(),
-            name: node.display_name.clone(),
-            path: path.iter().filter_map(|element| element.name.as_deref().map(str::to_owned)).collect(),
+            node_id: variable.node_id.clone(),
+            name: variable.display_name.clone(),
+            path: above
+                .into_iter()
+                .flatten()
+                .filter_map(|element| element.name.as_deref().map(str::to_owned))
+                .collect(),
+            description: None,
+            value_type: None,
+            value_rank: None,
+            unit: None,
+            type_names: variable.type_names.iter().map(|name| (**name).to_owned()).collect(),
+            value: None,
+        }
+    }
+
+    /// With what browsing shows of it.
+    #[must_use]
+    pub fn described(self, node: &BrowsedNode) -> Self {
+        Self {
             description: node.description.clone(),
             value_type: node.built_in_type,
             value_rank: node.value_rank,
             unit: node.unit.as_ref().and_then(|unit| unit.code.clone()),
-            type_names: node.type_definition.iter().map(|definition| definition.name.clone()).collect(),
-            value: None,
+            ..self
         }
     }
 }

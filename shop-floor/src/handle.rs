@@ -7,7 +7,7 @@ use tokio::sync::watch;
 
 use crate::{
     BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputChange, InputKey, MonitorOptions, MonitorRequest,
-    OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId, SourceStatus, TrustState,
+    OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId, SourceStatus, TrustState, VariableList,
     certificates::CertificateShelf,
     input::PATH_ELEMENTS_MAX,
     service::{Floor, Registry},
@@ -180,6 +180,24 @@ impl ShopFloorHandle {
     /// As [`Self::browse`].
     pub async fn describe(&self, source: &SourceId, node: &NodeId) -> Result<BrowsedNode, ShopFloorError> {
         source::describe(&self.connection(source)?, node).await
+    }
+
+    /// Many nodes (at most 1000), as browsing shows them, in the order asked; those that are not there are left out.
+    ///
+    /// # Errors
+    /// As [`Self::browse`].
+    pub async fn describe_many(&self, source: &SourceId, nodes: &[NodeId]) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+        source::describe_many(&self.connection(source)?, nodes).await
+    }
+
+    /// All variables below the Objects folder, but for properties and the server's description of itself. Ends after
+    /// `visited_max` nodes. On a large server this takes seconds: it asks one request after the other, so that the
+    /// server keeps time for its other clients.
+    ///
+    /// # Errors
+    /// As [`Self::browse`].
+    pub async fn variables(&self, source: &SourceId, visited_max: usize) -> Result<VariableList, ShopFloorError> {
+        source::list(&self.connection(source)?, visited_max).await
     }
 
     /// Nodes below the Objects folder whose browse or display name contains a text, without regard to case. Ends after

@@ -30,7 +30,7 @@ pub use config::{
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
 pub use input::{BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest};
-pub use node::{BrowsedNode, CallOutcome, NodeClass, TypeName, UnitName};
+pub use node::{BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList};
 pub use service::ShopFloor;
 pub use status::{
     ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState, SourceStatus,

@@ -1,5 +1,7 @@
 //! What browsing shows of a node.
 
+use std::sync::Arc;
+
 use asi_model::values::{BuiltInType, NodeId, StatusCode, Variant};
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
@@ -48,6 +50,28 @@ pub struct BrowsedNode {
     /// Where it was found, from the Objects folder; only in answers to a search.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub browse_path: Option<BrowsePath>,
+}
+
+/// A variable in a list of all that a server has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ListedVariable {
+    /// Its identity.
+    pub node_id: NodeId,
+    /// Its name for people.
+    pub display_name: String,
+    /// The way to it from the Objects folder.
+    pub browse_path: BrowsePath,
+    /// The names of its type and of the types of what stands above it, each with its supertypes, nearest first.
+    pub type_names: Vec<Arc<str>>,
+}
+
+/// The variables of a server.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct VariableList {
+    /// The variables, those nearest the Objects folder first.
+    pub variables: Vec<ListedVariable>,
+    /// False where the address space was too large to be walked through to the end.
+    pub is_complete: bool,
 }
 
 /// A type's identity and name.

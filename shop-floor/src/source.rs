@@ -19,7 +19,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{SourceConfig, SourceProblem, SourceProblemKind, SourceState, service::Floor};
 
-pub(crate) use browse::{browse, describe, search};
+pub(crate) use browse::{browse, describe, describe_many, list, search};
 pub(crate) use connect::discover;
 pub(crate) use connection::Connection;
 pub(crate) use entry::Entry;

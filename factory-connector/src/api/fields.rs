@@ -6,7 +6,7 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
-use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step};
+use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -23,6 +23,9 @@ use crate::{
     operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
 
+/// How long a server may take to say where a variable stands.
+const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
+
 /// The parts of a field's path.
 pub type FieldPath = (OperationNetworkId, OperationId, DynamicDataRequestId, FieldName);
 
@@ -33,7 +36,7 @@ pub(super) fn key((network, operation, request, field_name): FieldPath) -> Field
 }
 
 /// From local variables to a field: inputs and functions.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingDraft {
     /// The variables.
@@ -41,6 +44,9 @@ pub struct MappingDraft {
     /// The functions, applied in this order.
     #[serde(default)]
     pub steps: Vec<Step>,
+    /// What happens to values that arrive after newer ones of the same variable.
+    #[serde(default)]
+    pub late_values: LateValues,
 }
 
 /// What is decided.
@@ -76,8 +82,30 @@ pub(super) async fn mapping_of(api: &Api, field: &FieldKey, draft: MappingDraft)
         target_value_rank: definition.value_rank,
         inputs: draft.inputs,
         steps: draft.steps,
-        late_values: mapping_engine::mapping::LateValues::default(),
+        late_values: draft.late_values,
     })
+}
+
+/// The mapping of a field, without errors, and with the paths by which its variables are found again.
+pub(super) async fn checked(api: &Api, field: &FieldKey, draft: MappingDraft) -> Result<Mapping, Problem> {
+    let mut mapping = mapping_of(api, field, draft).await?;
+    let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
+    if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
+        return Err(mapping_faults(diagnostics));
+    }
+    learn_paths(api, &mut mapping).await;
+    Ok(mapping)
+}
+
+/// Notes where the variables stand, so that a mapping finds them again when the server gives them other ids - even if
+/// that happens while the connector is down. Where a server cannot be asked now, nothing is lost but that.
+async fn learn_paths(api: &Api, mapping: &mut Mapping) {
+    for input in mapping.inputs.iter_mut().filter(|input| input.monitor.browse_path.is_none()) {
+        let asked = tokio::time::timeout(PATH_PATIENCE, api.shop_floor.browse_path(&input.source_id, &input.node_id));
+        if let Ok(Ok(path)) = asked.await {
+            input.monitor.browse_path = Some(path);
+        }
+    }
 }
 
 /// Decides about a field. The partner is told; values flow or stop at once.
@@ -100,12 +128,7 @@ pub async fn decide(
             let value_source = body.value_source.ok_or_else(|| missing("valueSource"))?;
             let mapping = match body.mapping {
                 Some(draft) if value_source == ValueSource::Mapping => {
-                    let mapping = mapping_of(&api, &field, draft).await?;
-                    let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
-                    if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
-                        return Err(mapping_faults(diagnostics));
-                    }
-                    Some(Box::new(mapping))
+                    Some(Box::new(checked(&api, &field, draft).await?))
                 }
                 _ => None,
             };
@@ -116,7 +139,7 @@ pub async fn decide(
     show(&api, field).await
 }
 
-async fn show(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
+pub(super) async fn show(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
     let view = api.desk.read(move |books| books.field(&field).map(|f| FieldView::new(field.clone(), f))).await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such field"))
 }

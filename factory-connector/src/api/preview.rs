@@ -165,7 +165,10 @@ async fn run(
         preview.inputs.push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
         samples.push(DryRunSample { input: input.name.clone(), at: now, value });
     }
-    let trace = api.engine.dry_run(mapping, samples).await.map_err(engine)?;
+    // A counter goes on from what was published rather than from zero.
+    let (key, draft) = (field.clone(), mapping.clone());
+    let state = api.desk.read(move |books| books.field(&key).and_then(|field| field.state_for(&draft))).await?;
+    let trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
     preview.diagnostics = trace.diagnostics;
     let last: Option<TraceRun> = trace.runs.into_iter().next_back();
     let Some(last) = last else { return Ok(None) };

@@ -69,6 +69,10 @@ pub struct FieldView {
     /// The mapping in force, or the one to offer again.
     #[schema(value_type = Option<Object>)]
     pub mapping: Option<mapping_engine::Mapping>,
+    /// The number of the newest version of the mapping; none before the first.
+    pub mapping_version: Option<u32>,
+    /// A mapping is on trial beside the published one.
+    pub has_shadow: bool,
 }
 
 impl FieldView {
@@ -91,6 +95,8 @@ impl FieldView {
             decision_time: decision.decided_at,
             value: field.gate.disclosed().map(ShownValue::from),
             mapping: decision.mapping.clone(),
+            mapping_version: (field.shelf.version > 0).then_some(field.shelf.version),
+            has_shadow: field.shelf.shadow.is_some(),
             key,
         }
     }

@@ -51,6 +51,8 @@ pub enum TwinWork {
 pub enum MappingWork {
     /// A mapping is new or changed, and goes on from this state.
     Put(Box<Mapping>, Option<TransformState>),
+    /// A mapping runs beside the published one and yields nothing.
+    PutShadow(Box<Mapping>, Option<TransformState>),
     /// A mapping ended.
     Remove(MappingId),
 }

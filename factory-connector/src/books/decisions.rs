@@ -80,6 +80,15 @@ impl Books {
                 }
                 let is_other_source =
                     had_source != Some(value_source) || decision.mapping.as_ref() != mapping.as_deref();
+                if is_other_source {
+                    // A counter goes on through a correction, but does not tell what went on while nothing was open.
+                    let (before, after) = (decision.mapping.as_ref(), mapping.as_deref());
+                    let steps = before.zip(after).filter(|_| was_mapped);
+                    field.transform = steps.and_then(|(before, after)| {
+                        Some(field.transform.as_ref()?.carried_over(&before.steps, &after.steps))
+                    });
+                }
+                field.shelf.is_recorded &= mapping.is_none() || decision.mapping.as_ref() == mapping.as_deref();
                 decision.mapping_state = MappingState::Mapped;
                 decision.value_source = Some(value_source);
                 decision.mapping = mapping.map(|mapping| *mapping).or_else(|| decision.mapping.take());
@@ -89,9 +98,6 @@ impl Books {
                 } else {
                     field.gate.close();
                     field.gate.change_policy(Arc::clone(&decision.policy), now);
-                }
-                if is_other_source {
-                    field.transform = None;
                 }
                 if value_source == ValueSource::Mapping {
                     if let Some(mapping) = decision.mapping.as_ref().filter(|_| is_other_source || !was_mapped) {
@@ -121,6 +127,9 @@ impl Books {
         field.decision.version += 1;
         let is_mapped = field.decision.is_mapped();
         let writer = field.writer;
+        if field.decision.is_open_for(ValueSource::Mapping) {
+            self.record_version(key, Some(decided_by.to_owned()), None, now);
+        }
         self.told_and_kept(key, now);
         if was_mapped && !is_mapped {
             self.purges.insert(writer, GapCause::Revoked);

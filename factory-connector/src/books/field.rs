@@ -10,7 +10,7 @@ use asi_model::{
 use mapping_engine::{Mapping, MappingId, TransformState};
 use twin::FieldRecord;
 
-use super::{Books, MappingWork, TwinWork};
+use super::{Books, MappingWork, Shelf, TwinWork};
 use crate::{
     disclosure::{DisclosurePolicy, Gate, GateState},
     store::{FieldRow, FieldValueRow, StoreError},
@@ -30,6 +30,8 @@ pub struct Field {
     pub gate: Gate,
     /// What its mapping's functions remember.
     pub transform: Option<TransformState>,
+    /// Versions and shadow of its mapping.
+    pub shelf: Shelf,
     /// The writer of its request.
     pub writer: u16,
     /// When its gate is noted to be asked again.
@@ -202,6 +204,7 @@ impl Books {
                 version: row.consent_version,
             },
             transform,
+            shelf: Shelf::default(),
             writer,
             noted_due: None,
         };
@@ -252,6 +255,10 @@ impl Books {
                 let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
                 self.aftermath.mappings.push(work);
             }
+        }
+        let with_shadow = self.fields.iter().filter(|(_, field)| field.shelf.shadow.is_some());
+        for key in with_shadow.map(|(key, _)| key.clone()).collect::<Vec<_>>() {
+            self.show_shadow(&key);
         }
     }
 }

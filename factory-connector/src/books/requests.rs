@@ -166,6 +166,7 @@ impl Books {
             definition,
             decision,
             transform: None,
+            shelf: super::Shelf::default(),
             writer,
             noted_due: None,
         };
@@ -189,6 +190,7 @@ impl Books {
         self.changes.fields.remove(&field.id);
         self.changes.field_values.remove(&field.id);
         self.changes.removed_fields.push(field.id);
+        self.clear_shelf(&field);
         if field.decision.mapping.is_some() {
             self.aftermath.mappings.push(MappingWork::Remove(field.mapping_id()));
         }

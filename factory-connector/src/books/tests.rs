@@ -37,6 +37,7 @@ fn books() -> Books {
         last_row: 0,
         operator_entries: Vec::new(),
         sources: Vec::new(),
+        mappings: Default::default(),
     };
     let mut books = Books::new(config, snapshot, false, at(0)).expect("empty books");
     arrive(&mut books, network(1, |_| ()));

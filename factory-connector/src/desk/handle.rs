@@ -4,14 +4,15 @@ use asi_model::{
     DataValue, FieldKey, StatusCode,
     messages::{Comment, ValueSource},
 };
+use mapping_engine::Mapping;
 use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::{
-    books::{Books, DecisionError, EntryOutcome, Verdict},
+    books::{Books, DecisionError, EntryOutcome, Placing, Verdict},
     disclosure::Outcome,
     operator::OperatorEntry,
-    store::SourceRow,
+    store::{SourceRow, TemplateRow},
 };
 
 /// Why the desk did not do what was asked.
@@ -58,6 +59,14 @@ pub enum Command {
     #[doc(hidden)]
     RemoveSource(String, oneshot::Sender<bool>),
     #[doc(hidden)]
+    Place(Vec<Placing>, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    Shadow(Box<ShadowCommand>, oneshot::Sender<Result<(), DeskError>>),
+    #[doc(hidden)]
+    PutTemplate(TemplateRow, oneshot::Sender<bool>),
+    #[doc(hidden)]
+    RemoveTemplate(String, oneshot::Sender<bool>),
+    #[doc(hidden)]
     Read(Reading),
 }
 
@@ -66,6 +75,12 @@ pub struct DecideCommand {
     pub(super) verdict: Verdict,
     pub(super) reason: Option<String>,
     pub(super) decided_by: String,
+}
+
+pub struct ShadowCommand {
+    pub(super) field: FieldKey,
+    pub(super) mapping: Option<Mapping>,
+    pub(super) author: String,
 }
 
 /// An answer that is given when the transaction is committed, or has failed.
@@ -180,6 +195,39 @@ impl DeskHandle {
     /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
     pub async fn remove_source(&self, source_id: String) -> Result<(), DeskError> {
         written(self.ask(|reply| Command::RemoveSource(source_id, reply)).await?)
+    }
+
+    /// Places mappings, all or none: see [`Books::place`].
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn place(&self, placings: Vec<Placing>) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::Place(placings, reply)).await?)
+    }
+
+    /// Starts, replaces or (without a mapping) ends a field's shadow.
+    ///
+    /// # Errors
+    /// [`DeskError`].
+    pub async fn shadow(&self, field: FieldKey, mapping: Option<Mapping>, author: &str) -> Result<(), DeskError> {
+        let command = Box::new(ShadowCommand { field, mapping, author: author.to_owned() });
+        self.ask(|reply| Command::Shadow(command, reply)).await?
+    }
+
+    /// Keeps a template.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn put_template(&self, row: TemplateRow) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::PutTemplate(row, reply)).await?)
+    }
+
+    /// Forgets a template.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn remove_template(&self, template_id: String) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::RemoveTemplate(template_id, reply)).await?)
     }
 
     /// Looks into the books.

@@ -74,6 +74,24 @@ impl Desk {
                 self.books.changes.removed_sources.push(source_id);
                 self.replies.push(Reply::Done(reply));
             }
+            Command::Place(placings, reply) => {
+                self.books.place(placings, now);
+                self.replies.push(Reply::Done(reply));
+            }
+            Command::Shadow(command, reply) => {
+                match self.books.set_shadow(&command.field, command.mapping, &command.author, now) {
+                    Ok(()) => self.replies.push(Reply::Decided(reply)),
+                    Err(error) => drop(reply.send(Err(error.into()))),
+                }
+            }
+            Command::PutTemplate(row, reply) => {
+                self.books.changes.mappings.templates.push(row);
+                self.replies.push(Reply::Done(reply));
+            }
+            Command::RemoveTemplate(template_id, reply) => {
+                self.books.changes.mappings.removed_templates.push(template_id);
+                self.replies.push(Reply::Done(reply));
+            }
             Command::Read(look) => look(&self.books),
         }
         Ok(())

@@ -7,6 +7,7 @@ use asi_model::{
     messages::{Comment, MappingState, ValueSource},
 };
 
+use super::MappingChanges;
 use crate::{
     ledger::{LinkedEntry, SALT_BYTES},
     operator::OperatorEntry,
@@ -55,6 +56,8 @@ pub struct Changes {
     pub sources: Vec<SourceRow>,
     /// Sources that are gone.
     pub removed_sources: Vec<String>,
+    /// Versions, shadows and templates of mappings.
+    pub mappings: MappingChanges,
 }
 
 impl Changes {
@@ -81,6 +84,7 @@ impl Changes {
             && self.operator_entries.is_empty()
             && self.sources.is_empty()
             && self.removed_sources.is_empty()
+            && self.mappings.is_empty()
     }
 }
 

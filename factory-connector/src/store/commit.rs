@@ -4,7 +4,7 @@ use asi_model::messages::{MappingState, ValueSource};
 use sqlx::{Connection as _, SqliteConnection};
 
 use super::{
-    Changes, ReportMove, Store, StoreError,
+    Changes, ReportMove, Store, StoreError, mappings,
     rows::{id_list, insert},
 };
 
@@ -23,6 +23,7 @@ impl Store {
         let mut transaction = self.writer.begin_with("BEGIN IMMEDIATE").await.map_err(begin)?;
         write_requests(&mut transaction, &changes).await?;
         write_decisions(&mut transaction, &changes).await?;
+        mappings::write(&mut transaction, &changes.mappings).await?;
         write_reports(&mut transaction, &changes).await?;
         write_controls(&mut transaction, &changes).await?;
         write_ledger(&mut transaction, &changes).await?;

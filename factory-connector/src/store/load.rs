@@ -7,7 +7,7 @@ use asi_model::{
 use serde::de::DeserializeOwned;
 use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 
-use super::{FieldRow, FieldValueRow, SourceRow, Store, StoreError, WriterRow};
+use super::{FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow};
 use crate::{
     ledger::{Head, Heads},
     operator::OperatorEntry,
@@ -45,6 +45,8 @@ pub struct Snapshot {
     pub operator_entries: Vec<OperatorEntry>,
     /// The sources.
     pub sources: Vec<SourceRow>,
+    /// Versions and shadows of mappings.
+    pub mappings: MappingShelf,
 }
 
 impl Store {
@@ -101,6 +103,7 @@ impl Store {
                 Ok(SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? })
             })
             .await?,
+            mappings: super::mappings::load(connection).await?,
         })
     }
 }

@@ -17,8 +17,9 @@ use uuid::Uuid;
 use super::StoreError;
 
 /// The migrations, oldest first. They only go forward and never change after a release.
-const MIGRATIONS: [(i64, &str, &str); 2] = [
+const MIGRATIONS: &[(i64, &str, &str)] = &[
     (1, "initial", include_str!("../../migrations/0001_initial.sql")),
+    (10, "mapping versions", include_str!("../../migrations/0010_mapping_versions.sql")),
     (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
 ];
 
@@ -136,7 +137,7 @@ fn options(database: &Path) -> SqliteConnectOptions {
 }
 
 fn migrator() -> Migrator {
-    let migrations = MIGRATIONS.into_iter().map(|(version, name, sql)| {
+    let migrations = MIGRATIONS.iter().map(|&(version, name, sql)| {
         Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
     });
     Migrator::with_migrations(migrations.collect())

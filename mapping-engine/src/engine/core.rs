@@ -8,15 +8,17 @@ use shop_floor::{InputChange, InputKey};
 
 use super::{
     Candidate, Compiled, EngineError, MappingEngineConfig,
+    history::History,
     inventory::{Entry, Inventory, Script},
     routes::{Routes, Subscriber},
     status::MappingStatus,
     timers::Timers,
 };
 use crate::{
+    dry_run::DryRunSample,
     fault::{Fault, FaultKind, FaultRecord},
     inputs::Inputs,
-    mapping::{MappingId, Step},
+    mapping::{MappingId, MappingInput, Step},
     script::{
         CallOutcome,
         breaker::Admission,
@@ -92,7 +94,7 @@ impl Core {
         requests: &mut Vec<shop_floor::MonitorRequest>,
         now: DateTime,
     ) -> Result<(), EngineError> {
-        let Compiled { plan, state, last } = compiled;
+        let Compiled { plan, state, last, is_shadow } = compiled;
         let id = plan.mapping.mapping_id.clone();
         self.remove(&id);
         if self.inventory.len() >= self.config.mappings_max {
@@ -107,13 +109,13 @@ impl Core {
             keys.push(key);
             requests.extend(request);
         }
-        self.inventory.insert(id, Entry::new(transform, keys.clone().into(), scripts));
+        self.inventory.insert(id, Entry::new(transform, keys.clone().into(), scripts, is_shadow));
         let reaction = self.inventory.get_mut(place).map(|entry| entry.transform.start(now, None));
         if let Some(reaction) = reaction {
             self.react(place, reaction, now);
         }
         for (input, key) in keys.into_iter().enumerate() {
-            let last = self.routes.get_mut(key).and_then(|route| route.last.clone());
+            let last = self.routes.get_mut(key).and_then(|route| route.history.newest().cloned());
             if let Some(last) = last {
                 self.take(Subscriber { place, input }, last, now);
             }
@@ -179,6 +181,21 @@ impl Core {
         true
     }
 
+    /// The last values of a mapping's inputs, in the order they came, at most so many.
+    pub fn recorded(&self, inputs: &[MappingInput], most: usize) -> Vec<DryRunSample> {
+        let mut samples: Vec<DryRunSample> = Vec::new();
+        for input in inputs {
+            let values = self.routes.like(input).map(|route| &route.history);
+            samples.extend(values.into_iter().flat_map(History::iter).map(|(at, value)| DryRunSample {
+                input: input.name.clone(),
+                at: *at,
+                value: value.clone(),
+            }));
+        }
+        samples.sort_by_key(|sample| sample.at);
+        samples.split_off(samples.len().saturating_sub(most))
+    }
+
     pub fn statuses(&self, id: Option<&MappingId>) -> Vec<MappingStatus> {
         match id {
             Some(id) => {
@@ -205,8 +222,9 @@ impl Core {
     }
 
     fn change(&mut self, key: InputKey, value: DataValue, now: DateTime) {
+        let share = self.config.history.share(self.routes.len());
         let Some(route) = self.routes.get_mut(key) else { return };
-        route.last = Some(value.clone());
+        route.history.push(now, value.clone(), share);
         if let [only] = *route.subscribers.as_slice() {
             return self.take(only, value, now);
         }
@@ -263,6 +281,9 @@ impl Core {
         entry.yielded += 1;
         entry.last_yielded_at = Some(now);
         entry.last_candidate = Some(Box::new(value.clone()));
+        if entry.is_shadow {
+            return;
+        }
         let mapping = &entry.transform.plan().mapping;
         let (mapping_id, target) = (mapping.mapping_id.clone(), mapping.target.clone());
         self.pending.push((place, Candidate { mapping_id, target, value, state: None }));

@@ -14,6 +14,8 @@ pub(super) struct Entry {
     pub transform: Transform,
     pub inputs: Box<[InputKey]>,
     pub scripts: Box<[Script]>,
+    /// It runs, and nothing of it leaves the engine.
+    pub is_shadow: bool,
     /// When it is woken next.
     pub scheduled: Option<DateTime>,
     pub received: u64,
@@ -38,11 +40,12 @@ pub(super) struct Script {
 }
 
 impl Entry {
-    pub fn new(transform: Transform, inputs: Box<[InputKey]>, scripts: Box<[Script]>) -> Self {
+    pub fn new(transform: Transform, inputs: Box<[InputKey]>, scripts: Box<[Script]>, is_shadow: bool) -> Self {
         Self {
             transform,
             inputs,
             scripts,
+            is_shadow,
             scheduled: None,
             received: 0,
             yielded: 0,

@@ -4,9 +4,10 @@
 
 use std::collections::HashMap;
 
-use asi_model::{DataValue, NodeId};
+use asi_model::NodeId;
 use shop_floor::{InputKey, MonitorOptions, MonitorRequest, SourceId};
 
+use super::history::History;
 use crate::mapping::MappingInput;
 
 /// A mapping's input.
@@ -22,8 +23,8 @@ pub(super) struct Subscriber {
 #[derive(Debug)]
 pub(super) struct Route {
     pub subscribers: Vec<Subscriber>,
-    /// Given to mappings that come later.
-    pub last: Option<DataValue>,
+    /// The newest is given to mappings that come later.
+    pub history: History,
     variable: (SourceId, NodeId),
 }
 
@@ -38,6 +39,20 @@ pub(super) struct Routes {
 impl Routes {
     pub fn get_mut(&mut self, key: InputKey) -> Option<&mut Route> {
         self.routes.get_mut(&key)
+    }
+
+    /// How many variables are monitored.
+    pub fn len(&self) -> usize {
+        self.routes.len()
+    }
+
+    /// The route of a variable that is read in the same way as an input, however it is monitored.
+    pub fn like(&self, input: &MappingInput) -> Option<&Route> {
+        let keys = self.keys.get(&(input.source_id.clone(), input.node_id.clone()))?;
+        let same = keys.iter().find(|(options, _)| *options == input.monitor);
+        let alike = keys.iter().find(|(options, _)| options.index_range == input.monitor.index_range);
+        let (_, key) = same.or(alike)?;
+        self.routes.get(key)
     }
 
     /// Lets a mapping's input follow a variable. The request to monitor it, if nobody has so far.
@@ -56,7 +71,7 @@ impl Routes {
         let key = InputKey(self.last_key);
         keys.push((input.monitor.clone(), key));
         let (source, node_id) = variable.clone();
-        self.routes.insert(key, Route { subscribers: vec![subscriber], last: None, variable });
+        self.routes.insert(key, Route { subscribers: vec![subscriber], history: History::default(), variable });
         (key, Some(MonitorRequest { input: key, source, node_id, options: input.monitor.clone() }))
     }
 

@@ -16,7 +16,7 @@ use super::{
     core::Core,
     trial::{self, Trial},
 };
-use crate::{inputs::Inputs, script::lane::Lane};
+use crate::{dry_run::SAMPLES_MAX, inputs::Inputs, script::lane::Lane};
 
 /// How long the consumer may take for what is left at shutdown.
 const FAREWELL_BUDGET: Duration = Duration::from_secs(2);
@@ -110,6 +110,7 @@ fn obey(core: &mut Core, command: Command) {
         Command::Remove(id, reply) => drop(reply.send(core.remove(&id))),
         Command::Status(id, reply) => drop(reply.send(core.statuses(id.as_ref()))),
         Command::Reset(id, reply) => drop(reply.send(core.reset(&id))),
+        Command::Recorded(inputs, reply) => drop(reply.send(core.recorded(&inputs, SAMPLES_MAX))),
     }
 }
 

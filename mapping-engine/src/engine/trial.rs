@@ -17,6 +17,7 @@ use crate::{
     fault::FaultKind,
     mapping::Step,
     script::{config::ScriptConfig, values, worker::ScriptWorker},
+    state::TransformState,
     transform::{Plan, Reaction, ScriptCall, ScriptYield, Transform},
 };
 
@@ -31,6 +32,8 @@ pub(super) struct Trial {
     pub plan: Arc<Plan>,
     pub diagnostics: Vec<MappingDiagnostic>,
     pub samples: Vec<DryRunSample>,
+    /// What the functions remember at the start.
+    pub state: Option<TransformState>,
     pub reply: oneshot::Sender<Trace>,
 }
 
@@ -42,7 +45,7 @@ pub(super) async fn serve(config: Arc<ScriptConfig>, mut trials: mpsc::Receiver<
             () = shutdown.cancelled() => break,
             next = timeout(IDLE_MAX, trials.recv()) => next,
         };
-        let Trial { plan, diagnostics, samples, mut reply } = match next {
+        let Trial { plan, diagnostics, samples, state, mut reply } = match next {
             Err(_) => {
                 worker.take_down().await;
                 continue;
@@ -50,11 +53,12 @@ pub(super) async fn serve(config: Arc<ScriptConfig>, mut trials: mpsc::Receiver<
             Ok(None) => break,
             Ok(Some(trial)) => trial,
         };
+        let mut transform = Transform::new(Arc::clone(&plan), state, None);
         let mut running = Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
         tokio::select! {
             () = shutdown.cancelled() => break,
             () = reply.closed() => {}
-            () = running.run(&samples) => {
+            () = running.run(&mut transform, &samples) => {
                 let trace = running.trace;
                 // Nobody waits any more: nothing is lost.
                 drop(reply.send(trace));
@@ -71,18 +75,18 @@ struct Running<'a> {
 }
 
 impl Running<'_> {
-    async fn run(&mut self, samples: &[DryRunSample]) {
+    async fn run(&mut self, transform: &mut Transform, samples: &[DryRunSample]) {
         let scripts: Vec<usize> = self.plan.script_steps().collect();
-        self.load(&scripts).await;
+        self.load(transform, &scripts).await;
         if !self.trace.diagnostics.iter().any(MappingDiagnostic::is_error) {
-            self.feed(samples).await;
+            self.feed(transform, samples).await;
         }
         for step in scripts {
             self.worker.unload(id_of(step)).await;
         }
     }
 
-    async fn load(&mut self, steps: &[usize]) {
+    async fn load(&mut self, transform: &Transform, steps: &[usize]) {
         let mapping = Arc::clone(&self.plan.mapping);
         for step in steps {
             let Some(Step::Script(script)) = mapping.steps.get(*step) else { continue };
@@ -91,7 +95,7 @@ impl Running<'_> {
                 name: mapping.mapping_id.as_str().into(),
                 source: script.source.as_str().into(),
                 inputs: mapping.inputs.iter().map(|input| input.name.as_str().into()).collect(),
-                state: None,
+                state: transform.script_state(*step),
                 values: Vec::new(),
             };
             if let Err(fault) = self.worker.load(load).await {
@@ -107,13 +111,12 @@ impl Running<'_> {
         }
     }
 
-    async fn feed(&mut self, samples: &[DryRunSample]) {
-        let mut transform = Transform::new(Arc::clone(&self.plan), None, None);
+    async fn feed(&mut self, transform: &mut Transform, samples: &[DryRunSample]) {
         let mut steps = Vec::new();
         if let Some(at) = samples.first().map(|sample| sample.at) {
             let reaction = transform.start(at, Some(&mut steps));
             if reaction != Reaction::Quiet {
-                self.follow(&mut transform, reaction, at, None, steps).await;
+                self.follow(transform, reaction, at, None, steps).await;
             }
         }
         let mut timer_runs = 0;
@@ -124,12 +127,12 @@ impl Running<'_> {
                 self.trace.diagnostics.push(MappingDiagnostic::error(pointer, DiagnosticCode::UnknownName, message));
                 continue;
             };
-            self.pass_time(&mut transform, Some(sample.at), &mut timer_runs).await;
+            self.pass_time(transform, Some(sample.at), &mut timer_runs).await;
             let mut steps = Vec::new();
             let reaction = transform.on(sample.at, input, sample.value.clone(), Some(&mut steps));
-            self.follow(&mut transform, reaction, sample.at, Some(sample), steps).await;
+            self.follow(transform, reaction, sample.at, Some(sample), steps).await;
         }
-        self.pass_time(&mut transform, None, &mut timer_runs).await;
+        self.pass_time(transform, None, &mut timer_runs).await;
     }
 
     /// Runs the timers that are due until a time; all there are where there is none.

@@ -92,7 +92,8 @@ impl Evidence {
 
     pub fn place(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         if let Some(asset) = &wanted.asset
-            && variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
+            && (variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
+                || variable.source_id.as_str().eq_ignore_ascii_case(asset))
         {
             self.add(ReasonKind::Place, 15, format!("it belongs to the asset \"{asset}\""));
         }

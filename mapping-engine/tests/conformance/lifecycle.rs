@@ -36,7 +36,10 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     let mut bench = Bench::start(worker, |_| {});
     let mapping = script_mapping("count", &["a", "b"], "Double", COUNTING);
     let last = Some(candidate.value);
-    let put = bench.handle.put_many(vec![Published { mapping, state: Some(state), last: last.clone() }]).await;
+    let put = bench
+        .handle
+        .put_many(vec![Published { mapping, state: Some(state), last: last.clone(), is_shadow: false }])
+        .await;
     put.expect("the engine runs").pop().expect("one result").expect("the mapping is fine");
     // Until the source speaks, the last value stands.
     bench.feed_value("count", "a", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None)).await;
@@ -110,7 +113,7 @@ pub async fn checks_and_dry_runs_show_everything(worker: &Worker) {
         at: at(index),
         value: DataValue::good(value, at(index)),
     });
-    let trace = bench.handle.dry_run(mapping, samples.collect()).await.expect("the engine runs");
+    let trace = bench.handle.dry_run(mapping, samples.collect(), None).await.expect("the engine runs");
     assert!(trace.diagnostics.iter().all(|d| !d.is_error()), "{trace:?}");
     let plain = |run: &mapping_engine::TraceRun| {
         let values = run.steps.iter().map(|step| step.value.as_ref().map_or("-".into(), |v| v.value.to_string()));

@@ -1,7 +1,7 @@
 //! Publishing, replacing, withdrawing, and what comes back with candidates.
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
-use mapping_engine::{EngineError, Mapping, Published, ScriptEngine, Step, TransformState};
+use mapping_engine::{EngineError, Mapping, MappingId, Published, ScriptEngine, Step, TransformState};
 use serde_json::json;
 
 use crate::bench::{Bench, Worker, script_mapping};
@@ -76,12 +76,52 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
 }
 
 #[tokio::test]
+async fn a_shadow_runs_on_live_values_and_yields_nothing() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
+    let mut shadow = chain("m", &["a"], "Int32", json!([{ "function": "expression", "expression": "value * 2" }]));
+    shadow.mapping_id = MappingId::new("m.shadow").expect("an id");
+    let shadow = Published { mapping: shadow, state: None, last: None, is_shadow: true };
+    bench.handle.put_many(vec![shadow]).await.expect("runs").pop().expect("one").expect("fine");
+    assert_eq!(bench.ask("m", 5_i32).await.value, 5_i32.into());
+    assert_eq!(bench.ask("m", 6_i32).await.value, 6_i32.into());
+    let status = bench.status("m.shadow").await;
+    assert_eq!((status.received, status.yielded), (2, 2));
+    assert_eq!(status.last_candidate.map(|candidate| candidate.value), Some(json!(12)));
+    bench.stop().await;
+}
+
+#[tokio::test]
+async fn what_came_in_is_recorded_and_can_be_tried_on() {
+    let mut bench = Bench::start(&no_worker(), |_| {});
+    let counter = || chain("count", &["a"], "UInt64", json!([{ "function": "counter" }]));
+    bench.handle.put(counter(), None).await.expect("fine");
+    for value in [10_u64, 12, 15] {
+        bench.ask("count", value).await;
+    }
+    let recorded = bench.handle.recorded(counter().inputs).await.expect("runs");
+    assert_eq!(recorded.len(), 3);
+    let last = |trace: mapping_engine::Trace| trace.runs.last().and_then(|run| run.candidate.clone()).expect("a value");
+    let trace = bench.handle.dry_run(counter(), recorded.clone(), None).await.expect("runs");
+    assert_eq!(trace.runs.len(), 3);
+    assert_eq!(last(trace).value, json!("5"));
+    // As if it had run before: it goes on counting from there.
+    let state: TransformState =
+        serde_json::from_str(r#"[{"function":"counter","total":40,"last":14,"level":null}]"#).expect("a state");
+    let trace = bench.handle.dry_run(counter(), vec![recorded[2].clone()], Some(state)).await.expect("runs");
+    assert_eq!(last(trace).value, json!("41"));
+    assert!(bench.handle.recorded(chain("x", &["b"], "UInt64", json!([])).inputs).await.expect("runs").is_empty());
+    bench.stop().await;
+}
+
+#[tokio::test]
 async fn a_mapping_is_replaced_in_place() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
     assert_eq!(bench.ask("m", 4_i32).await.value, 4_i32.into());
     let doubled = json!([{ "function": "expression", "expression": "value * 2" }]);
-    let published = Published { mapping: chain("m", &["a"], "Int32", doubled), state: None, last: None };
+    let published =
+        Published { mapping: chain("m", &["a"], "Int32", doubled), state: None, last: None, is_shadow: false };
     bench.handle.put_many(vec![published]).await.expect("runs").pop().expect("one").expect("fine");
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
     assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);

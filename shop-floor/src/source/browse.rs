@@ -1,8 +1,10 @@
 //! Browsing: children with everything a person needs to choose, and search by name.
 
 mod details;
+mod list;
+mod walk;
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::{HashMap, HashSet};
 
 use asi_model::values::NodeId as ModelNodeId;
 use opcua_stack::{
@@ -10,22 +12,23 @@ use opcua_stack::{
         BrowseDescription, BrowseDirection, BrowseResult, BrowseResultMaskFlags, NodeId, ObjectId,
         ReferenceDescription, ReferenceTypeId,
     },
-    values::{node_id_from_stack, node_id_to_stack, qualified_name_from_stack},
+    values::{node_id_from_stack, node_id_to_stack},
 };
 
 use super::{Connection, connection::per_request, paths};
-use crate::{BrowsePath, BrowsedNode, ShopFloorError};
+use crate::{BrowsedNode, ShopFloorError};
 
 use details::details;
+pub(crate) use list::list;
+use walk::{Onward, walk};
 
 /// Most children of a node that are shown.
 const CHILDREN_MAX: usize = 100_000;
 /// Most references asked for per node and answer.
 const REFERENCES_PER_ANSWER: u32 = 1000;
-/// Most nodes visited by a search, most found, and how deep it goes.
+/// Most nodes visited by a search, and most found.
 const VISITED_MAX: usize = 20_000;
 const FOUND_MAX: usize = 1000;
-const SEARCH_DEPTH_MAX: usize = 20;
 /// A node before its details are known.
 struct Bare {
     id: NodeId,
@@ -62,13 +65,29 @@ pub(crate) async fn browse(
 }
 
 pub(crate) async fn describe(connection: &Connection, node: &ModelNodeId) -> Result<BrowsedNode, ShopFloorError> {
-    let id = to_stack(connection, node)?;
-    let asked =
-        BrowseDescription { reference_type_id: ReferenceTypeId::HasTypeDefinition.into(), ..downward(id.clone()) };
-    let types = references(connection, vec![asked], 1).await?.pop().unwrap_or_default();
-    let type_definition = types.into_iter().next().and_then(|found| non_null(found.node_id.node_id));
-    let described = details(connection, vec![Bare { id, type_definition }]).await?.pop();
+    let described = describe_many(connection, std::slice::from_ref(node)).await?.pop();
     described.ok_or(ShopFloorError::Refused { status: asi_model::StatusCode::BAD_NODE_ID_UNKNOWN })
+}
+
+/// Nodes in the order asked; those that are not there are left out.
+pub(crate) async fn describe_many(
+    connection: &Connection,
+    nodes: &[ModelNodeId],
+) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+    if nodes.len() > FOUND_MAX {
+        return Err(ShopFloorError::LimitReached { what: "nodes to describe", limit: FOUND_MAX });
+    }
+    let ids: Vec<NodeId> = nodes.iter().map(|node| to_stack(connection, node)).collect::<Result<_, _>>()?;
+    let type_of = |id: &NodeId| BrowseDescription {
+        reference_type_id: ReferenceTypeId::HasTypeDefinition.into(),
+        ..downward(id.clone())
+    };
+    let types = references(connection, ids.iter().map(type_of).collect(), 1).await?;
+    let bare = ids.into_iter().zip(types).map(|(id, types)| Bare {
+        id,
+        type_definition: types.into_iter().next().and_then(|found| non_null(found.node_id.node_id)),
+    });
+    details(connection, bare.collect()).await
 }
 
 pub(crate) async fn search(
@@ -82,33 +101,15 @@ pub(crate) async fn search(
     }
     let found_max = found_max.clamp(1, FOUND_MAX);
     let namespaces = connection.namespaces();
-    let root = NodeId::from(ObjectId::ObjectsFolder);
-    let mut visited = HashSet::from([root.clone()]);
-    let mut level = VecDeque::from([(root, BrowsePath::default())]);
     let mut found = Vec::new();
-    for _ in 0..SEARCH_DEPTH_MAX {
-        let asked: Vec<_> = level.iter().map(|(node, _)| downward(node.clone())).collect();
-        let answers = references(connection, asked, CHILDREN_MAX).await?;
-        let mut next = VecDeque::new();
-        for ((_, path), children) in level.drain(..).zip(answers) {
-            for child in children {
-                if child.node_id.server_index != 0 || !visited.insert(child.node_id.node_id.clone()) {
-                    continue;
-                }
-                let mut path = path.clone();
-                path.0.push(qualified_name_from_stack(&child.browse_name, &namespaces));
-                if found.len() < found_max && matches(&child, &wanted) {
-                    let type_definition = non_null(child.type_definition.node_id.clone());
-                    found.push((Bare { id: child.node_id.node_id.clone(), type_definition }, path.clone()));
-                }
-                next.push_back((child.node_id.node_id, path));
-            }
+    walk(connection, (), VISITED_MAX, |child, path, ()| {
+        if matches(child, &wanted) {
+            let type_definition = non_null(child.type_definition.node_id.clone());
+            found.push((Bare { id: child.node_id.node_id.clone(), type_definition }, path.clone()));
         }
-        level = next;
-        if level.is_empty() || found.len() >= found_max || visited.len() >= VISITED_MAX {
-            break;
-        }
-    }
+        if found.len() < found_max { Onward::Below(()) } else { Onward::Home }
+    })
+    .await?;
     let (bare, paths): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let by_id: HashMap<_, _> = bare.iter().map(|bare| node_id_from_stack(&bare.id, &namespaces)).zip(paths).collect();
     let mut nodes = details(connection, bare).await?;

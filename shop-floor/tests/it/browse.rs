@@ -106,3 +106,24 @@ async fn a_robot_is_laid_out_as_the_standard_says() {
     let asked = floor.handle.browse_path(&source, &position.node_id).await.expect("a path");
     assert_eq!(&asked, found_path);
 }
+
+#[tokio::test]
+async fn all_variables_are_listed_with_the_types_they_stand_under() {
+    let simulation = Simulation::of(vec![MachineConfig::new("Robot1", MachineKind::Robot)]).await;
+    let floor = Floor::start();
+    let source = floor.connect(&simulation.machine("Robot1")).await;
+    let list = floor.handle.variables(&source, 100_000).await.expect("listed");
+    assert!(list.is_complete);
+    let path = "DeviceSet/Robot1/MotionDevices/MotionDevice1/Axes/Axis2/ParameterSet/ActualPosition";
+    let position = list.variables.iter().find(|found| found.browse_path.to_string() == path).expect("the position");
+    let has = |name: &str| position.type_names.iter().any(|found| **found == *name);
+    assert!(has("AxisType") && has("MotionDeviceType") && !has("BaseObjectType"), "{:?}", position.type_names);
+    assert_eq!(position.display_name, "ActualPosition");
+    let is_aside = |path: &str| path.starts_with("Server/") || path.ends_with("/EngineeringUnits");
+    assert!(!list.variables.iter().any(|found| is_aside(&found.browse_path.to_string())));
+
+    let found = floor.handle.describe_many(&source, std::slice::from_ref(&position.node_id)).await.expect("described");
+    assert_eq!(found[0].unit.as_ref().and_then(|unit| unit.code.as_deref()), Some("DD"));
+    let part = floor.handle.variables(&source, 10).await.expect("listed");
+    assert!(!part.is_complete && part.variables.len() < list.variables.len());
+}

@@ -409,6 +409,212 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How a field's mapping is doing: last values in and out, counts, faults, time spent. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingStatus"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingStatus"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview": {
         parameters: {
             query?: never;
@@ -443,6 +649,709 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Preview"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows the mapping on trial, with its values beside those of the published one. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ShadowView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        /** Lets a mapping run on live values without writing, in place of the one on trial so far. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["MappingDraft"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ShadowView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        /** Ends the trial. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Ended */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Publishes the mapping on trial as the next version, under the consent in force; the trial ends. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["FieldView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Suggests variables for a field, each with its reasons. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description At most so many, up to 100; 10 without it. */
+                    limit?: number;
+                };
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Suggestions"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Makes a template of a field's mapping; it is not kept yet. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["TemplateDraft"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingTemplate"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed and nothing leaves. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["TrialBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Trial"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -617,6 +1526,321 @@ export interface paths {
             };
         };
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Compares two versions of a field's mapping. */
+        get: {
+            parameters: {
+                query: {
+                    /** @description The earlier version. */
+                    from: number;
+                    /** @description The later one; the field's mapping as it is now without it. */
+                    to?: number;
+                };
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Difference"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the versions of a field's mapping, newest first; the last hundred are kept. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_VersionView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Goes back to a version: it is published again as the newest one, under the consent in force. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                    version: number;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["FieldView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
         delete?: never;
         options?: never;
         head?: never;
@@ -854,6 +2078,610 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["VerificationView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mapping-templates": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the templates. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_TemplateView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mapping-templates/{templateId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Keeps a template, in place of the one with the same id. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    templateId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["MappingTemplate"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingTemplate"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        /** Forgets a template; mappings made from it stay. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    templateId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Removed */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mapping-templates/{templateId}/fill": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Fills a template once per member of a series and takes the mappings, as an import does: all or none. */
+        post: {
+            parameters: {
+                query?: {
+                    /** @description True: say what would happen and change nothing. */
+                    dryRun?: boolean;
+                };
+                header?: never;
+                path: {
+                    templateId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Series"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ImportOutcome"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mappings/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** All mappings, in force and proposed, in a form that can be imported again; the file has the templates too. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `file` (the default) or `csv`. */
+                    form?: "file" | "csv";
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingFile"];
+                        "text/csv": string;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mappings/import": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported. Either everything is
+         *     taken or, where anything is wrong, nothing, and every fault is named with its place. Consents stay as they are:
+         *     mappings of fields that are not mapped are proposals.
+         */
+        post: {
+            parameters: {
+                query?: {
+                    /** @description True: say what would happen and change nothing. */
+                    dryRun?: boolean;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["MappingFile"];
+                    "text/csv": string;
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ImportOutcome"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -2386,6 +4214,111 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/sources/{sourceId}/search": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Finds variables of a server by words of their paths, in the list of its variables that the connector keeps. */
+        get: {
+            parameters: {
+                query: {
+                    /** @description Words that all occur in the variable's path, in any order, without regard to case. */
+                    text: string;
+                    /** @description At most so many, up to 200; 50 without it. */
+                    limit?: number;
+                };
+                header?: never;
+                path: {
+                    sourceId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Finds"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/sources/{sourceId}/value": {
         parameters: {
             query?: never;
@@ -2812,6 +4745,22 @@ export interface components {
             /** @description What the server calls itself. */
             serverName: string;
         };
+        /** @description Whether a mapping's scripts are run. */
+        CircuitState: {
+            /** @enum {string} */
+            state: "closed";
+        } | {
+            /** @enum {string} */
+            state: "resting";
+            /**
+             * Format: date-time
+             * @description Until when, by the local clock.
+             */
+            until: string;
+        } | {
+            /** @enum {string} */
+            state: "trying";
+        };
         /** @description Yields the same value whatever comes in; with no input before it, once. */
         Constant: {
             /** @description The value. */
@@ -2917,6 +4866,15 @@ export interface components {
          * @enum {string}
          */
         DiagnosticCode: "tooMany" | "missing" | "invalidName" | "unknownName" | "invalidParameter" | "typeMismatch" | "lossyConversion" | "unknownUnit" | "incompatibleUnits" | "unitMismatch" | "syntax" | "workerUnavailable" | "scriptFault" | "closureState" | "unusedInput";
+        /** @description What differs between two versions. */
+        Difference: {
+            /** @description The later mapping. */
+            after: components["schemas"]["Mapping"];
+            /** @description The earlier mapping. */
+            before: components["schemas"]["Mapping"];
+            /** @description What differs. */
+            changes: components["schemas"]["MappingChange"][];
+        };
         /** @description How a field's values are coarsened before they leave. Empty: every change leaves as it is. */
         DisclosurePolicy: {
             /**
@@ -3045,6 +5003,42 @@ export interface components {
             /** @description The expression. */
             expression: string;
         };
+        /**
+         * @description Kinds of faults.
+         * @enum {string}
+         */
+        FaultKind: "typeMismatch" | "outOfRange" | "decoding" | "scriptSyntax" | "scriptError" | "scriptTimeout" | "scriptOutOfMemory" | "scriptResult" | "scriptCrash" | "workerUnavailable" | "circuitOpen";
+        /** @description A fault with its place and time, as shown to the engineer. */
+        FaultRecord: {
+            /**
+             * Format: date-time
+             * @description When it happened.
+             */
+            at: string;
+            /**
+             * Format: int32
+             * @description The column in the script, from 1.
+             */
+            column?: number | null;
+            /** @description What kind of fault it is. */
+            kind: components["schemas"]["FaultKind"];
+            /**
+             * Format: int32
+             * @description The line in the script, from 1.
+             */
+            line?: number | null;
+            /** @description What went wrong, in a sentence. */
+            message: string;
+            /** @description Index of the function in the chain; absent for the end of the chain. */
+            step?: number | null;
+        };
+        /** @description The shape of [`asi_model::FieldKey`] for the API description. */
+        FieldKey: {
+            dynamicDataRequestId: string;
+            fieldName: string;
+            operationId: string;
+            operationNetworkId: string;
+        };
         /** @description What became of a value of an entry. */
         FieldResult: components["schemas"]["Entered"] & {
             key: Record<string, never>;
@@ -3066,12 +5060,19 @@ export interface components {
             disclosure: components["schemas"]["DisclosurePolicy"];
             /** @description The same in words, as the partner is told. */
             disclosureStatement?: string | null;
+            /** @description A mapping is on trial beside the published one. */
+            hasShadow: boolean;
             /** @description Its address. */
             key: Record<string, never>;
             /** @description The mapping in force, or the one to offer again. */
             mapping?: Record<string, never> | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: string;
+            /**
+             * Format: int32
+             * @description The number of the newest version of the mapping; none before the first.
+             */
+            mappingVersion?: number | null;
             /** @description Its name. */
             name: string;
             /** @description What it means. */
@@ -3088,6 +5089,20 @@ export interface components {
             valueRank: number;
             /** @description `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped. */
             valueSource?: string | null;
+        };
+        /** @description What was found. */
+        Finds: {
+            /** @description False while the server is still being walked through (ask again), or where it is too large to be listed. */
+            isComplete: boolean;
+            /** @description The variables, those whose own name fits first, each with its browse path. */
+            items: components["schemas"]["BrowsedNode"][];
+            /**
+             * Format: date-time
+             * @description When the server was walked through.
+             */
+            listedAt?: string | null;
+            /** @description How many fit in all. */
+            total: number;
         };
         /**
          * @description Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
@@ -3116,6 +5131,21 @@ export interface components {
             /** @description Its private key, PEM. */
             private_key_path: string;
         };
+        /** @description What an import did, or would do. */
+        ImportOutcome: {
+            /** @description Nothing was changed. */
+            isDryRun: boolean;
+            /** @description Each mapping that was not there already, in the order of the file. */
+            items: components["schemas"]["PlacedMapping"][];
+            /** @description Mappings that are offered with the decision about their field, which is not mapped. */
+            proposed: number;
+            /** @description Mappings that are the next version of their field and run, under the consent in force. */
+            published: number;
+            /** @description Templates that were new or other. */
+            templates: number;
+            /** @description Mappings that were there already. */
+            unchanged: number;
+        };
         /** @description How much a counter went on since its last value. The first value yields nothing. */
         Increment: {
             modulus?: components["schemas"]["Number"] | null;
@@ -3139,11 +5169,34 @@ export interface components {
              */
             status: number;
         };
+        /** @description How an input is doing. */
+        InputStatus: {
+            /**
+             * Format: int64
+             * @description How far the source's clock is ahead of ours, in milliseconds, as seen at that value (transport included).
+             */
+            clockAheadMs?: number | null;
+            /** @description Its name. */
+            name: string;
+            /**
+             * Format: date-time
+             * @description When it came, by the local clock.
+             */
+            receivedAt?: string | null;
+            value?: components["schemas"]["TracedValue"] | null;
+        };
         /** @description A variable with what its machine says. */
         InputView: components["schemas"]["ShownValue"] & {
             /** @description Its name in the mapping. */
             name: string;
         };
+        /**
+         * @description What happens to a value whose source time lies before that of the newest value of the same variable.
+         *
+         *     A value is late by at most ten seconds. What lies further back is a source whose clock was set back, and is used.
+         * @enum {string}
+         */
+        LateValues: "ignore" | "use";
         /** @description Something that is not as it was written. */
         LedgerFault: {
             /** @description What is wrong with it. */
@@ -3187,6 +5240,37 @@ export interface components {
             /** @description The value that goes out. */
             to: components["schemas"]["Literal"];
         };
+        /** @description From local variables to a requested field. */
+        Mapping: {
+            /** @description The variables it reads. The first one enters the chain. */
+            inputs: components["schemas"]["MappingInput"][];
+            /** @description What happens to values that arrive after newer ones of the same variable. */
+            lateValues?: components["schemas"]["LateValues"];
+            /** @description Its identity within the connector. */
+            mappingId: string;
+            /** @description The functions, applied in this order. */
+            steps?: components["schemas"]["Step"][];
+            /** @description The report field that gets the values. */
+            target: components["schemas"]["FieldKey"];
+            /** @description The built-in type of the field; what leaves the chain is of this type or a fault. */
+            targetType: components["schemas"]["TypeName"];
+            /** @description The unit the partner asked for (UNECE code or alias). */
+            targetUnit?: string | null;
+            /**
+             * Format: int32
+             * @description The ValueRank of the field: -1 scalar (default), 1 array, n matrix.
+             */
+            targetValueRank?: number;
+        };
+        /** @description One difference. */
+        MappingChange: {
+            /** @description What is there now; absent where it was taken away. */
+            after?: Record<string, never> | null;
+            /** @description What was there; absent where it is new. */
+            before?: Record<string, never> | null;
+            /** @description JSON pointer into the mapping: of the later version, or of the earlier one where something was taken away. */
+            pointer: string;
+        };
         /** @description One thing to say about a mapping. */
         MappingDiagnostic: {
             /** @description A stable code in camelCase. */
@@ -3212,8 +5296,22 @@ export interface components {
         MappingDraft: {
             /** @description The variables. */
             inputs: components["schemas"]["MappingInput"][];
+            /** @description What happens to values that arrive after newer ones of the same variable. */
+            lateValues?: components["schemas"]["LateValues"];
             /** @description The functions, applied in this order. */
             steps?: components["schemas"]["Step"][];
+        };
+        /** @description Mappings and templates as one JSON document. */
+        MappingFile: {
+            /** @description Mappings. */
+            mappings?: components["schemas"]["Mapping"][];
+            /** @description Templates. */
+            templates?: components["schemas"]["MappingTemplate"][];
+            /**
+             * Format: int32
+             * @description The format's version: 1.
+             */
+            version: number;
         };
         /** @description A variable of a local server, under the name that expressions and scripts use. */
         MappingInput: {
@@ -3233,6 +5331,77 @@ export interface components {
             /** @description The variable's unit as seen when it was picked (UNECE code or alias). */
             unit?: string | null;
             valueType?: components["schemas"]["TypeName"] | null;
+        };
+        /** @description How a mapping is doing, for its page. */
+        MappingStatus: {
+            /** @description Whether its scripts are run. */
+            circuit: components["schemas"]["CircuitState"];
+            /**
+             * Format: int64
+             * @description How often a source's clock was set back.
+             */
+            clockSteps: number;
+            /**
+             * Format: int64
+             * @description Faults.
+             */
+            faults: number;
+            /** @description Its inputs. */
+            inputs: components["schemas"]["InputStatus"][];
+            lastCandidate?: components["schemas"]["TracedValue"] | null;
+            lastFault?: components["schemas"]["FaultRecord"] | null;
+            /**
+             * Format: date-time
+             * @description When the last candidate went out, by the local clock.
+             */
+            lastYieldedAt?: string | null;
+            /**
+             * Format: int64
+             * @description Values that were late.
+             */
+            late: number;
+            /** @description The mapping. */
+            mappingId: string;
+            /**
+             * Format: int64
+             * @description Values that came.
+             */
+            received: number;
+            /**
+             * Format: int64
+             * @description Values that were repeats.
+             */
+            repeated: number;
+            /**
+             * Format: int64
+             * @description Time spent on it, in microseconds.
+             */
+            spentUs: number;
+            /**
+             * Format: int64
+             * @description Values that a script could not keep up with, so that newer ones took their place.
+             */
+            superseded: number;
+            /** @description Its field. */
+            target: components["schemas"]["FieldKey"];
+            /**
+             * Format: int64
+             * @description Candidates that went out.
+             */
+            yielded: number;
+        };
+        /** @description A mapping with gaps. */
+        MappingTemplate: {
+            /** @description What it is for. */
+            description?: string | null;
+            /** @description The JSON of a mapping with placeholders. */
+            mapping: Record<string, never>;
+            /** @description What people call it. */
+            name?: string | null;
+            /** @description The parameters, for the form that asks for them. */
+            parameters: components["schemas"]["TemplateParameter"][];
+            /** @description Its identity within the connector. */
+            templateId: string;
         };
         /** @description One value from several inputs. */
         Merge: {
@@ -3680,6 +5849,49 @@ export interface components {
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
+        /** @description A page of a list. */
+        Page_TemplateView: {
+            /** @description The items. */
+            items: (components["schemas"]["MappingTemplate"] & {
+                /** @description Who changed it last. */
+                author: string;
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                changedAt: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_VersionView: {
+            /** @description The items. */
+            items: {
+                /** @description Who published it. */
+                author?: string | null;
+                /** @description What differs from the version before; none for the oldest. */
+                changes: components["schemas"]["MappingChange"][];
+                /** @description It is the mapping of the field now. */
+                isCurrent: boolean;
+                /** @description The mapping. */
+                mapping: components["schemas"]["Mapping"];
+                /** @description Where it came from, where not from the editor. */
+                note?: string | null;
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                publishedAt: string;
+                /**
+                 * Format: int32
+                 * @description Counts from 1.
+                 */
+                version: number;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
         /** @description Takes a value out of a text. */
         Parse: {
             /** @description A comma is the decimal sign, points group digits. */
@@ -3720,6 +5932,18 @@ export interface components {
          * @enum {string}
          */
         Piece: "GOOD" | "SCRAP";
+        /**
+         * @description What placing a mapping does or would do.
+         * @enum {string}
+         */
+        Placed: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
+        /** @description What became of a mapping. */
+        PlacedMapping: {
+            /** @description Its field. */
+            key: Record<string, never>;
+            /** @description What became of it. */
+            outcome: components["schemas"]["Placed"];
+        };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
         Preview: {
             candidate?: components["schemas"]["ShownValue"] | null;
@@ -3785,6 +6009,23 @@ export interface components {
          * @enum {string}
          */
         RatePeriod: "second" | "minute" | "hour" | "day";
+        /** @description A piece of evidence. */
+        Reason: {
+            /** @description What kind of evidence. */
+            kind: components["schemas"]["ReasonKind"];
+            /**
+             * Format: int32
+             * @description Its weight; negative where it speaks against.
+             */
+            points: number;
+            /** @description In a sentence. */
+            text: string;
+        };
+        /**
+         * @description Kinds of evidence.
+         * @enum {string}
+         */
+        ReasonKind: "name" | "semantic" | "place" | "description" | "type" | "unit" | "companionType" | "value" | "decision";
         /** @description A request of a partner. */
         RequestView: {
             /**
@@ -3859,6 +6100,22 @@ export interface components {
             /** @description The source text. */
             source: string;
         };
+        /** @description A server that was looked through. */
+        SearchedSource: {
+            /** @description False while the list is being made, or where the server has more than is listed: ask again, or search by hand. */
+            isComplete: boolean;
+            /**
+             * Format: date-time
+             * @description When the list was made.
+             */
+            listedAt?: string | null;
+            /** @description Why it could not be looked through. */
+            problem?: string | null;
+            /** @description The server. */
+            sourceId: components["schemas"]["SourceId"];
+            /** @description How many variables it has. */
+            variables: number;
+        };
         /** @description Which of a server's endpoints to use. */
         SecurityChoice: {
             /** @enum {string} */
@@ -3883,6 +6140,20 @@ export interface components {
         Select: {
             /** @description Field names and 0-based indexes, as `Axes[2].Position` or `[0]`. */
             path: string;
+        };
+        /** @description The members of a series. */
+        Series: {
+            /**
+             * @description Or patterns of numbers, as `1..12` or `1,3,7..9`: the first mapping gets the first number of each, and so on; a
+             *     pattern of one number, or another text, is the same for all.
+             */
+            patterns?: {
+                [key: string]: string;
+            };
+            /** @description The values of the parameters, one set per mapping. */
+            sets?: {
+                [key: string]: string;
+            }[];
         };
         /** @description A server's limits (OPC 10000-5 §6.3.2, §6.3.11); `None` where it declares none. */
         ServerLimits: {
@@ -3932,6 +6203,22 @@ export interface components {
          * @enum {string}
          */
         Severity: "hint" | "warning" | "error";
+        /** @description A mapping on trial beside the published one. */
+        ShadowView: {
+            /** @description Who started it. */
+            author: string;
+            /** @description What differs from the published one; none where nothing is published. */
+            changes: components["schemas"]["MappingChange"][];
+            /** @description The mapping on trial. */
+            mapping: components["schemas"]["Mapping"];
+            published?: components["schemas"]["MappingStatus"] | null;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            startedAt: string;
+            status?: components["schemas"]["MappingStatus"] | null;
+        };
         /** @description A value as pages show it. */
         ShownValue: {
             /**
@@ -4202,6 +6489,73 @@ export interface components {
              */
             writtenAt: string;
         };
+        /** @description A variable that might be meant. */
+        SuggestedVariable: components["schemas"]["Suggestion"] & {
+            /** @description What the server says about it. */
+            description?: string | null;
+            /** @description What is to be decided if it is the right one. */
+            mapping: components["schemas"]["MappingDraft"];
+            /** @description Its unit, as people see it. */
+            unit?: string | null;
+            value?: components["schemas"]["ShownValue"] | null;
+            /** @description The built-in type of its value. */
+            valueType?: string | null;
+        };
+        /** @description A variable that might be meant. */
+        Suggestion: {
+            /** @description The variable. */
+            nodeId: string;
+            /** @description Where it stands, as people read it. */
+            place: string;
+            /** @description Why, the weightiest first. */
+            reasons: components["schemas"]["Reason"][];
+            /**
+             * Format: int32
+             * @description 20 to 100.
+             */
+            score: number;
+            /** @description The server. */
+            sourceId: string;
+            /** @description The functions it would need. */
+            steps: components["schemas"]["Step"][];
+        };
+        /** @description Variables that might be meant, best first, and where they were looked for. */
+        Suggestions: {
+            /** @description The variables; none is used before a person decides. */
+            items: components["schemas"]["SuggestedVariable"][];
+            /** @description The servers that were looked through. */
+            sources: components["schemas"]["SearchedSource"][];
+        };
+        /** @description How to make a template of a field's mapping. */
+        TemplateDraft: {
+            /** @description What people call it. */
+            name?: string | null;
+            /** @description The parameters and the texts that they stand for in this mapping, as `machine` for `Press1`. */
+            parameters: {
+                [key: string]: string;
+            };
+            /** @description Its id: letters, digits, `_` and `-`. */
+            templateId: string;
+        };
+        /** @description A parameter of a template. */
+        TemplateParameter: {
+            /** @description What stands there where nothing is given. */
+            default?: string | null;
+            /** @description What it means. */
+            description?: string | null;
+            /** @description Its name within `${...}`. */
+            name: string;
+        };
+        /** @description A template as it is kept. */
+        TemplateView: components["schemas"]["MappingTemplate"] & {
+            /** @description Who changed it last. */
+            author: string;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            changedAt: string;
+        };
         /** @description Whether a number is above a limit, with hysteresis. */
         Threshold: {
             above?: components["schemas"]["Literal"] | null;
@@ -4210,6 +6564,110 @@ export interface components {
             limit: components["schemas"]["Number"];
             release?: components["schemas"]["Number"] | null;
         };
+        /** @description What a mapping made of samples. */
+        Trace: {
+            /** @description What is to be said about the mapping; with an error there are no runs. */
+            diagnostics: components["schemas"]["MappingDiagnostic"][];
+            /** @description One run per sample, and per timer that ran out in between. */
+            runs: components["schemas"]["TraceRun"][];
+        };
+        /** @description One run of the chain. */
+        TraceRun: {
+            /**
+             * Format: date-time
+             * @description When, by the local clock.
+             */
+            at: string;
+            candidate?: components["schemas"]["TracedValue"] | null;
+            fault?: components["schemas"]["TracedFault"] | null;
+            /** @description The input that changed; absent where time passed. */
+            input?: string | null;
+            /** @description What each function made of it, as far as the chain got. */
+            steps: components["schemas"]["TraceStep"][];
+            value?: components["schemas"]["TracedValue"] | null;
+        };
+        /** @description What one function made of its value. */
+        TraceStep: {
+            fault?: components["schemas"]["TracedFault"] | null;
+            /** @description Its name. */
+            function: string;
+            /** @description Index of the function. */
+            step: number;
+            value?: components["schemas"]["TracedValue"] | null;
+        };
+        /** @description Why a function failed. */
+        TracedFault: {
+            /**
+             * Format: int32
+             * @description The column in the script, from 1.
+             */
+            column?: number | null;
+            /** @description What kind of fault it is. */
+            kind: components["schemas"]["FaultKind"];
+            /**
+             * Format: int32
+             * @description The line in the script, from 1.
+             */
+            line?: number | null;
+            /** @description What went wrong, in a sentence. */
+            message: string;
+        };
+        /** @description A value for people: 64-bit integers as text, arrays cut after 256 elements, structures as objects. */
+        TracedValue: {
+            /**
+             * Format: date-time
+             * @description When the server last knew it.
+             */
+            serverTimestamp?: string | null;
+            /**
+             * Format: date-time
+             * @description When the source measured it.
+             */
+            sourceTimestamp?: string | null;
+            /**
+             * Format: int32
+             * @description The status code.
+             */
+            status: number;
+            /** @description The status' name, where it is a well-known one. */
+            statusName?: string | null;
+            type?: components["schemas"]["TypeName"] | null;
+            /** @description The value. */
+            value: Record<string, never>;
+        };
+        /** @description What became of a trial. */
+        Trial: components["schemas"]["Trace"] & {
+            /**
+             * Format: date-time
+             * @description When the first value came.
+             */
+            from?: string | null;
+            /** @description How many runs there were. */
+            runsTotal: number;
+            /**
+             * Format: date-time
+             * @description When the last value came.
+             */
+            to?: string | null;
+            /** @description Inputs of which nothing is recorded: only variables that a mapping at work (or on trial) uses are. */
+            unrecorded: string[];
+            /** @description How many values went in. */
+            values: number;
+        };
+        /** @description A mapping to try. */
+        TrialBody: {
+            /** @description The last so many runs are shown, up to 2000; 200 without it. */
+            limit?: number | null;
+            /** @description The mapping. */
+            mapping: components["schemas"]["MappingDraft"];
+            /** @description What to run it on: `LIVE` (the default) or `HISTORY`. */
+            on?: components["schemas"]["TrialOn"];
+        };
+        /**
+         * @description What to run a mapping on.
+         * @enum {string}
+         */
+        TrialOn: "LIVE" | "HISTORY";
         /** @description Whether a certificate is trusted. */
         TrustBody: {
             /** @description True: connections to the server are allowed. */
@@ -4279,6 +6737,29 @@ export interface components {
             fault?: string | null;
             /** @description Nothing is wrong. */
             valid: boolean;
+        };
+        /** @description A published mapping. */
+        VersionView: {
+            /** @description Who published it. */
+            author?: string | null;
+            /** @description What differs from the version before; none for the oldest. */
+            changes: components["schemas"]["MappingChange"][];
+            /** @description It is the mapping of the field now. */
+            isCurrent: boolean;
+            /** @description The mapping. */
+            mapping: components["schemas"]["Mapping"];
+            /** @description Where it came from, where not from the editor. */
+            note?: string | null;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            publishedAt: string;
+            /**
+             * Format: int32
+             * @description Counts from 1.
+             */
+            version: number;
         };
         /**
          * @description A day of the week.

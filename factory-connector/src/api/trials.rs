@@ -1,0 +1,153 @@
+//! Trying a mapping, and how a published one is doing.
+
+use asi_model::{DateTime, messages::ValueSource};
+use axum::{Json, extract::State};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use mapping_engine::{DryRunSample, Mapping, MappingStatus, Trace};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    fields::{FieldPath, MappingDraft, key, mapping_of},
+    problems::{Problems, engine, shop_floor},
+};
+use crate::desk::now;
+
+/// Runs without being told how many, and at most.
+const RUNS_DEFAULT: usize = 200;
+const RUNS_MAX: usize = 2000;
+
+/// What to run a mapping on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum TrialOn {
+    /// The values that its variables have now; functions go on from what the published mapping remembers.
+    #[default]
+    Live,
+    /// The values that its variables had lately, as far as they are recorded; functions start afresh.
+    History,
+}
+
+/// A mapping to try.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct TrialBody {
+    /// The mapping.
+    mapping: MappingDraft,
+    /// What to run it on: `LIVE` (the default) or `HISTORY`.
+    #[serde(default)]
+    on: TrialOn,
+    /// The last so many runs are shown, up to 2000; 200 without it.
+    limit: Option<usize>,
+}
+
+/// What became of a trial.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Trial {
+    /// Every run with every intermediate value; the last ones.
+    #[serde(flatten)]
+    trace: Trace,
+    /// How many runs there were.
+    runs_total: usize,
+    /// How many values went in.
+    values: usize,
+    /// When the first value came.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    from: Option<DateTime>,
+    /// When the last value came.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    to: Option<DateTime>,
+    /// Inputs of which nothing is recorded: only variables that a mapping at work (or on trial) uses are.
+    unrecorded: Vec<String>,
+}
+
+/// Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed and nothing leaves.
+#[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    request_body = TrialBody, responses((status = 200, body = Trial), Problems))]
+pub async fn run(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(path): ApiPath<FieldPath>,
+    ApiJson(body): ApiJson<TrialBody>,
+) -> Result<Json<Trial>, Problem> {
+    engineer_only(&who)?;
+    let field = key(path);
+    let mapping = mapping_of(&api, &field, body.mapping).await?;
+    let (samples, state) = match body.on {
+        TrialOn::Live => {
+            let draft = mapping.clone();
+            let state =
+                api.desk.read(move |books| books.field(&field).and_then(|field| field.state_for(&draft))).await?;
+            (live_values(&api, &mapping).await?, state)
+        }
+        TrialOn::History => (api.engine.recorded(mapping.inputs.clone()).await.map_err(engine)?, None),
+    };
+    let names = mapping.inputs.iter().map(|input| &input.name);
+    let unrecorded =
+        names.filter(|name| !samples.iter().any(|sample| sample.input == **name)).cloned().collect::<Vec<_>>();
+    let (values, from, to) =
+        (samples.len(), samples.first().map(|sample| sample.at), samples.last().map(|sample| sample.at));
+    let mut trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
+    let runs_total = trace.runs.len();
+    let most = body.limit.unwrap_or(RUNS_DEFAULT).clamp(1, RUNS_MAX);
+    trace.runs.drain(..runs_total.saturating_sub(most));
+    Ok(Json(Trial { trace, runs_total, values, from, to, unrecorded }))
+}
+
+/// The present values of a mapping's inputs.
+async fn live_values(api: &Api, mapping: &Mapping) -> Result<Vec<DryRunSample>, Problem> {
+    let at = now();
+    let mut samples = Vec::new();
+    for input in &mapping.inputs {
+        let node = std::slice::from_ref(&input.node_id);
+        let read = api.shop_floor.read(&input.source_id, node).await.map_err(shop_floor)?;
+        samples.extend(read.into_iter().map(|value| DryRunSample { input: input.name.clone(), at, value }));
+    }
+    Ok(samples)
+}
+
+/// How a field's mapping is doing: last values in and out, counts, faults, time spent.
+#[utoipa::path(get,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = MappingStatus), Problems))]
+pub async fn status(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<MappingStatus>, Problem> {
+    let id = at_work(&api, key(path)).await?;
+    let status = api.engine.status(&id).await.map_err(engine)?;
+    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}
+
+/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once.
+#[utoipa::path(post,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = MappingStatus), Problems))]
+pub async fn restart(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<MappingStatus>, Problem> {
+    engineer_only(&who)?;
+    let id = at_work(&api, key(path)).await?;
+    api.engine.reset(&id).await.map_err(engine)?;
+    let status = api.engine.status(&id).await.map_err(engine)?;
+    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}
+
+async fn at_work(api: &Api, field: asi_model::FieldKey) -> Result<mapping_engine::MappingId, Problem> {
+    let known = api
+        .desk
+        .read(move |books| {
+            let field = books.field(&field)?;
+            field.decision.is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
+        })
+        .await?;
+    known.ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}

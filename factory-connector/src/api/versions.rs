@@ -1,0 +1,143 @@
+//! Versions of a field's mapping: who published what, what changed, and the way back.
+
+use asi_model::{DateTime, FieldKey};
+use axum::{Json, extract::State};
+use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use mapping_engine::{
+    Mapping,
+    comparison::{MappingChange, compare},
+};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    exchange::{Wanted, place},
+    fields::{FieldPath, key, show},
+    problems::Problems,
+    view::{FieldView, Page},
+};
+use crate::store;
+
+/// A version's path.
+type VersionPath =
+    (asi_model::OperationNetworkId, asi_model::OperationId, asi_model::DynamicDataRequestId, asi_model::FieldName, u32);
+
+/// A published mapping.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct VersionView {
+    /// Counts from 1.
+    version: u32,
+    /// Who published it.
+    author: Option<String>,
+    /// Where it came from, where not from the editor.
+    note: Option<String>,
+    /// When.
+    #[schema(value_type = String, format = "date-time")]
+    published_at: DateTime,
+    /// It is the mapping of the field now.
+    is_current: bool,
+    /// The mapping.
+    mapping: Mapping,
+    /// What differs from the version before; none for the oldest.
+    changes: Vec<MappingChange>,
+}
+
+/// Lists the versions of a field's mapping, newest first; the last hundred are kept.
+#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = Page<VersionView>), Problems))]
+pub async fn list(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<Page<VersionView>>, Problem> {
+    let (stored, current) = versions(&api, key(path)).await?;
+    let items = stored.iter().enumerate().map(|(place, (row, mapping))| VersionView {
+        version: row.version,
+        author: row.author.clone(),
+        note: row.note.clone(),
+        published_at: row.published_at,
+        is_current: current.as_ref() == Some(mapping),
+        changes: stored.get(place + 1).map(|(_, before)| compare(before, mapping)).unwrap_or_default(),
+        mapping: mapping.clone(),
+    });
+    Ok(Json(Page::whole(items.collect())))
+}
+
+/// Which versions to compare.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct DifferenceQuery {
+    /// The earlier version.
+    from: u32,
+    /// The later one; the field's mapping as it is now without it.
+    to: Option<u32>,
+}
+
+/// What differs between two versions.
+#[derive(Serialize, ToSchema)]
+pub struct Difference {
+    /// The earlier mapping.
+    before: Mapping,
+    /// The later mapping.
+    after: Mapping,
+    /// What differs.
+    changes: Vec<MappingChange>,
+}
+
+/// Compares two versions of a field's mapping.
+#[utoipa::path(get,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
+    DifferenceQuery), responses((status = 200, body = Difference), Problems))]
+pub async fn difference(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+    ApiQuery(query): ApiQuery<DifferenceQuery>,
+) -> Result<Json<Difference>, Problem> {
+    let (stored, current) = versions(&api, key(path)).await?;
+    let find = |version: u32| stored.iter().find(|(row, _)| row.version == version).map(|(_, mapping)| mapping.clone());
+    let before = find(query.from).ok_or_else(|| Problem::not_found("such version"))?;
+    let after = query.to.map_or(current, find).ok_or_else(|| Problem::not_found("such version"))?;
+    Ok(Json(Difference { changes: compare(&before, &after), before, after }))
+}
+
+/// Goes back to a version: it is published again as the newest one, under the consent in force.
+#[utoipa::path(post,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
+    ("version" = u32, Path)), responses((status = 200, body = FieldView), Problems))]
+pub async fn rollback(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath((network, operation, request, field_name, version)): ApiPath<VersionPath>,
+) -> Result<Json<FieldView>, Problem> {
+    engineer_only(&who)?;
+    let field = key((network, operation, request, field_name));
+    let (stored, _) = versions(&api, field.clone()).await?;
+    let (_, mapping) =
+        stored.into_iter().find(|(row, _)| row.version == version).ok_or_else(|| Problem::not_found("such version"))?;
+    let note = Some(format!("as version {version}"));
+    let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
+    place(&api, vec![wanted], &who.principal.user_name, note, false).await?;
+    show(&api, field).await
+}
+
+/// The stored versions, newest first, and the field's mapping as it is now.
+async fn versions(api: &Api, field: FieldKey) -> Result<(Vec<(store::VersionRow, Mapping)>, Option<Mapping>), Problem> {
+    let known =
+        api.desk.read(move |books| books.field(&field).map(|field| (field.id, field.decision.mapping.clone()))).await?;
+    let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;
+    let rows = store::versions(&api.readers, id).await?;
+    let stored = rows
+        .into_iter()
+        .map(|row| serde_json::from_str(&row.mapping).map(|mapping| (row, mapping)))
+        .collect::<Result<_, _>>()
+        .map_err(|error| Problem::internal(&error))?;
+    Ok((stored, current))
+}

@@ -1,0 +1,221 @@
+//! A connector with machines and one operation network, and a client of its API.
+
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+use asi_model::{FactoryId, messages::OperationNetworkMessage, pubsub::json::Encoding};
+use daemon::{Confidential, lifecycle::Lifecycle};
+use factory_connector::{
+    books::{Books, BooksConfig},
+    config::ConnectorConfig,
+    desk::now,
+    service,
+    store::{Enrolment, Store, put_enrolment},
+};
+use mapping_engine::ScriptEngine;
+use reqwest::{Method, StatusCode};
+use serde_json::{Value, json};
+use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
+use tempfile::TempDir;
+use tokio_util::sync::{CancellationToken, DropGuard};
+
+const FACTORY: &str = "FOR_MUC";
+const PASSWORD: &str = "a long password for tests";
+
+/// A running connector; it stops when this is dropped.
+pub struct Plant {
+    base: String,
+    http: reqwest::Client,
+    csrf: String,
+    lifecycle: Lifecycle,
+    pub machines: SimulatorHandle,
+    _directory: TempDir,
+    _machines_stop: DropGuard,
+}
+
+impl Drop for Plant {
+    fn drop(&mut self) {
+        self.lifecycle.stop();
+    }
+}
+
+/// The network with one operation and these fields requested about it.
+pub fn network(fields: Value) -> Value {
+    json!({ "messageId": "m1", "factoryId": FACTORY, "collaborationId": "frame-order", "revision": 1,
+        "operationNetwork": { "operationNetworkId": "frame", "operationList": [ {
+            "operationId": "MakeFrame", "operationType": "PRODUCTION", "name": "Make frame", "productId": "FRAME-A",
+            "equipmentRequirementList": [ { "equipmentRequirementId": "r1", "equipmentType": "MILL", "assetId": "Mill1" } ],
+            "dynamicDataRequestList": [ { "dynamicDataRequestId": "Req", "requesterId": "acme",
+                "recipientList": ["acme"], "purpose": "Plan the assembly", "updateFrequency": 1,
+                "updateFrequencyUnit": "SECOND",
+                "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } } ] } ] } })
+}
+
+/// The path of a field of [`network`].
+pub fn field(name: &str) -> String {
+    format!("/fields/frame/MakeFrame/Req/{name}")
+}
+
+impl Plant {
+    /// A plant with a milling cell `Mill1` and a conveyor `Belt1`, both connected.
+    pub async fn start(fields: Value) -> Self {
+        rustls::crypto::ring::default_provider().install_default().ok();
+        let directory = tempfile::tempdir().expect("a folder");
+        enrol(&directory, fields).await;
+        let machines = vec![
+            MachineConfig::new("Mill1", MachineKind::MillingCell),
+            MachineConfig::new("Belt1", MachineKind::Conveyor),
+        ];
+        let mut config = simulator::Config::of(machines);
+        config.pki_directory = directory.path().join("machines");
+        config.update_interval_ms = 50;
+        let (simulator, machines) = Simulator::new(config).await.expect("the machines start");
+        let machines_stop = CancellationToken::new();
+        tokio::spawn(simulator.run(machines_stop.clone()));
+
+        let lifecycle = Lifecycle::new();
+        let mut config =
+            ConnectorConfig { data_directory: directory.path().join("data"), ..ConnectorConfig::default() };
+        config.web.listen = "127.0.0.1:0".parse().expect("an address");
+        config.twin.listen = "127.0.0.1:0".parse().expect("an address");
+        (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
+        config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));
+        let handle = service::start(config, &lifecycle).await.expect("the connector starts");
+        let http = reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
+        let base = format!("http://{}/api/v1", handle.web_address);
+        let mut plant = Self {
+            base,
+            http,
+            csrf: String::new(),
+            lifecycle,
+            machines,
+            _directory: directory,
+            _machines_stop: machines_stop.drop_guard(),
+        };
+        let session = plant.post("/session", json!({ "userName": "engineer", "password": PASSWORD })).await;
+        plant.csrf = session["csrfToken"].as_str().expect("a token").to_owned();
+        for name in ["Mill1", "Belt1"] {
+            let endpoint = plant.machines.machine(name).expect("a machine").endpoint_url().to_owned();
+            let source = json!({ "sourceId": name, "endpointUrl": endpoint, "security": { "choice": "none" } });
+            plant.post("/sources", source).await;
+        }
+        plant
+            .until("both machines are connected", "/sources", |sources| {
+                let items = sources["items"].as_array().expect("a page");
+                items.len() == 2 && items.iter().all(|source| source["state"] == "connected")
+            })
+            .await;
+        plant
+    }
+
+    pub async fn get(&self, path: &str) -> Value {
+        self.expect(Method::GET, path, None).await
+    }
+
+    pub async fn post(&self, path: &str, body: Value) -> Value {
+        self.expect(Method::POST, path, Some(body.to_string())).await
+    }
+
+    pub async fn put(&self, path: &str, body: Value) -> Value {
+        self.expect(Method::PUT, path, Some(body.to_string())).await
+    }
+
+    async fn expect(&self, method: Method, path: &str, body: Option<String>) -> Value {
+        let (status, text) = self.call(method.clone(), path, body).await;
+        assert!(status.is_success(), "{method} {path}: {status} {text}");
+        serde_json::from_str(&text).unwrap_or(Value::String(text))
+    }
+
+    /// Any call; the answer as text.
+    pub async fn call(&self, method: Method, path: &str, body: Option<String>) -> (StatusCode, String) {
+        let mut request = self.http.request(method, format!("{}{path}", self.base)).header("x-csrf-token", &self.csrf);
+        if let Some(body) = body {
+            request = request.header("content-type", "application/json").body(body);
+        }
+        let answer = request.send().await.expect("an answer");
+        (answer.status(), answer.text().await.expect("a text"))
+    }
+
+    /// Imports a file or a table; the outcome or the problem.
+    pub async fn import(&self, form: &str, text: &str, is_dry_run: bool) -> Result<Value, Value> {
+        let kind = if form == "csv" { "text/csv" } else { "application/json" };
+        let answer = self
+            .http
+            .post(format!("{}/mappings/import?dryRun={is_dry_run}", self.base))
+            .header("x-csrf-token", &self.csrf)
+            .header("content-type", kind)
+            .body(text.to_owned())
+            .send()
+            .await
+            .expect("an answer");
+        let is_taken = answer.status().is_success();
+        let json: Value = answer.json().await.expect("JSON");
+        if is_taken { Ok(json) } else { Err(json) }
+    }
+
+    /// Decides a field with the source MAPPING.
+    pub async fn map(&self, name: &str, mapping: Value) -> Value {
+        let body = json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": mapping });
+        self.put(&format!("{}/decision", field(name)), body).await
+    }
+
+    /// Asks until the answer is as wanted.
+    pub async fn until(&self, what: &str, path: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        let begun = Instant::now();
+        loop {
+            let answer = self.get(path).await;
+            if is_so(&answer) {
+                return answer;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(60), "not within a minute: {what}; last {answer}");
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    /// A machine's variable as text.
+    pub fn node(&self, machine: &str, key: &str) -> String {
+        let machine = self.machines.machine(machine).expect("a machine");
+        machine.node_id(key).expect("a variable").to_string()
+    }
+}
+
+/// The worker under test: the one that `SCRIPT_DENO` names, or `script-quickjs` as the workspace builds it.
+fn script_worker() -> (ScriptEngine, Option<PathBuf>) {
+    if let Some(path) = std::env::var_os("SCRIPT_DENO") {
+        return (ScriptEngine::Deno, Some(path.into()));
+    }
+    let program = std::env::current_exe().expect("a program");
+    let path = program.ancestors().nth(2).expect("tests lie below the binaries").join("script-quickjs");
+    assert!(path.exists(), "build the worker first: cargo build -p script-quickjs");
+    (ScriptEngine::QuickJs, Some(path))
+}
+
+/// Fills the store as an enrolled connector's that has received the network.
+async fn enrol(directory: &TempDir, fields: Value) {
+    let data = directory.path().join("data");
+    std::fs::create_dir_all(&data).expect("a folder");
+    let factory_id: FactoryId = FACTORY.parse().expect("an id");
+    let mut connection = Store::connect(&data).await.expect("a store");
+    let enrolment = Enrolment {
+        factory_id: FACTORY.to_owned(),
+        broker_url: "amqp://127.0.0.1:1".to_owned(),
+        profile: r#""embedded""#.to_owned(),
+        user_name: FACTORY.to_owned(),
+        password: "none".to_owned(),
+        root_certificate_pem: None,
+    };
+    put_enrolment(&mut connection, &enrolment, now()).await.expect("enrolled");
+    drop(connection);
+    let mut store = Store::open(&data, &factory_id, now()).await.expect("opened");
+    let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
+    let snapshot = store.load().await.expect("loaded");
+    let mut books = Books::new(config, snapshot, false, now()).expect("books");
+    let message: OperationNetworkMessage = serde_json::from_value(network(fields)).expect("a network");
+    let raw = serde_json::to_string(&message).expect("serialises");
+    books.network_arrived(message, raw, now());
+    let (changes, _) = books.take();
+    store.commit(changes).await.expect("stored");
+    store.close().await;
+}

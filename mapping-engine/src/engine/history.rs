@@ -1,0 +1,105 @@
+//! The last values of each variable in use, to try mappings on.
+//!
+//! Kept in memory only and bounded twice: per variable, and over all of them. With many variables each has fewer.
+
+use std::collections::VecDeque;
+
+use asi_model::{DataValue, DateTime, Scalar, Variant};
+use serde::{Deserialize, Serialize};
+
+/// Longest array, in elements, and longest text, in bytes, of which more than the newest is kept.
+const ELEMENTS_MAX: usize = 64;
+const TEXT_BYTES_MAX: usize = 1024;
+/// Fewest values kept of each variable.
+const SAMPLES_MIN: usize = 2;
+
+/// How much is kept of the variables in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct HistoryConfig {
+    /// Most values of one variable.
+    pub values_per_variable_max: usize,
+    /// Most values of all variables together; about 100 bytes each.
+    pub values_max: usize,
+}
+
+impl Default for HistoryConfig {
+    fn default() -> Self {
+        Self { values_per_variable_max: 512, values_max: 500_000 }
+    }
+}
+
+impl HistoryConfig {
+    /// How many values a variable may have when there are so many variables: a power of two, which is how buffers grow.
+    pub(super) fn share(&self, variables: usize) -> usize {
+        let share = (self.values_max / variables.max(1)).min(self.values_per_variable_max).max(SAMPLES_MIN);
+        1 << share.ilog2()
+    }
+}
+
+/// The last values of a variable, oldest first, each with the time it came by the local clock.
+#[derive(Debug, Default)]
+pub(super) struct History {
+    values: VecDeque<(DateTime, DataValue)>,
+}
+
+impl History {
+    pub fn newest(&self) -> Option<&DataValue> {
+        self.values.back().map(|(_, value)| value)
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &(DateTime, DataValue)> {
+        self.values.iter()
+    }
+
+    pub fn push(&mut self, at: DateTime, value: DataValue, values_max: usize) {
+        if is_bulky(&value.value) {
+            self.values.clear();
+        }
+        while self.values.len() >= values_max.max(1) {
+            self.values.pop_front();
+        }
+        self.values.push_back((at, value));
+        if self.values.capacity() > values_max.saturating_mul(2) {
+            self.values.shrink_to(values_max);
+        }
+    }
+}
+
+fn is_bulky(value: &Variant) -> bool {
+    match value {
+        Variant::Null => false,
+        Variant::Array(array) => array.elements.len() > ELEMENTS_MAX,
+        Variant::Scalar(Scalar::String(text)) => text.as_ref().is_some_and(|text| text.len() > TEXT_BYTES_MAX),
+        Variant::Scalar(Scalar::ByteString(bytes)) => bytes.as_ref().is_some_and(|bytes| bytes.len() > TEXT_BYTES_MAX),
+        Variant::Scalar(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(second: i64) -> DateTime {
+        DateTime::from_unix_micros(second * 1_000_000)
+    }
+
+    #[test]
+    fn the_last_values_are_kept() {
+        let mut history = History::default();
+        for number in 0..10_i64 {
+            history.push(at(number), DataValue::good(number, at(number)), 4);
+        }
+        let kept: Vec<_> = history.iter().map(|(at, _)| at.unix_millis() / 1000).collect();
+        assert_eq!(kept, [6, 7, 8, 9]);
+        let text = "x".repeat(TEXT_BYTES_MAX + 1);
+        history.push(at(10), DataValue::good(text.as_str(), at(10)), 4);
+        assert_eq!(history.iter().count(), 1, "long texts are not piled up");
+    }
+
+    #[test]
+    fn many_variables_share_what_there_is() {
+        let config = HistoryConfig::default();
+        assert_eq!([0, 10, 50_000, 10_000_000].map(|count| config.share(count)), [512, 512, 8, 2]);
+    }
+}
