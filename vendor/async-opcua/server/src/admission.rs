@@ -1,9 +1,13 @@
-//! Hooks that decide who may connect, before and while a session is created.
+//! Hooks that decide who may connect, before and while a session is created, and that are told who did.
 
 use std::{any::Any, net::SocketAddr};
 
-use opcua_crypto::{SecurityPolicy, X509};
-use opcua_types::Error;
+use opcua_crypto::{PrivateKey, SecurityPolicy, X509};
+use opcua_types::{
+    Error, ExtensionObject, MessageSecurityMode, NodeId, SecurityTokenRequestType, StatusCode,
+};
+
+use crate::authenticator::UserToken;
 
 /// Decides about incoming connections, for limits per address or in total.
 pub trait ConnectionFilter: Send + Sync + 'static {
@@ -17,4 +21,67 @@ pub trait ConnectionFilter: Send + Sync + 'static {
 pub trait CertificateValidator: Send + Sync + 'static {
     /// Called when a client creates a session on a secured channel.
     fn validate(&self, certificate: &X509, security_policy: SecurityPolicy) -> Result<(), Error>;
+}
+
+/// The application instance certificate of the server with its key. A connection keeps the one it began with.
+#[derive(Clone, Default)]
+pub struct ServerIdentity {
+    /// The certificate; encrypted endpoints do not work without.
+    pub certificate: Option<X509>,
+    /// The private key of the certificate.
+    pub private_key: Option<PrivateKey>,
+}
+
+/// The secure channel on which something happened.
+#[derive(Clone)]
+pub struct ChannelDescription {
+    /// Its id; 0 before it was opened.
+    pub secure_channel_id: u32,
+    /// Its security policy.
+    pub security_policy: SecurityPolicy,
+    /// Its security mode.
+    pub security_mode: MessageSecurityMode,
+    /// The certificate of the client.
+    pub client_certificate: Option<X509>,
+}
+
+/// What happened to a secure channel or session.
+#[derive(Debug, Clone)]
+pub enum SessionEvent {
+    /// A secure channel was opened or renewed, or was not.
+    ChannelOpened {
+        /// Whether it is a new one; `None` where the request could not be read.
+        request_type: Option<SecurityTokenRequestType>,
+        /// The lifetime the client asked for, in milliseconds.
+        requested_lifetime: u32,
+    },
+    /// A session was created, or was not.
+    SessionCreated {
+        /// The session; null where it was not created.
+        session_id: NodeId,
+        /// The name that the client gave the session.
+        session_name: String,
+        /// The revised timeout in milliseconds.
+        revised_timeout: f64,
+    },
+    /// A user signed in, or did not.
+    SessionActivated {
+        /// The session; null where there is no such session.
+        session_id: NodeId,
+        /// Who.
+        user_identity_token: ExtensionObject,
+    },
+    /// A session was closed by its client, or was not.
+    SessionClosed {
+        /// The session; null where there is no such session.
+        session_id: NodeId,
+        /// Whose it was, where it was activated.
+        user_token: Option<UserToken>,
+    },
+}
+
+/// Told about secure channels and sessions, for an audit trail (OPC 10000-4 §6.5).
+pub trait SessionObserver: Send + Sync + 'static {
+    /// Called after each attempt with its outcome. Must not block.
+    fn observe(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode);
 }

@@ -9,7 +9,7 @@ use opcua_crypto::SecurityPolicy;
 use opcua_types::{BuildInfo, MessageSecurityMode, TypeLoader, TypeLoaderCollection};
 
 use super::{
-    admission::{CertificateValidator, ConnectionFilter},
+    admission::{CertificateValidator, ConnectionFilter, SessionObserver},
     authenticator::AuthManager, node_manager::NodeManagerBuilder, Limits, Server, ServerConfig,
     ServerEndpoint, ServerHandle, ServerUserToken, ANONYMOUS_USER_TOKEN_ID,
 };
@@ -27,6 +27,7 @@ pub struct ServerBuilder {
     pub(crate) build_info: BuildInfo,
     pub(crate) connection_filter: Option<Arc<dyn ConnectionFilter>>,
     pub(crate) certificate_validator: Option<Arc<dyn CertificateValidator>>,
+    pub(crate) session_observer: Option<Arc<dyn SessionObserver>>,
 }
 
 impl Default for ServerBuilder {
@@ -41,6 +42,7 @@ impl Default for ServerBuilder {
             type_loaders: TypeLoaderCollection::new(),
             connection_filter: None,
             certificate_validator: None,
+            session_observer: None,
         };
         #[cfg(feature = "generated-address-space")]
         {
@@ -279,6 +281,12 @@ impl ServerBuilder {
     /// Set a validator for client certificates, used in place of the certificate store's own check.
     pub fn with_certificate_validator(mut self, validator: Arc<dyn CertificateValidator>) -> Self {
         self.certificate_validator = Some(validator);
+        self
+    }
+
+    /// Set who is told about secure channels and sessions.
+    pub fn with_session_observer(mut self, observer: Arc<dyn SessionObserver>) -> Self {
+        self.session_observer = Some(observer);
         self
     }
 

@@ -53,10 +53,8 @@ pub struct ServerInfo {
     pub servers: Vec<String>,
     /// Server configuration
     pub config: Arc<ServerConfig>,
-    /// Server public certificate read from config location or null if there is none
-    pub server_certificate: Option<X509>,
-    /// Server private key
-    pub server_pkey: Option<PrivateKey>,
+    /// The certificate and private key that new connections use.
+    pub identity: ArcSwap<crate::ServerIdentity>,
     /// Operational limits
     pub(crate) operational_limits: OperationalLimits,
     /// Current state
@@ -93,6 +91,8 @@ pub struct ServerInfo {
     pub diagnostics: ServerDiagnostics,
     /// Validator for client certificates, in place of the certificate store's own check.
     pub certificate_validator: Option<Arc<dyn crate::CertificateValidator>>,
+    /// Who is told about secure channels and sessions.
+    pub session_observer: Option<Arc<dyn crate::SessionObserver>>,
 }
 
 impl ServerInfo {
@@ -291,10 +291,9 @@ impl ServerInfo {
 
     /// Get the server certificate as a byte string.
     pub fn server_certificate_as_byte_string(&self) -> ByteString {
-        if let Some(ref server_certificate) = self.server_certificate {
-            server_certificate.as_byte_string()
-        } else {
-            ByteString::null()
+        match &self.identity.load().certificate {
+            Some(certificate) => certificate.as_byte_string(),
+            None => ByteString::null(),
         }
     }
 
@@ -326,8 +325,10 @@ impl ServerInfo {
     /// It is possible that the endpoint does not exist, or that the token is invalid / unsupported
     /// or that the token cannot be used with the end point. The return codes reflect the responses
     /// that ActivateSession would expect from a service call.
+    #[allow(clippy::too_many_arguments)]
     pub async fn authenticate_endpoint(
         &self,
+        identity: &crate::ServerIdentity,
         request: &ActivateSessionRequest,
         endpoint_url: &str,
         security_policy: SecurityPolicy,
@@ -358,7 +359,7 @@ impl ServerInfo {
                     self.authenticate_username_identity_token(
                         endpoint,
                         &token,
-                        &self.server_pkey,
+                        &identity.private_key,
                         server_nonce,
                     )
                     .await
@@ -368,7 +369,7 @@ impl ServerInfo {
                         endpoint,
                         &token,
                         &request.user_token_signature,
-                        &self.server_certificate,
+                        &identity.certificate,
                         server_nonce,
                     )
                     .await
@@ -377,7 +378,7 @@ impl ServerInfo {
                     self.authenticate_issued_identity_token(
                         endpoint,
                         &token,
-                        &self.server_pkey,
+                        &identity.private_key,
                         server_nonce,
                     )
                     .await

@@ -29,7 +29,10 @@ mod session;
 mod subscriptions;
 mod transport;
 
-pub use admission::{CertificateValidator, ConnectionFilter};
+pub use admission::{
+    CertificateValidator, ChannelDescription, ConnectionFilter, ServerIdentity, SessionEvent,
+    SessionObserver,
+};
 pub use builder::ServerBuilder;
 pub use config::*;
 pub use identity_token::IdentityToken;

@@ -164,8 +164,10 @@ impl Server {
             start_time: ArcSwap::new(Arc::new(opcua_types::DateTime::now())),
             servers,
             config: config.clone(),
-            server_certificate,
-            server_pkey,
+            identity: ArcSwap::from_pointee(crate::ServerIdentity {
+                certificate: server_certificate,
+                private_key: server_pkey,
+            }),
             operational_limits: config.limits.operational.clone(),
             state: ArcSwap::new(Arc::new(ServerState::Shutdown)),
             send_buffer_size,
@@ -186,6 +188,7 @@ impl Server {
                 ..Default::default()
             },
             certificate_validator: builder.certificate_validator,
+            session_observer: builder.session_observer,
         };
 
         let certificate_store = Arc::new(RwLock::new(certificate_store));

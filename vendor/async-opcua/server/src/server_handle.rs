@@ -113,6 +113,12 @@ impl ServerHandle {
         self.token.cancel();
     }
 
+    /// Replace the application instance certificate and its key. Connections that are open keep the ones they began
+    /// with; discovery shows the new certificate at once.
+    pub fn set_identity(&self, identity: crate::ServerIdentity) {
+        self.info.identity.store(Arc::new(identity));
+    }
+
     /// Shorthand for getting the index of a namespace defined in the global server type tree.
     pub fn get_namespace_index(&self, namespace: &str) -> Option<u16> {
         self.type_tree.read().namespaces().get_index(namespace)

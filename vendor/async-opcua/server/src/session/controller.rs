@@ -18,7 +18,7 @@ use opcua_core::{
 };
 use opcua_crypto::{CertificateStore, SecurityPolicy};
 use opcua_types::{
-    ChannelSecurityToken, DateTime, FindServersResponse, GetEndpointsResponse, MessageSecurityMode,
+    ChannelSecurityToken, DateTime, FindServersResponse, GetEndpointsResponse, MessageSecurityMode, NodeId,
     OpenSecureChannelRequest, OpenSecureChannelResponse, ResponseHeader, SecurityTokenRequestType,
     ServiceFault, StatusCode,
 };
@@ -32,6 +32,7 @@ use crate::{
     subscriptions::SubscriptionCache,
     transport::tcp::{Request, TcpTransport, TransportPollResult},
     transport::Connector,
+    ChannelDescription, ServerIdentity, SessionEvent,
 };
 
 use super::{
@@ -84,6 +85,8 @@ pub(crate) struct SessionController {
     message_handler: MessageHandler,
     pending_messages: FuturesUnordered<Pin<Box<PendingMessageResponse>>>,
     info: Arc<ServerInfo>,
+    /// The certificate and key of this connection.
+    identity: Arc<ServerIdentity>,
     deadline: Instant,
 }
 
@@ -177,11 +180,15 @@ impl SessionController {
         node_managers: NodeManagers,
         subscriptions: Arc<SubscriptionCache>,
     ) -> Self {
-        let channel = SecureChannel::new(
+        let mut channel = SecureChannel::new(
             certificate_store.clone(),
             opcua_core::comms::secure_channel::Role::Server,
             Arc::new(RwLock::new(info.initial_encoding_context())),
         );
+        // The files may be replaced at any time; channel and sessions must use the same pair.
+        let identity = info.identity.load_full();
+        channel.set_cert(identity.certificate.clone());
+        channel.set_private_key(identity.private_key.clone());
 
         Self {
             channel,
@@ -193,6 +200,7 @@ impl SessionController {
             deadline: Instant::now()
                 + Duration::from_secs(info.config.tcp_config.hello_timeout as u64),
             info,
+            identity,
             pending_messages: FuturesUnordered::new(),
         }
     }
@@ -257,6 +265,13 @@ impl SessionController {
                         }
                         TransportPollResult::Error(s) => {
                             error!("Fatal transport error: {s}");
+                            if !self.secure_channel_state.issued {
+                                let event = SessionEvent::ChannelOpened {
+                                    request_type: None,
+                                    requested_lifetime: 0,
+                                };
+                                self.observe(event, s);
+                            }
                             self.fatal_error(s, "Transport error");
                         }
                         TransportPollResult::Closed => break,
@@ -308,6 +323,15 @@ impl SessionController {
                     self.transport.client_protocol_version,
                     &r,
                 );
+                let outcome = match &res {
+                    Ok(response) => response.response_header().service_result,
+                    Err(e) => *e,
+                };
+                let event = SessionEvent::ChannelOpened {
+                    request_type: Some(r.request_type),
+                    requested_lifetime: r.requested_lifetime,
+                };
+                self.observe(event, outcome);
                 if res.is_ok() {
                     self.deadline = self.channel.token_renewal_deadline();
                 } else {
@@ -341,8 +365,19 @@ impl SessionController {
             RequestMessage::CreateSession(request) => {
                 let _h = span.enter();
                 let mut mgr = trace_write_lock!(self.session_manager);
-                let res = mgr.create_session(&mut self.channel, &self.certificate_store, &request);
+                let res = mgr.create_session(
+                    &mut self.channel,
+                    &self.certificate_store,
+                    &self.identity,
+                    &request,
+                );
                 drop(mgr);
+                let event = SessionEvent::SessionCreated {
+                    session_id: res.as_ref().map_or_else(|_| NodeId::null(), |r| r.session_id.clone()),
+                    session_name: request.session_name.to_string(),
+                    revised_timeout: res.as_ref().map_or(0.0, |r| r.revised_session_timeout),
+                };
+                self.observe(event, res.as_ref().err().copied().unwrap_or(StatusCode::Good));
                 self.process_service_result(res, request.request_header.request_handle, id)
             }
 
@@ -350,6 +385,7 @@ impl SessionController {
                 let res = activate_session(
                     &self.session_manager,
                     &mut self.channel,
+                    &self.identity,
                     &request,
                     &mut self.message_handler,
                 )
@@ -359,10 +395,17 @@ impl SessionController {
                 if res.is_ok() {
                     self.transport.set_authenticated();
                 }
+                let event = SessionEvent::SessionActivated {
+                    session_id: self.session_of(&request.request_header.authentication_token).0,
+                    user_identity_token: request.user_identity_token.clone(),
+                };
+                self.observe(event, res.as_ref().err().copied().unwrap_or(StatusCode::Good));
                 self.process_service_result(res, request.request_header.request_handle, id)
             }
 
             RequestMessage::CloseSession(request) => {
+                let (session_id, user_token) =
+                    self.session_of(&request.request_header.authentication_token);
                 let res = close_session(
                     &self.session_manager,
                     &mut self.channel,
@@ -372,6 +415,8 @@ impl SessionController {
                 .instrument(span.clone())
                 .await;
                 let _h = span.enter();
+                let outcome = res.as_ref().err().copied().unwrap_or(StatusCode::Good);
+                self.observe(SessionEvent::SessionClosed { session_id, user_token }, outcome);
                 self.process_service_result(res, request.request_header.request_handle, id)
             }
             RequestMessage::GetEndpoints(request) => {
@@ -568,6 +613,31 @@ impl SessionController {
                 }
             }
         }
+    }
+
+    /// The session behind an authentication token, null where there is none, and its user.
+    fn session_of(&self, authentication_token: &NodeId) -> (NodeId, Option<UserToken>) {
+        let mgr = trace_read_lock!(self.session_manager);
+        match mgr.find_by_token(authentication_token) {
+            Some(session) => {
+                let session = trace_read_lock!(session);
+                (session.session_id().clone(), session.user_token().cloned())
+            }
+            None => (NodeId::null(), None),
+        }
+    }
+
+    fn observe(&self, event: SessionEvent, outcome: StatusCode) {
+        let Some(observer) = &self.info.session_observer else {
+            return;
+        };
+        let channel = ChannelDescription {
+            secure_channel_id: self.channel.secure_channel_id(),
+            security_policy: self.channel.security_policy(),
+            security_mode: self.channel.security_mode(),
+            client_certificate: self.channel.remote_cert(),
+        };
+        observer.observe(&channel, event, outcome);
     }
 
     fn process_service_result(

@@ -13,9 +13,9 @@ use parking_lot::RwLock;
 use tokio::sync::Notify;
 use tracing::{error, info};
 
-use crate::{identity_token::IdentityToken, info::ServerInfo};
+use crate::{identity_token::IdentityToken, info::ServerInfo, ServerIdentity};
 use opcua_types::{
-    ActivateSessionRequest, ActivateSessionResponse, CloseSessionRequest, CloseSessionResponse,
+    ActivateSessionRequest, ActivateSessionResponse, ByteString, CloseSessionRequest, CloseSessionResponse,
     CreateSessionRequest, CreateSessionResponse, Error, NodeId, ResponseHeader, SignatureData,
     StatusCode,
 };
@@ -65,6 +65,7 @@ impl SessionManager {
         &mut self,
         channel: &mut SecureChannel,
         certificate_store: &RwLock<CertificateStore>,
+        identity: &ServerIdentity,
         request: &CreateSessionRequest,
     ) -> Result<CreateSessionResponse, StatusCode> {
         if !self.info.endpoint_exists(
@@ -134,7 +135,7 @@ impl SessionManager {
             .min(request.requested_session_timeout.floor() as u64);
         let max_request_message_size = self.info.config.limits.max_message_size as u32;
 
-        let server_signature = if let Some(ref pkey) = self.info.server_pkey {
+        let server_signature = if let Some(ref pkey) = identity.private_key {
             opcua_crypto::create_signature_data(
                 pkey,
                 security_policy,
@@ -154,7 +155,10 @@ impl SessionManager {
 
         let authentication_token = NodeId::new(0, random::byte_string(32));
         let server_nonce = random::byte_string(self.info.config.session_nonce_length);
-        let server_certificate = self.info.server_certificate_as_byte_string();
+        let server_certificate = match &identity.certificate {
+            Some(certificate) => certificate.as_byte_string(),
+            None => ByteString::null(),
+        };
         let server_endpoints = Some(endpoints);
 
         let session = Session::create(
@@ -203,12 +207,12 @@ impl SessionManager {
 
     fn verify_client_signature(
         security_policy: SecurityPolicy,
-        info: &ServerInfo,
+        identity: &ServerIdentity,
         session: &Session,
         client_signature: &SignatureData,
     ) -> Result<(), Error> {
         if let Some(client_certificate) = session.client_certificate() {
-            if let Some(ref server_certificate) = info.server_certificate {
+            if let Some(ref server_certificate) = identity.certificate {
                 opcua_crypto::verify_signature_data(
                     client_signature,
                     security_policy,
@@ -334,6 +338,7 @@ pub(crate) async fn close_session(
 pub(crate) async fn activate_session(
     mgr_lck: &RwLock<SessionManager>,
     channel: &mut SecureChannel,
+    identity: &ServerIdentity,
     request: &ActivateSessionRequest,
     handler: &mut MessageHandler,
 ) -> Result<ActivateSessionResponse, StatusCode> {
@@ -366,7 +371,7 @@ pub(crate) async fn activate_session(
             if security_policy != SecurityPolicy::None {
                 SessionManager::verify_client_signature(
                     security_policy,
-                    &mgr.info,
+                    identity,
                     &session,
                     &request.client_signature,
                 )?;
@@ -378,6 +383,7 @@ pub(crate) async fn activate_session(
 
     let user_token = info
         .authenticate_endpoint(
+            identity,
             request,
             &endpoint_url,
             security_policy,
