@@ -116,11 +116,126 @@ impl Default for TwinLimits {
 }
 
 /// How clients find the twin.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiscoveryConfig {
-    /// Endpoint URL of a local discovery server to register with; none where absent.
+    /// Endpoint URL of a local discovery server to register with; none where absent. Its certificate needs an approval
+    /// like that of a client.
     pub local_discovery_server_url: Option<String>,
+    /// How often the twin registers, in seconds. Discovery servers forget what was silent for ten minutes.
+    pub registration_interval_s: u32,
     /// Whether the twin announces itself on the local network by multicast DNS (`_opcua-tcp._tcp`).
     pub announce_by_multicast_dns: bool,
+}
+
+impl Default for DiscoveryConfig {
+    fn default() -> Self {
+        Self { local_discovery_server_url: None, registration_interval_s: 300, announce_by_multicast_dns: false }
+    }
+}
+
+impl DiscoveryConfig {
+    /// [`Self::registration_interval_s`] as a duration.
+    #[must_use]
+    pub fn registration_interval(&self) -> Duration {
+        Duration::from_secs(self.registration_interval_s.into())
+    }
+}
+
+impl TwinConfig {
+    /// What no single key shows to be wrong: sentences that name the key, below `twin`, and the remedy.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        if let Some(url) = &self.discovery.local_discovery_server_url
+            && !is_endpoint_url(url)
+        {
+            faults.push(format!(
+                "discovery.local_discovery_server_url is {url:?}, but a discovery server is named like \
+                 opc.tcp://discovery.plant:4840"
+            ));
+        }
+        if !(1..=600).contains(&self.discovery.registration_interval_s) {
+            faults.push("discovery.registration_interval_s must lie between 1 and 600".to_owned());
+        }
+        if self.discovery.announce_by_multicast_dns && self.listen.is_ipv6() && !self.listen.ip().is_unspecified() {
+            faults.push(format!(
+                "discovery.announce_by_multicast_dns announces over IPv4, but listen is {}: listen on an IPv4 address \
+                 or on [::], or leave the announcement to a discovery server",
+                self.listen
+            ));
+        }
+        let SecurityConfig { certificate_renewal_days: renewal, certificate_validity_days: validity, .. } =
+            self.security;
+        if renewal >= validity {
+            faults.push(format!(
+                "security.certificate_renewal_days is {renewal}, but must be less than \
+                 security.certificate_validity_days, which is {validity}: a new certificate would be due at once"
+            ));
+        }
+        if self.security.login_failures_max == 0 || self.security.login_window_s == 0 {
+            faults.push("security.login_failures_max and security.login_window_s must be at least 1".to_owned());
+        }
+        let limits = &self.limits;
+        for (key, value) in [
+            ("sessions_max", limits.sessions_max),
+            ("connections_max", limits.connections_max),
+            ("connections_per_address_max", limits.connections_per_address_max),
+            ("monitored_items_per_subscription_max", limits.monitored_items_per_subscription_max),
+        ] {
+            if value == 0 {
+                faults.push(format!("limits.{key} is 0, so that nobody could use the twin; give at least 1"));
+            }
+        }
+        faults
+    }
+}
+
+fn is_endpoint_url(url: &str) -> bool {
+    let Some(rest) = url.strip_prefix("opc.tcp://") else { return false };
+    let authority = rest.split('/').next().unwrap_or_default();
+    let host = match authority.rsplit_once(':') {
+        Some((host, port)) if !authority.ends_with(']') => {
+            if port.parse::<u16>().is_err() {
+                return false;
+            }
+            host
+        }
+        _ => authority,
+    };
+    !host.is_empty() && !host.contains(char::is_whitespace)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn discovery_servers_are_named_by_endpoint_urls() {
+        for (url, expected) in [
+            ("opc.tcp://discovery.plant:4840", true),
+            ("opc.tcp://discovery.plant:4840/UADiscovery", true),
+            ("opc.tcp://[::1]:4840", true),
+            ("opc.tcp://[::1]", true),
+            ("opc.tcp://host", true),
+            ("opc.tcp://", false),
+            ("opc.tcp://:4840", false),
+            ("opc.tcp://host:port", false),
+            ("opc.tcp://two hosts", false),
+            ("http://discovery.plant:4840", false),
+        ] {
+            assert_eq!(is_endpoint_url(url), expected, "{url}");
+        }
+    }
+
+    #[test]
+    fn all_faults_are_named_at_once() {
+        let mut config = TwinConfig::default();
+        assert_eq!(config.faults(), [""; 0]);
+        config.discovery.local_discovery_server_url = Some("discovery".to_owned());
+        config.discovery.registration_interval_s = 0;
+        config.security.certificate_renewal_days = 4000;
+        config.limits.sessions_max = 0;
+        assert_eq!(config.faults().len(), 4, "{:?}", config.faults());
+    }
 }

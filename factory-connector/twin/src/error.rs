@@ -27,6 +27,12 @@ pub enum TwinError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The configuration contradicts itself.
+    #[error("the twin's configuration is wrong: {}", faults.join("; "))]
+    Faults {
+        /// Everything that is wrong.
+        faults: Vec<String>,
+    },
     /// The server's settings contradict each other.
     #[error("the OPC UA server does not accept its configuration: {reason}")]
     Configuration {

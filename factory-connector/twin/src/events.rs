@@ -1,5 +1,9 @@
 //! Events of the Server object: changes of the model, and an audit trail that standard tools can follow.
 
+mod security;
+
+pub(crate) use security::SessionAudit;
+
 use std::sync::Arc;
 
 use opcua_stack::opcua::{
@@ -134,17 +138,6 @@ impl EventReporter {
             })
             .collect();
         event.set_variant("Changes", changes.into());
-        self.send(&event);
-    }
-
-    /// AuditActivateSessionEventType (OPC 10000-5 §6.4.10): somebody signed in, or tried to.
-    pub fn report_sign_in(&self, user: &str, status: StatusCode) {
-        if !self.is_listened_to() {
-            return;
-        }
-        let message = if status.is_good() { "A user signed in." } else { "A user was not signed in." };
-        let mut event = self.audit(ObjectTypeId::AuditActivateSessionEventType, user, status, message.to_owned());
-        event.set("SourceName", "Session/ActivateSession");
         self.send(&event);
     }
 

@@ -47,6 +47,12 @@ impl TwinHandle {
         self.interfaces.remove_interface(operation_network_id)
     }
 
+    /// How many Activity Status Interfaces are shown.
+    #[must_use]
+    pub fn interfaces(&self) -> usize {
+        self.interfaces.count()
+    }
+
     /// Shows newly disclosed values, after the commit, in the order given. Values of fields that do not exist or are
     /// not mapped are ignored. Returns how many were shown.
     pub fn publish_values(&self, values: Vec<(FieldKey, DataValue)>) -> usize {

@@ -7,11 +7,13 @@
 //! - `host`: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
 //! - `asi`: the provider of the interfaces, which computes nodes from compact records.
 //! - `events`: model changes and the audit trail.
+//! - `discovery`: being found by clients.
 //! - `security`: own certificate, trust list, users and roles.
 
 mod access;
 mod asi;
 mod config;
+mod discovery;
 mod document;
 mod error;
 mod events;

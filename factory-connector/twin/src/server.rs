@@ -1,12 +1,13 @@
 //! The twin as a component: built from its configuration, run until shutdown.
 
 use std::{
-    net::TcpListener,
+    net::{SocketAddr, TcpListener},
     sync::{Arc, OnceLock},
     time::Duration,
 };
 
 use asi_model::{DateTime, FactoryId};
+use futures::future::maybe_done;
 use opcua_stack::{
     NamespaceTable, limits,
     opcua::{
@@ -25,11 +26,15 @@ use crate::{
     access::{Authenticator, FieldWriter},
     asi::{AsiProvider, AsiSurroundings, TypeProvider, model},
     config::TwinConfig,
+    discovery::Discovery,
     error::TwinError,
-    events::EventReporter,
+    events::{EventReporter, SessionAudit},
     handle::TwinHandle,
     host::{HostManager, NodeHost},
-    security::{certificate, connections::ConnectionLimits, login::Login, trust::TrustList, validation::Validator},
+    security::{
+        certificate, connections::ConnectionLimits, login::Login, renewal::Renewal, trust::TrustList,
+        validation::Validator,
+    },
 };
 
 /// How long closing the connections may take.
@@ -42,6 +47,8 @@ pub struct Twin {
     listener: TcpListener,
     url: Arc<str>,
     endpoint: watch::Sender<Option<Arc<str>>>,
+    discovery: Discovery,
+    renewal: Renewal,
 }
 
 impl Twin {
@@ -57,24 +64,32 @@ impl Twin {
         writer: Arc<dyn FieldWriter>,
         authenticator: Arc<dyn Authenticator>,
     ) -> Result<(Self, TwinHandle), TwinError> {
+        let faults = config.faults();
+        if !faults.is_empty() {
+            return Err(TwinError::Faults { faults });
+        }
         let application_uri = format!("urn:verbund:twin:{factory_id}");
         certificate::ensure(&config, &application_uri, DateTime::from(std::time::SystemTime::now()))?;
-        let (listener, port) = listen(&config)?;
+        let (listener, address) = listen(&config)?;
+        let port = address.port();
         let host_name = certificate::host_names(&config).swap_remove(0);
         let url: Arc<str> = format!("opc.tcp://{}:{port}/", bracketed(&host_name)).into();
 
         let events = Arc::new(OnceLock::new());
-        let login = Login::new(authenticator, &config.security, Arc::clone(&events));
+        let login = Login::new(authenticator, &config.security);
+        let validator = Arc::new(Validator::new(
+            &config.pki_directory,
+            config.security.trust_unknown_certificates,
+            Arc::clone(&events),
+        ));
         let host = Arc::new(OnceLock::new());
         let builder = configure(&config, &factory_id, &application_uri)
             .host(bracketed(&host_name))
             .port(port)
             .discovery_urls(vec![url.to_string()])
             .with_authenticator(Arc::new(login))
-            .with_certificate_validator(Arc::new(Validator::new(
-                &config.pki_directory,
-                config.security.trust_unknown_certificates,
-            )))
+            .with_certificate_validator(Arc::clone(&validator) as _)
+            .with_session_observer(Arc::new(SessionAudit { events: Arc::clone(&events) }))
             .with_connection_filter(Arc::new(ConnectionLimits::new(&config.limits)))
             .with_node_manager(HostBuilder(Arc::clone(&host)));
         let (server, handle) = builder.build().map_err(|reason| TwinError::Configuration { reason })?;
@@ -90,7 +105,9 @@ impl Twin {
         let (endpoint, receiver) = watch::channel(None);
         let trust_list = TrustList::new(&config.pki_directory);
         let twin_handle = TwinHandle::new(interfaces, Arc::clone(host), trust_list, receiver);
-        Ok((Self { server, handle, listener, url, endpoint }, twin_handle))
+        let discovery = Discovery::new(&config, address, &handle, validator);
+        let renewal = Renewal { config, application_uri, handle: handle.clone() };
+        Ok((Self { server, handle, listener, url, endpoint, discovery, renewal }, twin_handle))
     }
 
     /// Serves until `shutdown`; then tells clients and closes.
@@ -98,20 +115,24 @@ impl Twin {
     /// # Errors
     /// [`TwinError`] when the server fails.
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), TwinError> {
-        let Self { server, handle, listener, url, endpoint } = self;
+        let Self { server, handle, listener, url, endpoint, discovery, renewal } = self;
         let failed = |reason: String| TwinError::Server { reason };
         let listener = tokio::net::TcpListener::from_std(listener).map_err(|error| failed(error.to_string()))?;
         let serving = server.run_with(listener);
         tokio::pin!(serving);
         tracing::info!(endpoint.url = %url, "The twin listens.");
         endpoint.send_replace(Some(url));
+        let companions = maybe_done(async { tokio::join!(discovery.run(&shutdown), renewal.run(&shutdown)) });
+        tokio::pin!(companions);
         tokio::select! {
             ended = &mut serving => return ended.map_err(failed),
             () = shutdown.cancelled() => {}
+            () = companions.as_mut() => {}
         }
         handle.set_server_state(ServerState::Shutdown);
         handle.cancel();
-        match tokio::time::timeout(DRAIN_TIMEOUT, serving).await {
+        let ((), drained) = tokio::join!(companions, tokio::time::timeout(DRAIN_TIMEOUT, serving));
+        match drained {
             Ok(ended) => ended.map_err(failed),
             Err(_) => {
                 tracing::warn!("The twin closed without waiting longer for its clients.");
@@ -131,12 +152,12 @@ impl NodeManagerBuilder for HostBuilder {
     }
 }
 
-fn listen(config: &TwinConfig) -> Result<(TcpListener, u16), TwinError> {
+fn listen(config: &TwinConfig) -> Result<(TcpListener, SocketAddr), TwinError> {
     let failed = |source| TwinError::Listen { address: config.listen, source };
     let listener = TcpListener::bind(config.listen).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
-    let port = listener.local_addr().map_err(failed)?.port();
-    Ok((listener, port))
+    let address = listener.local_addr().map_err(failed)?;
+    Ok((listener, address))
 }
 
 /// An IPv6 address as URLs write it.

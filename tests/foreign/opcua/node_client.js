@@ -92,7 +92,7 @@ async function listen(session, count, itemToMonitor, parameters, convert) {
 
 const EVENT_FIELDS = [
   'EventType', 'SourceNode', 'SourceName', 'Message', 'Severity', 'ClientUserId', 'Status', 'OldValue', 'NewValue',
-  'Changes',
+  'Changes', 'SessionId', 'SecurityPolicyUri', 'StatusCodeId', 'ClientCertificateThumbprint',
 ];
 
 async function run(session, command, rest) {

@@ -35,6 +35,9 @@ const ATTRIBUTES_TOLD: [AttributeId; 9] = [
     AttributeId::UserAccessLevel,
 ];
 
+/// Most nodes whose subscribers are told under one lock.
+const TOLD_AT_ONCE_MAX: usize = 10_000;
+
 impl AsiProvider {
     /// Shows a document, as a new interface or in place of the one before.
     pub fn apply(&self, document: AsiDocument) -> Applied {
@@ -185,10 +188,14 @@ impl AsiProvider {
     /// Pushes values into the monitored items of these variables.
     fn notify(&self, values: &[(String, DataValue)]) {
         let now = StackTime::now();
-        let mut notifier = self.subscriptions.data_notifier();
-        for (identifier, value) in values {
-            if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), AttributeId::Value) {
-                items.data_value(DataValue { server_timestamp: Some(now), ..value.clone() });
+        // Each notifier holds a lock that publishing needs.
+        for chunk in values.chunks(TOLD_AT_ONCE_MAX) {
+            let mut notifier = self.subscriptions.data_notifier();
+            for (identifier, value) in chunk {
+                if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), AttributeId::Value)
+                {
+                    items.data_value(DataValue { server_timestamp: Some(now), ..value.clone() });
+                }
             }
         }
     }
@@ -199,18 +206,12 @@ impl AsiProvider {
             server_timestamp: Some(StackTime::now()),
             ..DataValue::default()
         };
-        {
-            let mut notifier = self.subscriptions.data_notifier();
-            let objects = difference.gone.iter().map(|identifier| (identifier, ATTRIBUTES_TOLD.as_slice()));
-            // Of a property only the value is worth monitoring.
-            let parts = difference.gone_parts.iter().map(|identifier| (identifier, &ATTRIBUTES_TOLD[..1]));
-            for (identifier, attributes) in objects.chain(parts) {
-                for &attribute in attributes {
-                    if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), attribute) {
-                        items.data_value(gone.clone());
-                    }
-                }
-            }
+        for objects in difference.gone.chunks(TOLD_AT_ONCE_MAX) {
+            self.tell_gone(objects, &ATTRIBUTES_TOLD, &gone);
+        }
+        // Of a property only the value is worth monitoring.
+        for parts in difference.gone_parts.chunks(TOLD_AT_ONCE_MAX) {
+            self.tell_gone(parts, &ATTRIBUTES_TOLD[..1], &gone);
         }
         self.notify(&difference.changed);
         let Some(new) = new else { return };
@@ -220,6 +221,17 @@ impl AsiProvider {
             .map(|id| (id, DataValue::new_now(new.message.revision.to_string())))
             .collect();
         self.notify(&versions);
+    }
+
+    fn tell_gone(&self, identifiers: &[String], attributes: &[AttributeId], gone: &DataValue) {
+        let mut notifier = self.subscriptions.data_notifier();
+        for identifier in identifiers {
+            for &attribute in attributes {
+                if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), attribute) {
+                    items.data_value(gone.clone());
+                }
+            }
+        }
     }
 
     fn tell_folder(&self) {

@@ -4,12 +4,17 @@ use std::{
     fs,
     net::IpAddr,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use asi_model::DateTime;
-use opcua_stack::opcua::crypto::{CertificateStore, PrivateKey, X509, X509Data, hostname};
+use opcua_stack::opcua::{
+    crypto::{CertificateStore, PrivateKey, X509, X509Data, hostname},
+    server::ServerIdentity,
+};
+use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
-use crate::{config::TwinConfig, error::TwinError};
+use crate::{config::TwinConfig, discovery::local_host_name, error::TwinError};
 
 /// Size of a new key; every policy we offer takes 2048 to 4096 bits.
 const KEY_BITS: u32 = 2048;
@@ -17,6 +22,9 @@ const KEY_BITS: u32 = 2048;
 pub(crate) const CERTIFICATE_FILE: &str = "own/cert.der";
 /// The key within the folder.
 pub(crate) const KEY_FILE: &str = "private/private.pem";
+
+/// The flaw of a certificate that is good for now.
+const EXPIRES_SOON: &str = "it expires soon";
 
 /// The names under which clients reach the twin, the advertised one first.
 pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
@@ -30,17 +38,66 @@ pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
     vec![hostname().ok().filter(|name| !name.is_empty()).unwrap_or_else(|| "localhost".to_owned())]
 }
 
-/// Makes sure that a usable certificate is there: for this application, these host names, and for long enough.
+/// The names that the certificate has to carry.
+fn certified_names(config: &TwinConfig) -> Vec<String> {
+    let mut names = host_names(config);
+    if config.discovery.announce_by_multicast_dns {
+        names.push(local_host_name());
+    }
+    names
+}
+
+/// Makes sure that a usable certificate is there: for this application, these host names, and for long enough. True
+/// where a new one was made.
 ///
 /// # Errors
 /// [`TwinError`] when the folder cannot be written or no certificate can be made.
-pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) -> Result<(), TwinError> {
+pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) -> Result<bool, TwinError> {
     let folder = &config.pki_directory;
     prepare_folders(folder)?;
-    let hosts = host_names(config);
-    let Some(flaw) = flaw(folder, config, application_uri, &hosts, now) else { return Ok(()) };
+    let hosts = certified_names(config);
+    let Some(flaw) = flaw(folder, config, application_uri, &hosts, now) else { return Ok(false) };
+    if flaw == EXPIRES_SOON && is_issued(folder) {
+        tracing::warn!(
+            path = %folder.join(CERTIFICATE_FILE).display(),
+            "The twin's certificate expires soon. An authority issued it, so the twin does not replace it: put a new \
+             one and its key in their place and restart."
+        );
+        return Ok(false);
+    }
     tracing::info!(reason = flaw, "The twin makes itself a new certificate; clients have to trust it anew.");
-    create(folder, config, application_uri, &hosts)
+    create(folder, config, application_uri, &hosts)?;
+    Ok(true)
+}
+
+/// The certificate and key that are there, as a pair.
+///
+/// # Errors
+/// [`TwinError::Certificate`] when one of them cannot be read.
+pub(crate) fn load(config: &TwinConfig) -> Result<ServerIdentity, TwinError> {
+    let failed = |reason: String| TwinError::Certificate { reason };
+    let certificate = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE)).map_err(failed)?;
+    let private_key = CertificateStore::read_pkey(&config.pki_directory.join(KEY_FILE)).map_err(failed)?;
+    Ok(ServerIdentity { certificate: Some(certificate), private_key: Some(private_key) })
+}
+
+/// When the certificate that is there has to be renewed, from now; zero where it is time.
+pub(crate) fn due_in(config: &TwinConfig, now: DateTime) -> Duration {
+    let seconds = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE))
+        .map_or(0, |certificate| seconds_left(&certificate, config, now));
+    Duration::from_secs(u64::try_from(seconds).unwrap_or(0))
+}
+
+/// From now until the certificate is to be renewed, in seconds.
+fn seconds_left(certificate: &X509, config: &TwinConfig, now: DateTime) -> i64 {
+    let until_end = certificate.not_after().map_or(0, |end| end.timestamp() - now.unix_micros().div_euclid(1_000_000));
+    until_end - i64::from(config.security.certificate_renewal_days) * 86_400
+}
+
+/// Whether an authority issued the certificate that is there, rather than the twin itself.
+fn is_issued(folder: &Path) -> bool {
+    let der = fs::read(folder.join(CERTIFICATE_FILE)).unwrap_or_default();
+    X509Certificate::from_der(&der).is_ok_and(|(_, certificate)| certificate.issuer() != certificate.subject())
 }
 
 fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
@@ -84,9 +141,7 @@ fn flaw(
     if hosts.iter().any(|host| certificate.is_hostname_valid(host).is_err()) {
         return Some("it lacks a configured host name");
     }
-    let seconds_left =
-        certificate.not_after().map_or(0, |end| end.timestamp() - now.unix_micros().div_euclid(1_000_000));
-    (seconds_left < i64::from(config.security.certificate_renewal_days) * 86_400).then_some("it expires soon")
+    (seconds_left(&certificate, config, now) <= 0).then_some(EXPIRES_SOON)
 }
 
 fn is_pair(certificate: &X509, key: &PrivateKey) -> bool {
@@ -146,7 +201,7 @@ mod tests {
         let years_later = DateTime::from_ticks(now.ticks() + 5 * 365 * 86_400 * 10_000_000);
         assert_eq!(
             flaw(folder.path(), &config, "urn:verbund:twin:F", &host_names(&config), years_later),
-            Some("it expires soon")
+            Some(EXPIRES_SOON)
         );
         config.host_names.push("press2.plant".to_owned());
         ensure(&config, "urn:verbund:twin:F", now).unwrap();

@@ -19,7 +19,6 @@ use super::throttle::Throttle;
 use crate::{
     access::{Authenticator, Role, TwinUser},
     config::SecurityConfig,
-    events::EventReporter,
 };
 
 /// How long checking a password may take.
@@ -48,38 +47,27 @@ pub(crate) struct Login {
     authenticator: Arc<dyn Authenticator>,
     throttle: Mutex<Throttle>,
     allow_anonymous: bool,
-    /// Known once the server is built.
-    events: Arc<std::sync::OnceLock<Arc<EventReporter>>>,
 }
 
 impl Login {
-    pub fn new(
-        authenticator: Arc<dyn Authenticator>,
-        config: &SecurityConfig,
-        events: Arc<std::sync::OnceLock<Arc<EventReporter>>>,
-    ) -> Self {
+    pub fn new(authenticator: Arc<dyn Authenticator>, config: &SecurityConfig) -> Self {
         Self {
             authenticator,
             throttle: Mutex::new(Throttle::new(config.login_failures_max, config.login_window())),
             allow_anonymous: config.allow_anonymous_unencrypted,
-            events,
         }
     }
 
-    fn report(&self, user: &str, status: StatusCode) {
-        metrics::counter!("twin_sign_ins_total", "outcome" => if status.is_good() { "accepted" } else { "refused" })
-            .increment(1);
-        if let Some(events) = self.events.get() {
-            events.report_sign_in(user, status);
-        }
-    }
-
-    fn refuse(&self, user: &str, why: &'static str) -> Error {
+    fn refuse(user: &str, why: &'static str) -> Error {
         tracing::warn!(user.name = user, reason = why, "The twin refused a sign-in.");
-        self.report(user, StatusCode::BadIdentityTokenRejected);
+        count("refused");
         // Nobody learns whether the name or the password was wrong, or that attempts are throttled.
         Error::new(StatusCode::BadIdentityTokenRejected, "the user name or password is wrong")
     }
+}
+
+fn count(outcome: &'static str) {
+    metrics::counter!("twin_sign_ins_total", "outcome" => outcome).increment(1);
 }
 
 fn is_encrypted(endpoint: &ServerEndpoint) -> bool {
@@ -92,7 +80,7 @@ impl AuthManager for Login {
         if self.allow_anonymous && !is_encrypted(endpoint) {
             return Ok(());
         }
-        self.report(ANONYMOUS, StatusCode::BadIdentityTokenRejected);
+        count("refused");
         Err(Error::new(StatusCode::BadIdentityTokenRejected, "sign in with a user name and password"))
     }
 
@@ -103,24 +91,24 @@ impl AuthManager for Login {
         password: &Password,
     ) -> Result<UserToken, Error> {
         if username.len() > CREDENTIAL_BYTES_MAX || password.get().len() > CREDENTIAL_BYTES_MAX {
-            return Err(self.refuse("", "the credentials are too long"));
+            return Err(Self::refuse("", "the credentials are too long"));
         }
         if !self.throttle.lock().may_try(username, Instant::now()) {
-            return Err(self.refuse(username, "too many wrong attempts"));
+            return Err(Self::refuse(username, "too many wrong attempts"));
         }
         let authentication = self.authenticator.authenticate(username, password.get());
         match tokio::time::timeout(AUTHENTICATION_TIMEOUT, authentication).await {
             Ok(Some(role)) => {
                 self.throttle.lock().succeeded(username);
-                self.report(username, StatusCode::Good);
+                count("accepted");
                 tracing::info!(user.name = username, %role, "A user signed in to the twin.");
                 Ok(token_of(username, role))
             }
             Ok(None) => {
                 self.throttle.lock().failed(username, Instant::now());
-                Err(self.refuse(username, "the user name or password is wrong"))
+                Err(Self::refuse(username, "the user name or password is wrong"))
             }
-            Err(_) => Err(self.refuse(username, "checking the password took too long")),
+            Err(_) => Err(Self::refuse(username, "checking the password took too long")),
         }
     }
 

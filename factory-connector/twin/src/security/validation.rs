@@ -7,6 +7,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
+    sync::{Arc, OnceLock},
 };
 
 use opcua_stack::opcua::{
@@ -17,6 +18,8 @@ use opcua_stack::opcua::{
 use x509_parser::{
     certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
 };
+
+use crate::events::EventReporter;
 
 /// Most authorities between a client's certificate and a trusted one.
 const CHAIN_LENGTH_MAX: usize = 5;
@@ -50,11 +53,13 @@ pub(crate) enum Verdict {
 pub(crate) struct Validator {
     folder: PathBuf,
     trust_unknown: bool,
+    /// Known once the server is built.
+    events: Arc<OnceLock<Arc<EventReporter>>>,
 }
 
 impl Validator {
-    pub fn new(folder: &Path, trust_unknown: bool) -> Self {
-        Self { folder: folder.to_owned(), trust_unknown }
+    pub fn new(folder: &Path, trust_unknown: bool, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
+        Self { folder: folder.to_owned(), trust_unknown, events }
     }
 
     /// Whether the bearer may come in now.
@@ -132,9 +137,12 @@ impl CertificateValidator for Validator {
                 certificate.subject = certificate.subject_name(),
                 certificate.thumbprint = certificate.thumbprint().as_hex_string(),
                 reason = %verdict,
-                "The twin turned a client's certificate away."
+                "The twin turned a certificate away."
             );
             metrics::counter!("twin_certificates_refused_total").increment(1);
+            if let Some(events) = self.events.get() {
+                events.report_certificate(certificate, verdict);
+            }
             // Part 4 §6.1.3: what exactly is wrong is for the server's side only.
             Error::new(StatusCode::BadSecurityChecksFailed, "the certificate is not trusted")
         })

@@ -7,6 +7,7 @@ use std::{
 };
 
 use asi_model::DataValue;
+use opcua_stack::opcua::crypto::SecurityPolicy;
 use serde_json::{Value, json};
 use tokio::{
     io::{AsyncBufReadExt, AsyncReadExt, BufReader},
@@ -28,12 +29,12 @@ enum Peer {
     NodeOpcua,
 }
 
-fn repository() -> PathBuf {
+pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
 /// Installs the peers once; prints nothing and is quick when they are there.
-async fn installed() {
+pub async fn installed() {
     static INSTALLED: OnceCell<()> = OnceCell::const_new();
     INSTALLED
         .get_or_init(|| async {
@@ -194,6 +195,38 @@ async fn works_with(peer: Peer) {
         .await;
     assert_eq!(audited["events"][0]["ClientUserId"], "otto", "{audited}");
     assert_eq!(audited["events"][0]["Status"], true, "{audited}");
+
+    let sessions = viewer
+        .listen(&["events", "4", "AuditSessionEvent"], async || {
+            twin.client("otto").await.close().await;
+            assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
+        })
+        .await;
+    let events = sessions["events"].as_array().unwrap_or_else(|| panic!("{sessions}"));
+    let told: Vec<[&Value; 3]> = events.iter().map(|e| [&e["SourceName"], &e["ClientUserId"], &e["Status"]]).collect();
+    let (create, activate, close) = ("Session/CreateSession", "Session/ActivateSession", "Session/CloseSession");
+    let expected = [
+        (create, "System/CreateSession", true),
+        (activate, "otto", true),
+        (close, "otto", true),
+        (create, "System/CreateSession", true),
+    ];
+    for (told, (source, user, status)) in told.iter().zip(expected) {
+        assert_eq!(told, &[&json!(source), &json!(user), &json!(status)], "{peer:?}: {sessions}");
+    }
+    let refused = viewer
+        .listen(&["events", "1", "AuditActivateSessionEvent"], async || {
+            assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
+        })
+        .await;
+    assert_eq!(refused["events"][0]["ClientUserId"], "otto", "{refused}");
+    assert_eq!(refused["events"][0]["Status"], false, "{refused}");
+    let channel = viewer
+        .listen(&["events", "1", "AuditOpenSecureChannelEvent"], async || {
+            twin.client("otto").await.close().await;
+        })
+        .await;
+    assert_eq!(channel["events"][0]["Status"], true, "{channel}");
     twin.stop().await;
 }
 

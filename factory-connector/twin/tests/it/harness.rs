@@ -110,6 +110,11 @@ impl TestTwin {
     }
 
     pub async fn start_with(adjust: impl FnOnce(&mut TwinConfig)) -> Self {
+        Self::start_of("FOR_MUC", adjust).await
+    }
+
+    /// The twin of another factory than the usual one.
+    pub async fn start_of(factory: &str, adjust: impl FnOnce(&mut TwinConfig)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut config = TwinConfig {
             listen: "127.0.0.1:0".parse().unwrap(),
@@ -119,7 +124,7 @@ impl TestTwin {
         };
         adjust(&mut config);
         let connector = Arc::new(Connector::default());
-        let factory = FactoryId::new("FOR_MUC").unwrap();
+        let factory = FactoryId::new(factory).unwrap();
         let writer: Arc<dyn FieldWriter> = Arc::clone(&connector) as _;
         let (twin, handle) = Twin::new(factory, config, writer, Arc::new(Users)).unwrap();
         connector.handle.get_or_init(|| handle.clone());

@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use opcua_stack::opcua::types::StatusCode;
+use futures::future::join_all;
+use opcua_stack::opcua::{client::IdentityToken, crypto::SecurityPolicy, types::StatusCode};
 use rand::{Rng, RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tokio::{
@@ -18,7 +19,7 @@ fn address(twin: &TestTwin) -> String {
 }
 
 /// A Hello as a client begins with, for this endpoint.
-fn hello(url: &str, buffer_size: u32) -> Vec<u8> {
+pub fn hello(url: &str, buffer_size: u32) -> Vec<u8> {
     let mut body = Vec::new();
     for number in [0, buffer_size, buffer_size, 0, 0] {
         body.extend(number.to_le_bytes());
@@ -58,9 +59,16 @@ fn open_channel() -> Vec<u8> {
     framed(b"OPNF", &body)
 }
 
-fn framed(kind: &[u8; 4], body: &[u8]) -> Vec<u8> {
+pub fn framed(kind: &[u8; 4], body: &[u8]) -> Vec<u8> {
     let length = u32::try_from(body.len() + 8).unwrap();
     [kind.as_slice(), &length.to_le_bytes(), body].concat()
+}
+
+/// Sends bytes on a connection of their own and waits for its end.
+pub async fn send(twin: &TestTwin, bytes: &[u8]) {
+    let mut stream = TcpStream::connect(address(twin)).await.unwrap();
+    stream.write_all(bytes).await.unwrap();
+    drain(&mut stream, DEADLINE).await;
 }
 
 /// One frame of the server.
@@ -182,6 +190,48 @@ async fn sessions_that_nobody_activates_lock_nobody_out() {
         client.close().await;
     }
     twin.client("anna").await.close().await;
+    twin.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
+    const CROWD: usize = 1000;
+    const AT_ONCE: usize = 50;
+    const ROOM: usize = 20;
+    let twin = TestTwin::start_with(|config| {
+        config.security.trust_unknown_certificates = true;
+        config.security.allow_anonymous_unencrypted = true;
+        config.limits.sessions_max = ROOM;
+        roomy(&mut config.limits);
+    })
+    .await;
+    twin.handle.apply(document(message("net", 1)));
+    let client = twin.client("vera").await;
+    let pki = twin.folder.path().join("crowd");
+    let connect = || Client::connect(&twin.url, pki.clone(), IdentityToken::Anonymous, SecurityPolicy::None);
+    let (mut inside, mut refused) = (vec![connect().await.unwrap()], 0);
+    for _ in 0..CROWD / AT_ONCE {
+        for outcome in join_all((0..AT_ONCE).map(|_| connect())).await {
+            match outcome {
+                Ok(one) => inside.push(one),
+                Err(status) => {
+                    // No room, or somebody else took it between creating and activating.
+                    let is_expected = [StatusCode::BadTooManySessions, StatusCode::BadSessionIdInvalid];
+                    assert!(is_expected.contains(&status), "{status}");
+                    refused += 1;
+                }
+            }
+        }
+        assert_served(&client).await;
+    }
+    assert_eq!(inside.len(), ROOM - 1, "they fill the room and no more");
+    assert_eq!(refused, CROWD + 1 - inside.len());
+    for one in inside {
+        assert_served(&one).await;
+        one.close().await;
+    }
+    twin.client("otto").await.close().await;
+    client.close().await;
     twin.stop().await;
 }
 

@@ -4,7 +4,9 @@
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown when a test fails or is run with --nocapture")]
 
 mod address_space;
+mod audit;
 mod changes;
+mod discovery;
 mod foreign;
 mod harness;
 mod hostile;

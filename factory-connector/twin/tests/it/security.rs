@@ -3,7 +3,7 @@
 use opcua_stack::opcua::{
     client::IdentityToken,
     crypto::SecurityPolicy,
-    types::{ObjectId, StatusCode},
+    types::{ObjectId, StatusCode, UserTokenType},
 };
 use twin::CertificateState;
 
@@ -19,6 +19,29 @@ async fn every_offered_policy_works() {
         assert!(!client.children(ObjectId::ObjectsFolder).await.is_empty(), "{policy}");
         client.close().await;
     }
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn neither_deprecated_nor_missing_security_is_offered() {
+    let twin = TestTwin::start().await;
+    let client = twin.client("vera").await;
+    let builder = opcua_stack::opcua::client::ClientBuilder::new()
+        .application_name("test client")
+        .application_uri("urn:verbund:test:client")
+        .pki_dir(twin.folder.path().join("client-vera"));
+    let endpoints = builder.client().unwrap().get_server_endpoints_from_url(twin.url.as_ref()).await.unwrap();
+    assert_eq!(endpoints.len(), 6, "three policies, each signed and encrypted");
+    for endpoint in endpoints {
+        let policy = SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
+        assert!(policy != SecurityPolicy::None && !policy.is_deprecated(), "{policy}");
+        let tokens = endpoint.user_identity_tokens.unwrap_or_default();
+        assert!(tokens.iter().all(|token| token.token_type == UserTokenType::UserName), "{policy}: {tokens:?}");
+    }
+    for policy in [SecurityPolicy::Basic128Rsa15, SecurityPolicy::Basic256, SecurityPolicy::None] {
+        assert!(twin.connect("vera", "vera-secret", policy).await.is_err(), "{policy}");
+    }
+    client.close().await;
     twin.stop().await;
 }
 

@@ -1,0 +1,55 @@
+//! How clients find the twin: at a local discovery server, and by multicast DNS.
+
+mod announcement;
+mod dns;
+mod registration;
+mod zone;
+
+use std::{net::SocketAddr, sync::Arc};
+
+use opcua_stack::opcua::{server::ServerHandle, types::RegisteredServer};
+use tokio_util::sync::CancellationToken;
+
+pub(crate) use announcement::local_host_name;
+
+use self::{announcement::Announcement, registration::Registration};
+use crate::{config::TwinConfig, security::validation::Validator};
+
+/// Both ways of being found, each where it is configured.
+pub(crate) struct Discovery {
+    registration: Option<Registration>,
+    announcement: Option<Announcement>,
+}
+
+impl Discovery {
+    /// `address` is where the twin really listens.
+    pub fn new(config: &TwinConfig, address: SocketAddr, handle: &ServerHandle, validator: Arc<Validator>) -> Self {
+        // The server does not run yet, but will when this is sent.
+        let server = RegisteredServer { is_online: true, ..handle.info().registered_server() };
+        let name = server.server_names.iter().flatten().next().map(|name| name.text.to_string()).unwrap_or_default();
+        let announcement = config.discovery.announce_by_multicast_dns.then(|| Announcement { name, address });
+        let registration = config.discovery.local_discovery_server_url.clone().map(|url| Registration {
+            url,
+            interval: config.discovery.registration_interval(),
+            pki_directory: config.pki_directory.clone(),
+            validator,
+            server,
+        });
+        Self { registration, announcement }
+    }
+
+    /// Goes on until `shutdown`, then takes leave, within a few seconds.
+    pub async fn run(self, shutdown: &CancellationToken) {
+        let registration = async {
+            if let Some(registration) = self.registration {
+                registration.run(shutdown).await;
+            }
+        };
+        let announcement = async {
+            if let Some(announcement) = self.announcement {
+                announcement.run(shutdown).await;
+            }
+        };
+        tokio::join!(registration, announcement);
+    }
+}

@@ -1,0 +1,168 @@
+//! The part of the audit trail that says who came, and who was turned away: secure channels, sessions, certificates.
+
+use std::sync::{Arc, OnceLock};
+
+use opcua_stack::opcua::{
+    crypto::X509,
+    server::{ChannelDescription, SessionEvent, SessionObserver},
+    types::{
+        ByteString, ExtensionObject, NodeId, ObjectTypeId, SecurityTokenRequestType, StatusCode, UAString,
+        UserNameIdentityToken, Variant,
+    },
+};
+
+use super::{EventReporter, ServerEvent};
+use crate::security::{login::user_of, validation::Verdict};
+
+/// Longest name of a user or session in an event, in bytes: anybody may send any.
+const NAME_BYTES_MAX: usize = 256;
+
+/// What OPC 10000-4 §6.5.3 asks for in place of a user where there is none yet.
+mod system {
+    pub const OPEN_SECURE_CHANNEL: &str = "System/OpenSecureChannel";
+    pub const CREATE_SESSION: &str = "System/CreateSession";
+}
+
+/// Tells the Server object's subscribers about channels and sessions.
+pub(crate) struct SessionAudit {
+    /// Known once the server is built.
+    pub events: Arc<OnceLock<Arc<EventReporter>>>,
+}
+
+impl SessionObserver for SessionAudit {
+    fn observe(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode) {
+        if let Some(events) = self.events.get().filter(|events| events.is_listened_to()) {
+            events.send(&events.session_event(channel, event, outcome));
+        }
+    }
+}
+
+impl EventReporter {
+    fn session_event(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode) -> ServerEvent {
+        match event {
+            SessionEvent::ChannelOpened { request_type, requested_lifetime } => {
+                self.channel_opened(channel, request_type, requested_lifetime, outcome)
+            }
+            SessionEvent::SessionCreated { session_id, session_name, revised_timeout } => {
+                let message = format!("The session {} was asked for.", shortened(&session_name));
+                let event_type = ObjectTypeId::AuditCreateSessionEventType;
+                let mut event = self.audit(event_type, system::CREATE_SESSION, outcome, message);
+                event.set("SourceName", "Session/CreateSession");
+                event.set("SessionId", session_id);
+                set_channel(&mut event, channel);
+                event.set("RevisedSessionTimeout", revised_timeout);
+                event
+            }
+            SessionEvent::SessionActivated { session_id, user_identity_token } => {
+                self.session_activated(channel, session_id, &user_identity_token, outcome)
+            }
+            SessionEvent::SessionClosed { session_id, user_token } => {
+                let user = user_token.map(|token| user_of(&token).name);
+                let user = user.as_deref().unwrap_or_default();
+                let message = "A client closed its session.".to_owned();
+                let mut event = self.audit(ObjectTypeId::AuditSessionEventType, user, outcome, message);
+                event.set("SourceName", "Session/CloseSession");
+                event.set("SessionId", session_id);
+                event
+            }
+        }
+    }
+
+    /// AuditOpenSecureChannelEventType (OPC 10000-5 §6.4.6).
+    fn channel_opened(
+        &self,
+        channel: &ChannelDescription,
+        request_type: Option<SecurityTokenRequestType>,
+        requested_lifetime: u32,
+        outcome: StatusCode,
+    ) -> ServerEvent {
+        let message = match (outcome.is_good(), request_type) {
+            (false, _) => "A secure channel was not opened.",
+            (true, Some(SecurityTokenRequestType::Renew)) => "A secure channel was renewed.",
+            (true, _) => "A secure channel was opened.",
+        };
+        let event_type = ObjectTypeId::AuditOpenSecureChannelEventType;
+        let mut event = self.audit(event_type, system::OPEN_SECURE_CHANNEL, outcome, message.to_owned());
+        event.set("SourceName", "SecureChannel/OpenSecureChannel");
+        set_channel(&mut event, channel);
+        event.set("RequestType", request_type.unwrap_or(SecurityTokenRequestType::Issue) as i32);
+        event.set("SecurityPolicyUri", channel.security_policy.to_uri());
+        event.set("SecurityMode", channel.security_mode as i32);
+        event.set("RequestedLifetime", f64::from(requested_lifetime));
+        event
+    }
+
+    /// AuditActivateSessionEventType (OPC 10000-5 §6.4.10): somebody signed in, or tried to.
+    fn session_activated(
+        &self,
+        channel: &ChannelDescription,
+        session_id: NodeId,
+        token: &ExtensionObject,
+        outcome: StatusCode,
+    ) -> ServerEvent {
+        // The token without its secret.
+        let shown = token.inner_as::<UserNameIdentityToken>().map(|token| UserNameIdentityToken {
+            policy_id: token.policy_id.clone(),
+            user_name: shortened(token.user_name.as_ref()).into(),
+            password: ByteString::null(),
+            encryption_algorithm: token.encryption_algorithm.clone(),
+        });
+        let user = shown.as_ref().map_or("anonymous", |token| token.user_name.as_ref()).to_owned();
+        let message = if outcome.is_good() { "A user signed in." } else { "A user was not signed in." };
+        let event_type = ObjectTypeId::AuditActivateSessionEventType;
+        let mut event = self.audit(event_type, &user, outcome, message.to_owned());
+        event.set("SourceName", "Session/ActivateSession");
+        event.set("SessionId", session_id);
+        event.set("SecureChannelId", channel.secure_channel_id.to_string());
+        event.set_variant(
+            "UserIdentityToken",
+            Variant::from(shown.map_or_else(ExtensionObject::null, ExtensionObject::from_message)),
+        );
+        event
+    }
+
+    /// AuditCertificateEventType (OPC 10000-5 §6.4.12) and its subtypes: a certificate was not accepted.
+    pub fn report_certificate(&self, certificate: &X509, verdict: Verdict) {
+        if !self.is_listened_to() {
+            return;
+        }
+        let (event_type, status) = match verdict {
+            Verdict::Unreadable => (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificateInvalid),
+            Verdict::Rejected | Verdict::Unknown => {
+                (ObjectTypeId::AuditCertificateUntrustedEventType, StatusCode::BadCertificateUntrusted)
+            }
+            Verdict::OutOfTime => {
+                (ObjectTypeId::AuditCertificateExpiredEventType, StatusCode::BadCertificateTimeInvalid)
+            }
+            Verdict::Revoked => (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevoked),
+            Verdict::RevocationUnknown => {
+                (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevocationUnknown)
+            }
+            Verdict::Usage => {
+                (ObjectTypeId::AuditCertificateMismatchEventType, StatusCode::BadCertificateUseNotAllowed)
+            }
+            Verdict::KeyLength => {
+                (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificatePolicyCheckFailed)
+            }
+        };
+        let message = format!("A client's certificate was not accepted: {verdict}.");
+        let mut event = self.audit(event_type, system::CREATE_SESSION, status, message);
+        event.set("SourceName", "Security/Certificate");
+        event.set("Certificate", certificate.as_byte_string());
+        self.send(&event);
+    }
+}
+
+/// The fields that AuditOpenSecureChannelEventType and AuditCreateSessionEventType share.
+fn set_channel(event: &mut ServerEvent, channel: &ChannelDescription) {
+    let certificate = channel.client_certificate.as_ref();
+    event.set("SecureChannelId", channel.secure_channel_id.to_string());
+    event.set("ClientCertificate", certificate.map_or_else(ByteString::null, X509::as_byte_string));
+    let thumbprint = certificate.map(|certificate| certificate.thumbprint().as_hex_string());
+    event.set("ClientCertificateThumbprint", thumbprint.map_or_else(UAString::null, UAString::from));
+}
+
+fn shortened(text: &str) -> &str {
+    let end = (0..=NAME_BYTES_MAX.min(text.len())).rev().find(|at| text.is_char_boundary(*at));
+    &text[..end.unwrap_or(0)]
+}

@@ -1,0 +1,159 @@
+//! The audit trail of who came and who was turned away, as the Server object's subscribers hear it; and the renewal of
+//! the certificate under running sessions.
+
+use std::time::{Duration, SystemTime};
+
+use opcua_stack::opcua::{
+    client::IdentityToken,
+    crypto::{PrivateKey, SecurityPolicy},
+    types::{NodeId, ObjectTypeId, StatusCode, Variant},
+};
+use tokio::{sync::mpsc::UnboundedReceiver, time::Instant};
+
+use crate::{
+    changes::events,
+    harness::{Client, DEADLINE, TestTwin, document, message, next},
+};
+
+const FIELDS: [&str; 7] = ["EventType", "SourceName", "ClientUserId", "Status", "StatusCodeId", "SessionId", "Message"];
+
+/// The next event of a type; what else happens meanwhile is passed over.
+async fn next_of(heard: &mut UnboundedReceiver<Vec<Variant>>, of: ObjectTypeId) -> Vec<Variant> {
+    loop {
+        let event = next(heard).await;
+        if event[0] == NodeId::from(of).into() {
+            return event;
+        }
+    }
+}
+
+#[tokio::test]
+async fn coming_and_going_is_audited() {
+    let twin = TestTwin::start().await;
+    let client = twin.client("anna").await;
+    let mut heard = events(&client, ObjectTypeId::AuditEventType, &FIELDS).await;
+
+    twin.client("otto").await.close().await;
+    let opened = next_of(&mut heard, ObjectTypeId::AuditOpenSecureChannelEventType).await;
+    assert_eq!((&opened[1], &opened[3]), (&"SecureChannel/OpenSecureChannel".into(), &true.into()));
+    let created = next_of(&mut heard, ObjectTypeId::AuditCreateSessionEventType).await;
+    assert_eq!((&created[2], &created[3]), (&"System/CreateSession".into(), &true.into()));
+    let activated = next_of(&mut heard, ObjectTypeId::AuditActivateSessionEventType).await;
+    assert_eq!((&activated[2], &activated[3]), (&"otto".into(), &true.into()));
+    assert_eq!(activated[5], created[5], "both name the session");
+    let closed = next_of(&mut heard, ObjectTypeId::AuditSessionEventType).await;
+    assert_eq!((&closed[1], &closed[2]), (&"Session/CloseSession".into(), &"otto".into()));
+    assert_eq!(closed[5], created[5]);
+
+    assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
+    let refused = next_of(&mut heard, ObjectTypeId::AuditActivateSessionEventType).await;
+    assert_eq!((&refused[2], &refused[3]), (&"otto".into(), &false.into()));
+    assert_eq!(refused[4], StatusCode::BadIdentityTokenRejected.into());
+    client.close().await;
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn who_is_turned_away_is_audited() {
+    let twin = TestTwin::start_with(|_| {}).await;
+    assert!(twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.is_err());
+    let list = twin.handle.trust_list();
+    list.trust(&list.list().unwrap()[0].thumbprint).unwrap();
+    let client = twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.unwrap();
+    let mut heard = events(&client, ObjectTypeId::AuditSecurityEventType, &FIELDS).await;
+
+    // Every user of these tests has a certificate of its own.
+    assert!(twin.connect("otto", "otto-secret", SecurityPolicy::Basic256Sha256).await.is_err());
+    let certificate = next_of(&mut heard, ObjectTypeId::AuditCertificateUntrustedEventType).await;
+    assert_eq!(certificate[4], StatusCode::BadCertificateUntrusted.into());
+    let refused = next_of(&mut heard, ObjectTypeId::AuditCreateSessionEventType).await;
+    assert_eq!((&refused[3], &refused[4]), (&false.into(), &StatusCode::BadSecurityChecksFailed.into()));
+
+    // Encrypted for another certificate, a channel does not open.
+    let mut bytes = crate::hostile::hello(&twin.url, 65_535);
+    bytes.extend(crate::hostile::framed(b"OPNF", &[0xFF; 64]));
+    crate::hostile::send(&twin, &bytes).await;
+    loop {
+        let channel = next_of(&mut heard, ObjectTypeId::AuditOpenSecureChannelEventType).await;
+        if channel[3] == false.into() {
+            break;
+        }
+    }
+    client.close().await;
+    twin.stop().await;
+}
+
+/// Puts a certificate for the twin where it looks for its own, that is due to be renewed in some seconds.
+fn put_old_certificate(pki: &std::path::Path, seconds_left: i64, renewal_days: u32) {
+    let key = rcgen::KeyPair::try_from(PrivateKey::new(2048).unwrap().to_der().unwrap().as_bytes()).unwrap();
+    let mut params = rcgen::CertificateParams::new(Vec::new()).unwrap();
+    params.subject_alt_names = vec![
+        rcgen::SanType::URI("urn:verbund:twin:FOR_MUC".try_into().unwrap()),
+        rcgen::SanType::IpAddress("127.0.0.1".parse().unwrap()),
+    ];
+    params.key_usages = vec![
+        rcgen::KeyUsagePurpose::DigitalSignature,
+        rcgen::KeyUsagePurpose::KeyEncipherment,
+        rcgen::KeyUsagePurpose::DataEncipherment,
+        rcgen::KeyUsagePurpose::ContentCommitment,
+    ];
+    let now = time::OffsetDateTime::from(SystemTime::now());
+    params.not_before = now - time::Duration::days(1);
+    params.not_after = now + time::Duration::days(renewal_days.into()) + time::Duration::seconds(seconds_left);
+    let certificate = params.self_signed(&key).unwrap();
+    for name in ["own", "private"] {
+        std::fs::create_dir_all(pki.join(name)).unwrap();
+    }
+    std::fs::write(pki.join("own/cert.der"), certificate.der()).unwrap();
+    std::fs::write(pki.join("private/private.pem"), key.serialize_pem()).unwrap();
+}
+
+#[tokio::test]
+async fn the_certificate_is_renewed_under_running_sessions() {
+    let mut old = Vec::new();
+    let twin = TestTwin::start_with(|config| {
+        config.security.trust_unknown_certificates = true;
+        put_old_certificate(&config.pki_directory, 6, config.security.certificate_renewal_days);
+        old = std::fs::read(config.pki_directory.join("own/cert.der")).unwrap();
+    })
+    .await;
+    let own = twin.folder.path().join("pki/own/cert.der");
+    assert_eq!(std::fs::read(&own).unwrap(), old, "it is good enough at the start");
+    twin.handle.apply(document(message("net", 1)));
+    let before = twin.client("vera").await;
+    assert_eq!(shown(&before), old);
+    let deadline = Instant::now() + 2 * DEADLINE;
+    loop {
+        assert!(Instant::now() < deadline, "it is renewed in time");
+        // The session goes on, whatever happens to the certificate.
+        assert!(before.read("net#Revision").await.status().is_good());
+        let after = connect_anew(&twin).await;
+        let now_shown = shown(&after);
+        after.close().await;
+        if now_shown != old {
+            assert_eq!(std::fs::read(&own).unwrap(), now_shown);
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(200)).await;
+    }
+    assert!(before.read("net#Revision").await.status().is_good());
+    before.close().await;
+    twin.stop().await;
+}
+
+/// The certificate that the twin showed this client.
+fn shown(client: &Client) -> Vec<u8> {
+    client.session.endpoint_info().endpoint.server_certificate.as_ref().to_vec()
+}
+
+/// Between asking for the endpoints and connecting the certificate may change, so one more attempt is fair.
+async fn connect_anew(twin: &TestTwin) -> Client {
+    for _ in 0..2 {
+        let identity = IdentityToken::new_user_name("otto", "otto-secret");
+        let pki = twin.folder.path().join("client-otto");
+        if let Ok(client) = Client::connect(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256).await {
+            return client;
+        }
+    }
+    panic!("clients get in before and after")
+}
