@@ -39,6 +39,10 @@ bench: prerequisites web ## latency and throughput of the whole path, release bu
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench
 	target/release/bench
 
+chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n; proves nothing lost or doubled
+	$(CARGO) build --locked $(PROGRAMS) --bin chaos
+	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED))
+
 script-deno: ## the second script engine (needs cmake and libsimde-dev), and the conformance suite against it
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
@@ -75,4 +79,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: browser help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: browser chaos help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test

@@ -15,7 +15,7 @@ use std::{collections::VecDeque, sync::Arc, time::Duration};
 use asi_model::{DateTime, messages::ValueSource};
 use daemon::web::events::EventLog;
 use mapping_engine::Candidate;
-use messaging::LinkHandle;
+use messaging::{LinkHandle, spool::OverduePolicy};
 use rand::RngCore as _;
 use tokio::{sync::mpsc, time::Instant};
 use tokio_util::sync::CancellationToken;
@@ -59,11 +59,20 @@ pub struct SpoolLimits {
     pub bytes_max: u64,
     /// Age at which reports are given up, in hours.
     pub age_hours_max: u32,
+    /// Seconds without a receipt after which a report is sent again; doubles with each time, up to an hour.
+    pub resend_after_s: u32,
 }
 
 impl Default for SpoolLimits {
     fn default() -> Self {
-        Self { bytes_max: 2 << 30, age_hours_max: 30 * 24 }
+        Self { bytes_max: 2 << 30, age_hours_max: 30 * 24, resend_after_s: 60 }
+    }
+}
+
+impl SpoolLimits {
+    const fn overdue(&self) -> OverduePolicy {
+        let patience = Duration::from_secs(self.resend_after_s as u64);
+        OverduePolicy { patience, patience_max: Duration::from_secs(3600) }
     }
 }
 
@@ -94,6 +103,8 @@ pub struct Desk {
     replies: Vec<Reply>,
     housekeeping: Housekeeping,
     next_publish: Instant,
+    /// The time of day when it was looked at last.
+    clock: DateTime,
     oldest_unwritten: Option<Instant>,
 }
 
@@ -130,6 +141,7 @@ impl Desk {
             replies: Vec::new(),
             housekeeping: Housekeeping::default(),
             next_publish: Instant::now(),
+            clock: now(),
             oldest_unwritten: None,
         })
     }
@@ -159,6 +171,7 @@ impl Desk {
             {
                 batches.push(batch);
             }
+            self.watch_clock();
             self.take_candidates(batches);
             for command in commands {
                 self.take(command).await?;
@@ -172,6 +185,17 @@ impl Desk {
         self.commit().await?;
         self.store.close().await;
         Ok(())
+    }
+
+    /// Waiting is told in times of day: they have to be told again when the clock is set back.
+    fn watch_clock(&mut self) {
+        let now = now();
+        if now < self.clock {
+            let by_ms = u64::try_from(self.clock.since(now).as_millis()).unwrap_or(u64::MAX);
+            tracing::warn!(by_ms, "The machine's clock was set back.");
+            self.books.set_clock_back(now);
+        }
+        self.clock = now;
     }
 
     fn take_candidates(&mut self, batches: Vec<Vec<Candidate>>) {

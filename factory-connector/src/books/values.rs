@@ -59,6 +59,20 @@ impl Books {
         self.due.first().map(|(at, _)| *at)
     }
 
+    /// The machine's clock was set back: nothing waits for a time that was meant by the old clock.
+    pub fn set_clock_back(&mut self, now: DateTime) {
+        for writer in self.writers.values_mut() {
+            writer.last_sign_at = writer.last_sign_at.min(now);
+        }
+        let keys: Vec<FieldKey> = self.fields.keys().cloned().collect();
+        for key in keys {
+            if let Some(field) = self.fields.get_mut(&key) {
+                field.gate.set_clock_back(now);
+            }
+            self.note_due(&key);
+        }
+    }
+
     /// There are values to report.
     #[must_use]
     pub fn has_news(&self) -> bool {

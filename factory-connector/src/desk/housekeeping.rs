@@ -7,7 +7,7 @@ use asi_model::{
     messages::GapCause,
     pubsub::{DataSetMessage, DataSetMessageKind, NetworkMessage, json::encode},
 };
-use messaging::spool::{OverduePolicy, ReportRow, RowId, coalesce, expire, overdue};
+use messaging::spool::{ReportRow, RowId, coalesce, expire, overdue};
 use tokio::time::Instant;
 
 use super::{Desk, aftermath::offset_now, now};
@@ -142,8 +142,8 @@ impl Desk {
             let state = state.borrow();
             state.is_up() && state.last_receipted_at.is_some_and(|at| at > state.since)
         });
-        if hears_receipts {
-            let late = overdue(&rows, &OverduePolicy::default(), offset_now());
+        if self.rooms.link.as_ref().is_some_and(|link| link.state().borrow().is_up()) {
+            let late = overdue(&rows, &self.config.spool.overdue(), offset_now(), hears_receipts);
             let late: Vec<i64> = chosen(&kept, &late).iter().filter(|k| !k.is_revoked).map(|k| k.row.id.0).collect();
             if !late.is_empty() {
                 self.books.changes.report_moves.push(ReportMove::Waiting(late));

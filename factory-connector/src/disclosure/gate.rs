@@ -92,6 +92,13 @@ impl Gate {
         std::mem::replace(&mut self.has_news, false)
     }
 
+    /// The clock was set back: what was remembered of a time yet to come counts as of now.
+    pub fn set_clock_back(&mut self, now: DateTime) {
+        let Self { state, .. } = Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now);
+        self.state = state;
+        self.ripe = None;
+    }
+
     /// Takes a candidate. Whatever was due before it is released first.
     pub fn on(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
         self.on_time(now);

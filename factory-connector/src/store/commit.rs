@@ -19,6 +19,14 @@ impl Store {
     /// # Errors
     /// [`StoreError::Database`]; then nothing was written.
     pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
+        let outcome = self.write(changes).await;
+        if outcome.is_err() {
+            self.replace_writer().await;
+        }
+        outcome
+    }
+
+    async fn write(&mut self, changes: Changes) -> Result<(), StoreError> {
         let begin = StoreError::while_doing("begin a transaction");
         let mut transaction = self.writer.begin_with("BEGIN IMMEDIATE").await.map_err(begin)?;
         write_requests(&mut transaction, &changes).await?;

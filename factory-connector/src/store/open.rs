@@ -98,6 +98,15 @@ impl Store {
         Ok(connection)
     }
 
+    /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever: the
+    /// connection that failed is given up for a fresh one.
+    pub(super) async fn replace_writer(&mut self) {
+        match options(&self.directory.join(DATABASE_FILE)).connect().await {
+            Ok(fresh) => drop(std::mem::replace(&mut self.writer, fresh).close_hard().await),
+            Err(error) => tracing::warn!(%error, "The store cannot be opened again yet."),
+        }
+    }
+
     /// Whose the store is.
     #[must_use]
     pub const fn identity(&self) -> &Identity {

@@ -1,6 +1,9 @@
 //! What the platform's receipts mean for the rows of one writer: the promise of no loss rests on these decisions.
 
-use std::{collections::HashSet, time::Duration};
+use std::{
+    collections::{HashMap, HashSet},
+    time::Duration,
+};
 
 use asi_model::messages::WriterReceipt;
 use time::OffsetDateTime;
@@ -88,13 +91,28 @@ impl OverduePolicy {
 }
 
 /// Chooses the rows that were sent so long ago without a receipt that a broker must be taken to have lost them. To be
-/// asked only while the link is up and receipts arrive.
+/// asked only while the link is up. A row sent at a time yet to come was sent by a clock that has been set back since:
+/// nobody knows how long ago, so it counts as long ago.
+///
+/// While no receipts arrive (`hears_receipts`), only the newest of each writer's rows is chosen: it asks the platform,
+/// which answers with a receipt that names what it lacks. A platform that is away finds one row more, not the backlog
+/// twice.
 #[must_use]
-pub fn overdue(rows: &[ReportRow], policy: &OverduePolicy, now: OffsetDateTime) -> Vec<RowId> {
-    rows.iter()
-        .filter(|row| row.sent_at.is_some_and(|at| now - at > policy.patience_after(row.sent_count)))
-        .map(|row| row.id)
-        .collect()
+pub fn overdue(rows: &[ReportRow], policy: &OverduePolicy, now: OffsetDateTime, hears_receipts: bool) -> Vec<RowId> {
+    let is_late =
+        |row: &&ReportRow| row.sent_at.is_some_and(|at| at > now || now - at > policy.patience_after(row.sent_count));
+    let late = rows.iter().filter(is_late);
+    if hears_receipts {
+        return late.map(|row| row.id).collect();
+    }
+    let mut newest: HashMap<u16, RowId> = HashMap::new();
+    for row in late {
+        let known = newest.entry(row.data_set_writer_id).or_insert(row.id);
+        *known = row.id.max(*known);
+    }
+    let mut newest: Vec<_> = newest.into_values().collect();
+    newest.sort_unstable();
+    newest
 }
 
 #[cfg(test)]
@@ -150,10 +168,24 @@ mod tests {
             [(1, 10, false), (1, 11, true), (2, 20, false), (2, 21, true), (3, 36, true), (40, 35, false)]
         {
             let rows = [ReportRow { sent_count: count, ..sent(1, 0) }];
-            let is_overdue = !overdue(&rows, &policy, moment() + Duration::from_secs(seconds)).is_empty();
+            let is_overdue = !overdue(&rows, &policy, moment() + Duration::from_secs(seconds), true).is_empty();
             assert_eq!(is_overdue, expected, "sent {count} times, {seconds} s ago");
         }
-        assert!(overdue(&[row(1, 7, 0)], &policy, moment() + Duration::from_secs(9999)).is_empty());
+        assert!(overdue(&[row(1, 7, 0)], &policy, moment() + Duration::from_secs(9999), true).is_empty());
+    }
+
+    #[test]
+    fn a_row_sent_at_a_time_yet_to_come_is_overdue() {
+        let before = moment() - Duration::from_secs(300);
+        assert_eq!(overdue(&[sent(1, 0)], &OverduePolicy::default(), before, true), [RowId(1)]);
+    }
+
+    #[test]
+    fn while_no_receipts_arrive_one_row_of_each_writer_asks() {
+        let other = ReportRow { data_set_writer_id: 8, ..sent(3, 0) };
+        let rows = [sent(1, 0), sent(2, 1), other, row(4, 7, 2)];
+        let later = moment() + Duration::from_secs(61);
+        assert_eq!(overdue(&rows, &OverduePolicy::default(), later, false), [RowId(2), RowId(3)]);
     }
 
     proptest! {
@@ -165,7 +197,8 @@ mod tests {
             let mut rows: Vec<_> = (0..20).map(|i| row(i64::from(i), 7, i)).collect();
             let mut arrived = HashSet::new();
             let mut now = moment();
-            for round in 0..=losses.len() {
+            // One round more than losses: where nothing at all arrived, the first that does brings the first receipt.
+            for round in 0..=losses.len() + 1 {
                 now += Duration::from_secs(100);
                 for row in rows.iter_mut().filter(|r| r.sent_at.is_none()) {
                     row.sent_at = Some(now);
@@ -181,7 +214,7 @@ mod tests {
                     rows.retain(|r| !effect.held.contains(&r.id));
                     for row in &mut rows { if effect.resend.contains(&row.id) { row.sent_at = None; } }
                 }
-                for id in overdue(&rows, &OverduePolicy::default(), now) {
+                for id in overdue(&rows, &OverduePolicy::default(), now, !arrived.is_empty()) {
                     for row in &mut rows { if row.id == id { row.sent_at = None; } }
                 }
             }

@@ -119,7 +119,7 @@ impl Broker {
         }
         let dead_letters = queues.get(&QueueName::dead_letters()).cloned();
         let dead_letters = dead_letters.ok_or_else(|| open(sqlx::Error::RowNotFound))?;
-        let (writer, writer_handle) = Writer::new(connection, Arc::clone(&dead_letters));
+        let (writer, writer_handle) = Writer::new(connection, store::options(&path), Arc::clone(&dead_letters));
         let core = Core::new(config, credentials, writer_handle, readers, queues, dead_letters, next_message_id);
         let core = Arc::new(core);
         let handle = BrokerHandle { core: Arc::clone(&core), addresses };

@@ -49,7 +49,7 @@ PRAGMA user_version = 1;
 COMMIT;
 ";
 
-fn options(path: &Path) -> SqliteConnectOptions {
+pub(crate) fn options(path: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new()
         .filename(path)
         .create_if_missing(true)

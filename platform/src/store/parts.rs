@@ -154,12 +154,13 @@ impl Parts<'_> {
         row.as_ref().map(read).transpose()
     }
 
-    /// Parts that nobody has answered in time and that are not waiting to be sent anyway, most overdue first.
+    /// Parts that nobody has answered in time and that are not waiting to be sent anyway, most overdue first. A part
+    /// sent at a time yet to come was sent by a clock that has been set back since, and counts as overdue.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn overdue(&mut self, now: DateTime, limit: u32) -> Result<Vec<Part>, StoreError> {
-        let sql = "SELECT p.* FROM network_part p WHERE p.state = 'SENT' AND p.resend_at <= $1
+        let sql = "SELECT p.* FROM network_part p WHERE p.state = 'SENT' AND (p.resend_at <= $1 OR p.sent_at > $1)
                    AND NOT EXISTS (SELECT 1 FROM outbox o WHERE o.message_id = p.message_id)
                    ORDER BY p.resend_at LIMIT $2";
         let rows = sqlx::query(sql)

@@ -101,6 +101,27 @@ impl Daemon {
         Ok(())
     }
 
+    /// Sets an environment variable from the next start on.
+    pub fn set_environment(&mut self, name: &str, value: &str) {
+        let environment = &mut self.command.environment;
+        environment.retain(|(known, _)| known != name);
+        environment.push((name.to_owned(), value.to_owned()));
+    }
+
+    /// Makes it stand still (SIGSTOP), or lets it go on (SIGCONT).
+    ///
+    /// # Errors
+    /// When the process is gone.
+    pub fn set_paused(&self, is_paused: bool) -> anyhow::Result<()> {
+        let signal = if is_paused { rustix::process::Signal::STOP } else { rustix::process::Signal::CONT };
+        Ok(rustix::process::kill_process(self.process()?, signal)?)
+    }
+
+    fn process(&self) -> anyhow::Result<rustix::process::Pid> {
+        let id = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw);
+        id.context("a process id is never zero")
+    }
+
     /// Asks it to stop (SIGTERM) and waits; kills it when the limit passes.
     ///
     /// # Errors
@@ -109,8 +130,7 @@ impl Daemon {
         if let Some(status) = self.child.try_wait()? {
             return Ok(status);
         }
-        let pid = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw);
-        rustix::process::kill_process(pid.context("a process id is never zero")?, rustix::process::Signal::TERM)?;
+        rustix::process::kill_process(self.process()?, rustix::process::Signal::TERM)?;
         let deadline = Instant::now() + limit;
         while Instant::now() < deadline {
             if let Some(status) = self.child.try_wait()? {

@@ -25,7 +25,8 @@ fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
 }
 
 fn platform(places: &Places) -> String {
-    let Places { platform_web, broker_tls, broker_plain, folder, .. } = places;
+    let Places { platform_web, broker_tls, broker_plain, broker_detour, folder, .. } = places;
+    let detour = broker_detour.map(|port| format!("public_url = \"amqps://127.0.0.1:{port}\"\n")).unwrap_or_default();
     format!(
         r#"data_directory = "{folder}/platform"
 
@@ -35,7 +36,7 @@ listen = "127.0.0.1:{platform_web}"
 [broker]
 listen = "127.0.0.1:{broker_tls}"
 plain_listen = "127.0.0.1:{broker_plain}"
-
+{detour}
 [[broker.users]]
 user_name = "{OBSERVER}"
 password = "{OBSERVER_PASSWORD}"

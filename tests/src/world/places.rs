@@ -22,6 +22,9 @@ pub struct Places {
     pub broker_tls: u16,
     /// Its broker without TLS, loopback only.
     pub broker_plain: u16,
+    /// Where connectors find the broker, when something stands in between.
+    #[serde(default)]
+    pub broker_detour: Option<u16>,
     /// Munich.
     pub munich: FactoryPlaces,
     /// Hamburg.
@@ -91,6 +94,7 @@ impl Places {
             platform_web: ports[0],
             broker_tls: ports[1],
             broker_plain: ports[2],
+            broker_detour: None,
             munich: factory(&ports[3..9]),
             hamburg: factory(&ports[9..15]),
         }

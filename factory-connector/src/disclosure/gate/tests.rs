@@ -207,3 +207,14 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_clock_set_back_keeps_the_interval_and_no_more() {
+    let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
+    gate.on(at(300_000), candidate(0, 1));
+    assert!(gate.take_news());
+    gate.set_clock_back(at(5_000));
+    assert_eq!(gate.on(at(5_100), candidate(0, 2)), Outcome::Withheld { until: at(6_000) });
+    gate.on_time(at(6_000));
+    assert_eq!(shown(&gate), Some(2));
+}

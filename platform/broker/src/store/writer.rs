@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use sqlx::{Connection, QueryBuilder, Sqlite, SqliteConnection};
+use sqlx::{
+    ConnectOptions as _, Connection as _, QueryBuilder, Sqlite, SqliteConnection, sqlite::SqliteConnectOptions,
+};
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tracing::{error, warn};
@@ -93,6 +95,8 @@ impl WriterHandle {
 /// The writer; [`run`](Self::run) it on a task of its own.
 pub(crate) struct Writer {
     connection: SqliteConnection,
+    /// How the connection was opened.
+    options: SqliteConnectOptions,
     commands: mpsc::Receiver<Command>,
     dead_letters: Arc<Queue>,
     /// Changes that failed and are tried again; inserts never are, their publishers keep them.
@@ -100,9 +104,13 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    pub(crate) fn new(connection: SqliteConnection, dead_letters: Arc<Queue>) -> (Self, WriterHandle) {
+    pub(crate) fn new(
+        connection: SqliteConnection,
+        options: SqliteConnectOptions,
+        dead_letters: Arc<Queue>,
+    ) -> (Self, WriterHandle) {
         let (sender, commands) = mpsc::channel(COMMANDS_MAX);
-        (Self { connection, commands, dead_letters, retained: Vec::new() }, WriterHandle { commands: sender })
+        (Self { connection, options, commands, dead_letters, retained: Vec::new() }, WriterHandle { commands: sender })
     }
 
     /// Writes until `stop`, then what has been handed over by then, and closes the database.
@@ -146,11 +154,21 @@ impl Writer {
             Err(error) => {
                 error!(%error, commands = commands.len(), "the broker's database refused a transaction; publishers keep their messages");
                 metrics::counter!("broker_commit_failures_total").increment(1);
+                self.replace_connection().await;
                 let mut error = Some(error);
                 for command in commands {
                     self.failed(command, &mut error);
                 }
             }
+        }
+    }
+
+    /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever: the
+    /// connection that failed is given up for a fresh one.
+    async fn replace_connection(&mut self) {
+        match self.options.connect().await {
+            Ok(fresh) => drop(std::mem::replace(&mut self.connection, fresh).close_hard().await),
+            Err(error) => warn!(%error, "the broker's database cannot be opened again yet"),
         }
     }
 

@@ -1,0 +1,40 @@
+//! `chaos --minutes 30 --seed 7`: the seeded run of everything that can go wrong.
+
+use std::{process::ExitCode, time::Duration};
+
+use clap::Parser;
+use verbund_tests::{
+    chaos::{self, Length},
+    harness::say,
+};
+
+#[derive(Parser)]
+#[command(about = "Kills, cuts, stalls and fills what it can, and proves that nothing is lost or doubled.")]
+struct Arguments {
+    /// How long faults go on.
+    #[arg(long, default_value_t = 5)]
+    minutes: u64,
+    /// What the faults are drawn from; drawn by lot and printed without one.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// No new faults after so many kills.
+    #[arg(long, default_value_t = u32::MAX)]
+    kills: u32,
+    /// Keeps the folder for a look at logs and data.
+    #[arg(long)]
+    keep: bool,
+}
+
+#[tokio::main]
+async fn main() -> ExitCode {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    let Arguments { minutes, seed, kills, keep } = Arguments::parse();
+    let length = Length { span: Duration::from_secs(minutes * 60), kills };
+    match chaos::run(seed.unwrap_or_else(rand::random), length, keep).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("\n{error:#}"));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while values flow: programs
+//! killed, lines cut and stalled, stores lost, clocks set, disks full. In the end the stores of both sides are compared:
+//! every report that left is held once, in its order within each lane, with the values it left with, and the ledger
+//! knows of it.
+
+mod clock;
+mod disk;
+mod line;
+mod load;
+mod plan;
+mod stage;
+mod stores;
+mod verdict;
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+pub use plan::{Fault, Plan, Strike};
+
+use crate::{
+    demo::Cast,
+    harness::{Api, Daemon, DaemonCommand, Deadline, Steps, binary, eventually, say},
+    scenario::{
+        frame_order::{HAMBURG, MUNICH},
+        story,
+    },
+};
+use stage::Stage;
+use verdict::Verdict;
+
+/// How long a run goes on.
+#[derive(Debug, Clone, Copy)]
+pub struct Length {
+    /// No new round after so long.
+    pub span: Duration,
+    /// No new round after so many kills.
+    pub kills: u32,
+}
+
+/// How long everything may take to work again after a round. A peer that is gone without a word is noticed after the
+/// link's own patience, and a login throttle or a backoff may add to it.
+const RECOVERY: Duration = Duration::from_secs(120);
+/// How long nothing may have waited to call it the end.
+const QUIET: Duration = Duration::from_secs(5);
+/// Faults shown of a verdict.
+const SHOWN_MAX: usize = 20;
+
+/// Plays the rounds of a seed and judges.
+///
+/// # Errors
+/// What does not hold.
+pub async fn run(seed: u64, length: Length, keep: bool) -> anyhow::Result<()> {
+    let folder = tempfile::Builder::new().prefix("verbund-chaos-").tempdir()?;
+    say(&format!("Chaos with seed {seed}, in {}", folder.path().display()));
+    let mut steps = Steps::default();
+    let (mut stage, cast) = Stage::set(folder.path().to_owned(), &mut steps).await?;
+    let outcome = play(&mut stage, &cast, &mut steps, seed, length).await;
+    if outcome.is_err() {
+        for daemon in stage.world.daemons() {
+            say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));
+        }
+    }
+    if outcome.is_err() || keep {
+        save(&stage)?;
+        say(&format!("\nKept for a look: {}", folder.keep().display()));
+    }
+    outcome
+}
+
+/// Data on a disk that goes away with this run are copied beside it.
+fn save(stage: &Stage) -> anyhow::Result<()> {
+    let folder = &stage.world.places.folder;
+    for name in [format!("connector-{MUNICH}"), format!("connector-{HAMBURG}"), "platform".to_owned()] {
+        let copied = std::process::Command::new("cp")
+            .arg("-a")
+            .args([folder.join(&name), folder.join(format!("{name}-kept"))])
+            .status()?;
+        anyhow::ensure!(copied.success(), "copying {name} failed");
+    }
+    Ok(())
+}
+
+async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, length: Length) -> anyhow::Result<()> {
+    steps.run("every writer is kept busy", load::put_on(cast)).await?;
+    // The clocks are only followed after a start.
+    stage.strike(Fault::KillAll).await?;
+    let mut plan = Plan::new(seed);
+    let start = Instant::now();
+    let mut number = 0;
+    while start.elapsed() < length.span && stage.kills < length.kills {
+        number += 1;
+        round(stage, steps, number, &plan.round()).await?;
+    }
+    steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
+    steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
+    let took = start.elapsed();
+    steps.run("every report is held once, in order, and in the ledger", judge(stage)).await?;
+    let counts: Vec<_> = stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    say(&format!(
+        "\nSeed {seed}: {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
+        stage.kills,
+        took.as_secs_f64(),
+        counts.join(", "),
+        stage.ended
+    ));
+    Ok(())
+}
+
+async fn round(stage: &mut Stage, steps: &mut Steps, number: u32, strikes: &[Strike]) -> anyhow::Result<()> {
+    let told: Vec<_> = strikes.iter().map(|strike| strike.fault.to_string()).collect();
+    steps
+        .run(&format!("round {number}: {}", told.join(", ")), async {
+            for strike in strikes {
+                tokio::time::sleep(strike.pause).await;
+                stage.strike(strike.fault).await?;
+            }
+            let quiet = Instant::now();
+            flows(stage).await?;
+            Ok(format!("values flow after {:.1} s", quiet.elapsed().as_secs_f64()))
+        })
+        .await
+}
+
+/// Waits until newer reports of both factories arrive.
+async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
+    stage.supervise()?;
+    let platform = stage.world.platform_api().await?;
+    let mut before = Vec::new();
+    for factory in [MUNICH, HAMBURG] {
+        before.push((factory, received(&platform, factory).await?));
+    }
+    let deadline = Instant::now() + RECOVERY;
+    for (factory, count) in before {
+        loop {
+            if received(&platform, factory).await? >= count + 5 {
+                break;
+            }
+            anyhow::ensure!(Instant::now() < deadline, "no reports of {factory} for {RECOVERY:?}");
+            stage.supervise()?;
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    }
+    Ok(())
+}
+
+async fn received(platform: &Api, factory: &str) -> anyhow::Result<u64> {
+    let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
+    let writers = answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+    Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
+}
+
+/// Lets the last values through: nothing new is made, and nothing waits any more.
+async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
+    for factory in &mut stage.world.factories {
+        factory.simulator.stop(Duration::from_secs(15))?;
+    }
+    for factory in [MUNICH, HAMBURG] {
+        let connector = stage.world.connector_api(factory).await?;
+        story::link_is_up(&connector).await?;
+        nothing_waits(&connector).await?;
+    }
+    Ok(String::new())
+}
+
+/// The clients notice lost machines one after the other, and each then says so: empty must last.
+async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
+    let deadline = Deadline::after(RECOVERY);
+    let mut quiet_since = Instant::now();
+    while quiet_since.elapsed() < QUIET {
+        let backlog: Value = connector.get("/api/v1/spool").await?;
+        if backlog["waiting"] != 0 || backlog["sent"] != 0 {
+            anyhow::ensure!(!deadline.has_passed(), "not everything was receipted within {RECOVERY:?}: {backlog}");
+            quiet_since = Instant::now();
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    Ok(())
+}
+
+async fn judge(stage: &Stage) -> anyhow::Result<String> {
+    let folder = &stage.world.places.folder;
+    let mut verdict = Verdict::default();
+    for factory in [MUNICH, HAMBURG] {
+        verdict::of_factory(folder, factory, &stage.set_back, &mut verdict).await?;
+        if let Err(error) = ledger_holds(stage, factory).await {
+            verdict.faults.push(format!("{error:#}"));
+        }
+    }
+    let (repeats, letters) = stores::repeats_and_dead_letters(folder).await?;
+    if letters > 0 {
+        verdict.faults.push(format!("{letters} messages could not be used"));
+    }
+    let Verdict { left, arrived, replayed, announced, faults } = verdict;
+    let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
+    anyhow::ensure!(faults.is_empty(), "{} faults:\n  {}", faults.len(), shown.join("\n  "));
+    anyhow::ensure!(left > 0, "nothing left at all");
+    Ok(format!(
+        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {announced} announced as given up, \
+         {repeats} repeats discarded, {} set back by a lost broker store",
+        stage.set_back.len()
+    ))
+}
+
+/// The command that an auditor runs.
+async fn ledger_holds(stage: &Stage, factory: &str) -> anyhow::Result<()> {
+    let folder = &stage.world.places.folder;
+    let config = folder.join(format!("connector-{factory}.toml")).display().to_string();
+    let mut verify = Daemon::start(DaemonCommand {
+        name: format!("verify-{factory}"),
+        program: binary("factory-connector")?,
+        arguments: ["ledger", "verify", "--config", &config].map(str::to_owned).to_vec(),
+        environment: Vec::new(),
+        log: folder.join(format!("verify-{factory}.log")),
+    })?;
+    let status = eventually("the ledger is verified", Duration::from_secs(120), || {
+        let ended = verify.ended();
+        async move { ended.map_err(|e| e.to_string())?.ok_or_else(|| "still running".to_owned()) }
+    })
+    .await?;
+    anyhow::ensure!(status.success(), "the ledger of {factory} does not hold: {}", verify.log_tail(5));
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! A disk of its own for a connector's data, which can be full.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use anyhow::Context as _;
+
+/// As large as a run may need; memory is only taken for what is written.
+const SIZE: &str = "2g";
+
+/// A mounted file system in memory; unmounted when dropped. Mounting needs root.
+#[derive(Debug)]
+pub struct Disk {
+    folder: PathBuf,
+}
+
+impl Disk {
+    /// Mounts one on a folder.
+    ///
+    /// # Errors
+    /// When this user may not mount.
+    pub fn mount(folder: &Path) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        let options = format!("size={SIZE},mode=0700");
+        run(Command::new("mount").args(["-t", "tmpfs", "-o", &options, "verbund-chaos"]).arg(folder))?;
+        Ok(Self { folder: folder.to_owned() })
+    }
+
+    /// Leaves no room beyond what is written.
+    ///
+    /// # Errors
+    /// When the file system cannot be changed.
+    pub fn fill(&self) -> anyhow::Result<()> {
+        // Blocks are taken while this looks: a size below what is used is refused, so a little more is left each time.
+        let mut failed = None;
+        for spare in [0, 16, 64, 256] {
+            let blocks = used_blocks(&self.folder)? + spare;
+            match run(Command::new("mount").arg("-o").arg(format!("remount,nr_blocks={blocks}")).arg(&self.folder)) {
+                Ok(()) => return Ok(()),
+                Err(error) => failed = Some(error),
+            }
+        }
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// Gives the room back.
+    ///
+    /// # Errors
+    /// When the file system cannot be changed.
+    pub fn free(&self) -> anyhow::Result<()> {
+        run(Command::new("mount").arg("-o").arg(format!("remount,size={SIZE}")).arg(&self.folder))
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        // Lazily: a killed program's files may still be open for a moment.
+        run(Command::new("umount").arg("-l").arg(&self.folder)).ok();
+    }
+}
+
+fn used_blocks(folder: &Path) -> anyhow::Result<u64> {
+    let now = rustix::fs::statvfs(folder).context("looking at the file system")?;
+    Ok(now.f_blocks - now.f_bfree)
+}
+
+fn run(command: &mut Command) -> anyhow::Result<()> {
+    let output = command.output().with_context(|| format!("running {command:?}"))?;
+    anyhow::ensure!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    Ok(())
+}

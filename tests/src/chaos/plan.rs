@@ -1,0 +1,190 @@
+//! What goes wrong, and when: drawn from a seed alone, so that a run can be played again.
+
+use std::{fmt, time::Duration};
+
+use rand::{Rng as _, SeedableRng as _, seq::IndexedRandom as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::scenario::frame_order::{HAMBURG, MUNICH};
+
+/// What the platform is called beside the factories.
+pub(super) const PLATFORM: &str = "platform";
+
+/// Something that goes wrong. Whatever is killed is started again at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// `kill -9` of a factory's connector.
+    KillConnector(&'static str),
+    /// `kill -9` of platform and broker.
+    KillPlatform,
+    /// `kill -9` of a factory's machines.
+    KillMachines(&'static str),
+    /// `kill -9` of everything at once, as when the power fails.
+    KillAll,
+    /// All connections between factories and broker are reset.
+    Cut,
+    /// Nothing passes between factories and broker for a while; the connections stay open.
+    Stall(Duration),
+    /// For a while everything sent is swallowed, then the connections are reset: the peer was gone all along.
+    HalfOpen(Duration),
+    /// A thin line for a while.
+    Slow(Duration),
+    /// Platform and broker are killed, and the broker comes back with an empty store.
+    LoseBrokerStore,
+    /// Platform and broker are killed, and the broker comes back with the store it had the last time this happened.
+    OldBrokerStore,
+    /// Platform and broker are killed, and the broker comes back with every waiting message twice.
+    DoubleQueued,
+    /// The clock of a factory's connector jumps and stays so.
+    ConnectorClock(&'static str, ClockOffset),
+    /// The platform's clock jumps and stays so.
+    PlatformClock(ClockOffset),
+    /// The disk of a factory's connector, or of the platform, is full for a while.
+    FullDisk(&'static str, Duration),
+    /// A factory's connector stands still for a while, as on an overloaded machine.
+    PauseConnector(&'static str, Duration),
+    /// The platform stands still for a while.
+    PausePlatform(Duration),
+}
+
+/// Seconds that a clock is off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClockOffset(pub i32);
+
+impl Fault {
+    /// How many programs it kills.
+    #[must_use]
+    pub const fn kills(self) -> u32 {
+        match self {
+            Self::KillConnector(_)
+            | Self::KillPlatform
+            | Self::KillMachines(_)
+            | Self::LoseBrokerStore
+            | Self::OldBrokerStore
+            | Self::DoubleQueued => 1,
+            Self::KillAll => 5,
+            _ => 0,
+        }
+    }
+
+    /// A word for the summary.
+    #[must_use]
+    pub const fn kind(self) -> &'static str {
+        match self {
+            Self::KillConnector(_) => "kill connector",
+            Self::KillPlatform => "kill platform",
+            Self::KillMachines(_) => "kill machines",
+            Self::KillAll => "kill everything",
+            Self::Cut => "cut",
+            Self::Stall(_) => "stall",
+            Self::HalfOpen(_) => "half-open",
+            Self::Slow(_) => "slow line",
+            Self::LoseBrokerStore => "broker store lost",
+            Self::OldBrokerStore => "old broker store",
+            Self::DoubleQueued => "queued twice",
+            Self::ConnectorClock(..) => "connector clock",
+            Self::PlatformClock(_) => "platform clock",
+            Self::FullDisk(..) => "full disk",
+            Self::PauseConnector(..) => "pause connector",
+            Self::PausePlatform(_) => "pause platform",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = self.kind();
+        match self {
+            Self::KillConnector(factory) | Self::KillMachines(factory) => write!(f, "{kind} {factory}"),
+            Self::Stall(span) | Self::HalfOpen(span) | Self::Slow(span) | Self::PausePlatform(span) => {
+                write!(f, "{kind} {} ms", span.as_millis())
+            }
+            Self::FullDisk(factory, span) | Self::PauseConnector(factory, span) => {
+                write!(f, "{kind} {factory} {} ms", span.as_millis())
+            }
+            Self::ConnectorClock(factory, offset) => write!(f, "{kind} {factory} {:+} s", offset.0),
+            Self::PlatformClock(offset) => write!(f, "{kind} {:+} s", offset.0),
+            _ => f.write_str(kind),
+        }
+    }
+}
+
+/// A fault and how long after the last one it strikes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strike {
+    /// After the last one.
+    pub pause: Duration,
+    /// What.
+    pub fault: Fault,
+}
+
+/// An endless source of rounds.
+pub struct Plan(ChaCha8Rng);
+
+impl Plan {
+    /// The plan of a seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// The faults of the next round; after each round everything must work again.
+    pub fn round(&mut self) -> Vec<Strike> {
+        let count = self.0.random_range(6..=14);
+        (0..count).map(|_| Strike { pause: Duration::from_millis(self.pause_ms()), fault: self.fault() }).collect()
+    }
+
+    /// Mostly short, so that programs die while they start, connect, and catch up.
+    fn pause_ms(&mut self) -> u64 {
+        match self.0.random_range(0..10) {
+            0..4 => self.0.random_range(0..250),
+            4..8 => self.0.random_range(250..1_200),
+            _ => self.0.random_range(1_200..4_000),
+        }
+    }
+
+    fn span(&mut self, most_ms: u64) -> Duration {
+        Duration::from_millis(self.0.random_range(50..most_ms))
+    }
+
+    fn fault(&mut self) -> Fault {
+        let factory = *[MUNICH, HAMBURG].choose(&mut self.0).unwrap_or(&MUNICH);
+        let offset = ClockOffset(*[-5_400, -300, -2, 0, 2, 300, 10_800].choose(&mut self.0).unwrap_or(&0));
+        match self.0.random_range(0..100) {
+            0..34 => Fault::KillConnector(factory),
+            34..60 => Fault::KillPlatform,
+            60..63 => Fault::KillMachines(factory),
+            63..66 => Fault::KillAll,
+            66..72 => Fault::Cut,
+            72..75 => Fault::Stall(self.span(3_000)),
+            75..78 => Fault::HalfOpen(self.span(3_000)),
+            78..81 => Fault::Slow(self.span(3_000)),
+            81..83 => Fault::LoseBrokerStore,
+            83..85 => Fault::OldBrokerStore,
+            85..88 => Fault::DoubleQueued,
+            88..91 => Fault::ConnectorClock(factory, offset),
+            91..93 => Fault::PlatformClock(offset),
+            93..95 => Fault::FullDisk(factory, self.span(3_000)),
+            95 => Fault::FullDisk(PLATFORM, self.span(3_000)),
+            96..98 => Fault::PauseConnector(factory, self.span(4_000)),
+            _ => Fault::PausePlatform(self.span(4_000)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_is_a_plan() {
+        let (mut one, mut same, mut other) = (Plan::new(7), Plan::new(7), Plan::new(8));
+        let rounds: Vec<_> = (0..40).map(|_| one.round()).collect();
+        assert_eq!(rounds, (0..40).map(|_| same.round()).collect::<Vec<_>>());
+        assert_ne!(rounds, (0..40).map(|_| other.round()).collect::<Vec<_>>());
+        let mut kinds: Vec<_> = rounds.iter().flatten().map(|strike| strike.fault.kind()).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        assert_eq!(kinds.len(), 16, "every kind of fault comes up: {kinds:?}");
+    }
+}

@@ -1,0 +1,191 @@
+//! The world with everything in it that can go wrong.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    net::{Ipv4Addr, SocketAddr},
+    path::PathBuf,
+    time::Duration,
+};
+
+use anyhow::Context as _;
+
+use super::{
+    clock::Clock,
+    disk::Disk,
+    line::{Condition, Line},
+    plan::{ClockOffset, Fault, PLATFORM},
+    stores,
+};
+use crate::{
+    demo::{self, Cast},
+    harness::{Daemon, Steps, free_ports, say},
+    scenario::frame_order::{HAMBURG, MUNICH},
+    world::{Places, World},
+};
+
+/// Everything that runs, and what stands between it.
+pub(super) struct Stage {
+    /// The programs.
+    pub world: World,
+    line: Line,
+    // Unmounted after the programs above are gone.
+    disks: BTreeMap<&'static str, Disk>,
+    clocks: BTreeMap<&'static str, Clock>,
+    /// Reports that the broker had taken from a connector when it lost its store: they arrive later, out of their order.
+    pub set_back: BTreeSet<stores::ReportKey>,
+    /// What was done, by kind.
+    pub counts: BTreeMap<&'static str, u32>,
+    /// How many programs were killed.
+    pub kills: u32,
+    /// Programs that ended by themselves and were started again, as a supervisor does.
+    pub ended: u32,
+}
+
+impl Stage {
+    /// Starts everything in a folder, with values flowing.
+    pub async fn set(folder: PathBuf, steps: &mut Steps) -> anyhow::Result<(Self, Cast)> {
+        let mut places = Places::anywhere(folder)?;
+        let [detour] = free_ports()?;
+        places.broker_detour = Some(detour);
+        let mut disks = BTreeMap::new();
+        for (whose, folder) in [
+            (MUNICH, format!("connector-{MUNICH}")),
+            (HAMBURG, format!("connector-{HAMBURG}")),
+            (PLATFORM, PLATFORM.into()),
+        ] {
+            match Disk::mount(&places.folder.join(folder)) {
+                Ok(disk) => drop(disks.insert(whose, disk)),
+                Err(error) => say(&format!("  No disk will be full: {error:#}")),
+            }
+        }
+        let at = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+        let line = Line::open(at(detour), at(places.broker_tls)).await?;
+        let world = World::start(places)?;
+        let mut stage = Self {
+            world,
+            line,
+            disks,
+            clocks: BTreeMap::new(),
+            set_back: BTreeSet::new(),
+            counts: BTreeMap::new(),
+            kills: 0,
+            ended: 0,
+        };
+        let cast = demo::play(&mut stage.world, steps).await?;
+        stage.prepare()?;
+        Ok((stage, cast))
+    }
+
+    /// From their next start on programs follow clocks that can jump, and lose patience sooner.
+    fn prepare(&mut self) -> anyhow::Result<()> {
+        let folder = self.world.places.folder.clone();
+        if let Some(clock) = Clock::of(&mut self.world.platform, &folder)? {
+            self.clocks.insert(PLATFORM, clock);
+        }
+        for factory in &mut self.world.factories {
+            let Some(connector) = &mut factory.connector else { continue };
+            // A run is too short to wait a minute for each report that a broker lost.
+            connector.set_environment("VERBUND_SPOOL__RESEND_AFTER_S", "5");
+            if let Some(clock) = Clock::of(connector, &folder)? {
+                self.clocks.insert(factory.id, clock);
+            }
+        }
+        if self.clocks.is_empty() {
+            say("  No clock will jump: libfaketime is not installed.");
+        }
+        Ok(())
+    }
+
+    /// Lets it happen; when this returns, everything has been started again and the line is clear.
+    pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
+        match fault {
+            Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
+            Fault::KillPlatform => self.world.platform.restart()?,
+            Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
+            Fault::KillAll => {
+                for daemon in self.world.daemons() {
+                    daemon.kill()?;
+                }
+                for daemon in self.world.daemons() {
+                    daemon.restart()?;
+                }
+            }
+            Fault::Cut => self.line.cut(),
+            Fault::Stall(span) => self.through(Condition::Stalled, span).await,
+            Fault::Slow(span) => self.through(Condition::Thin, span).await,
+            Fault::HalfOpen(span) => {
+                self.through(Condition::Swallowing, span).await;
+                self.line.cut();
+            }
+            Fault::LoseBrokerStore | Fault::OldBrokerStore | Fault::DoubleQueued => self.broker_store(fault).await?,
+            Fault::ConnectorClock(who, offset) => self.jump(who, offset)?,
+            Fault::PlatformClock(offset) => self.jump(PLATFORM, offset)?,
+            Fault::FullDisk(whose, span) => {
+                let Some(disk) = self.disks.get(whose) else { return Ok(()) };
+                disk.fill()?;
+                tokio::time::sleep(span).await;
+                disk.free()?;
+            }
+            Fault::PauseConnector(factory, span) => pause(self.connector(factory)?, span).await?,
+            Fault::PausePlatform(span) => pause(&mut self.world.platform, span).await?,
+        }
+        *self.counts.entry(fault.kind()).or_default() += 1;
+        self.kills += fault.kills();
+        Ok(())
+    }
+
+    async fn through(&self, condition: Condition, span: Duration) {
+        self.line.set(condition);
+        tokio::time::sleep(span).await;
+        self.line.set(Condition::Clear);
+    }
+
+    fn jump(&self, who: &str, offset: ClockOffset) -> anyhow::Result<()> {
+        self.clocks.get(who).map_or(Ok(()), |clock| clock.set(offset))
+    }
+
+    async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
+        let folder = self.world.places.folder.clone();
+        self.world.platform.kill()?;
+        match fault {
+            Fault::DoubleQueued => stores::double_queued(&folder).await?,
+            _ => {
+                for factory in [MUNICH, HAMBURG] {
+                    self.set_back.extend(stores::sent_reports(&folder, factory).await?);
+                }
+                if fault == Fault::OldBrokerStore {
+                    stores::exchange_broker_store(&folder)?;
+                } else {
+                    stores::remove_broker_store(&folder)?;
+                }
+            }
+        }
+        self.world.platform.restart()
+    }
+
+    fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {
+        self.world.factory(factory)?.connector.as_mut().context("the connector was started")
+    }
+
+    /// Starts what has ended by itself. A program may give up where its disk is full; its supervisor starts it again.
+    pub fn supervise(&mut self) -> anyhow::Result<()> {
+        for daemon in self.world.daemons() {
+            if let Some(status) = daemon.ended()? {
+                say(&format!("    {} ended by itself with {status}:\n{}", daemon.name(), daemon.log_tail(6)));
+                daemon.restart()?;
+                self.ended += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+async fn pause(daemon: &mut Daemon, span: Duration) -> anyhow::Result<()> {
+    // One that has ended cannot be paused; it is started again after the round.
+    if daemon.ended()?.is_some() {
+        return Ok(());
+    }
+    daemon.set_paused(true)?;
+    tokio::time::sleep(span).await;
+    daemon.set_paused(false)
+}

@@ -1,0 +1,226 @@
+//! What lies on the disks of the programs, read and spoilt from outside.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use anyhow::Context as _;
+use serde_json::Value;
+use sqlx::{ConnectOptions as _, Connection as _, Row as _, SqliteConnection, sqlite::SqliteConnectOptions};
+
+/// One DataSetMessage of a factory.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct ReportKey {
+    pub factory: String,
+    pub writer: i64,
+    pub epoch: i64,
+    pub sequence: i64,
+}
+
+/// What a connector holds of a report.
+#[derive(Debug, Clone)]
+pub(super) struct Left {
+    /// WAITING, SENT, PARKED or DONE.
+    pub state: String,
+    /// How many partners it was for.
+    pub recipients: usize,
+    /// Field name to value, as it left.
+    pub values: BTreeMap<String, Value>,
+}
+
+/// What the platform holds of a report.
+#[derive(Debug, Clone)]
+pub(super) struct Arrived {
+    pub is_replay: bool,
+    /// Field name to value, as it was understood.
+    pub values: BTreeMap<String, Value>,
+}
+
+const BROKER_FILES: [&str; 3] = ["broker.sqlite", "broker.sqlite-wal", "broker.sqlite-shm"];
+
+async fn open(file: &Path) -> anyhow::Result<SqliteConnection> {
+    let options = SqliteConnectOptions::new().filename(file).busy_timeout(std::time::Duration::from_secs(10));
+    options.connect().await.with_context(|| format!("opening {}", file.display()))
+}
+
+fn connector_store(folder: &Path, factory: &str) -> PathBuf {
+    folder.join(format!("connector-{factory}/connector.sqlite"))
+}
+
+fn platform_store(folder: &Path) -> PathBuf {
+    folder.join("platform/platform.sqlite")
+}
+
+/// The reports that the broker has taken and the platform has not receipted.
+pub(super) async fn sent_reports(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let rows =
+        sqlx::query("SELECT writer_id, epoch, sequence FROM report WHERE state = 'SENT'").fetch_all(&mut store).await?;
+    Ok(rows
+        .iter()
+        .map(|row| ReportKey {
+            factory: factory.to_owned(),
+            writer: row.get(0),
+            epoch: row.get(1),
+            sequence: row.get(2),
+        })
+        .collect())
+}
+
+/// The broker forgets everything.
+pub(super) fn remove_broker_store(folder: &Path) -> anyhow::Result<()> {
+    for file in BROKER_FILES {
+        let file = folder.join("platform").join(file);
+        if file.exists() {
+            std::fs::remove_file(&file).with_context(|| format!("removing {}", file.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// The broker's store of now is put aside, and the one that was put aside the last time comes back. The first time it
+/// stays, and a copy is put aside.
+pub(super) fn exchange_broker_store(folder: &Path) -> anyhow::Result<()> {
+    let (here, aside) = (folder.join("platform"), folder.join("broker-aside"));
+    let old = folder.join("broker-old");
+    let has_old = aside.exists();
+    if has_old {
+        std::fs::rename(&aside, &old)?;
+    }
+    std::fs::create_dir(&aside)?;
+    for file in BROKER_FILES.into_iter().filter(|file| here.join(file).exists()) {
+        std::fs::copy(here.join(file), aside.join(file))?;
+    }
+    if has_old {
+        remove_broker_store(folder)?;
+        for file in BROKER_FILES.into_iter().filter(|file| old.join(file).exists()) {
+            std::fs::copy(old.join(file), here.join(file))?;
+        }
+        std::fs::remove_dir_all(&old)?;
+    }
+    Ok(())
+}
+
+/// Every message that waits at the broker waits twice.
+pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
+    let file = folder.join("platform/broker.sqlite");
+    if !file.exists() {
+        return Ok(());
+    }
+    let mut store = open(&file).await?;
+    // A broker killed in its first instant has no tables yet.
+    let tables = sqlx::query("SELECT 1 FROM sqlite_schema WHERE name = 'messages'").fetch_optional(&mut store).await?;
+    if tables.is_some() {
+        sqlx::query(
+            "INSERT INTO messages (queue_id, bytes, expires_at_ms, delivery_count, body) \
+             SELECT queue_id, bytes, expires_at_ms, delivery_count, body FROM messages ORDER BY id",
+        )
+        .execute(&mut store)
+        .await?;
+    }
+    Ok(store.close().await?)
+}
+
+/// Everything that ever left a connector.
+pub(super) async fn left(folder: &Path, factory: &str) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let rows = sqlx::query("SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id")
+        .fetch_all(&mut store)
+        .await?;
+    rows.iter()
+        .map(|row| {
+            let key =
+                ReportKey { factory: factory.to_owned(), writer: row.get(0), epoch: row.get(1), sequence: row.get(2) };
+            let recipients: Value = serde_json::from_str(row.get(4))?;
+            let body: Value = serde_json::from_str(row.get(5)).with_context(|| format!("the body of {key:?}"))?;
+            let left = Left {
+                state: row.get(3),
+                recipients: recipients.as_array().map_or(0, Vec::len),
+                values: payload_values(&body["Payload"]),
+            };
+            Ok((key, left))
+        })
+        .collect()
+}
+
+/// The number of reports in all chains of a connector's ledger.
+pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Result<usize> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let row =
+        sqlx::query("SELECT count(*) FROM ledger_entry WHERE report_id IS NOT NULL").fetch_one(&mut store).await?;
+    Ok(usize::try_from(row.get::<i64, _>(0))?)
+}
+
+/// Every gap that a factory has announced: the keys of the reports it gave up.
+pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
+    let mut store = open(&platform_store(folder)).await?;
+    let rows = sqlx::query(
+        "SELECT data_set_writer_id, epoch, first_sequence, last_sequence FROM sequence_gap WHERE factory_id = ?",
+    )
+    .bind(factory)
+    .fetch_all(&mut store)
+    .await?;
+    Ok(rows
+        .iter()
+        .flat_map(|row| {
+            let (writer, epoch): (i64, i64) = (row.get(0), row.get(1));
+            (row.get::<i64, _>(2)..=row.get::<i64, _>(3)).map(move |sequence| (writer, epoch, sequence))
+        })
+        .map(|(writer, epoch, sequence)| ReportKey { factory: factory.to_owned(), writer, epoch, sequence })
+        .collect())
+}
+
+/// Everything the platform holds of a factory, in the order of arrival.
+pub(super) async fn arrived(folder: &Path, factory: &str) -> anyhow::Result<Vec<(ReportKey, Arrived)>> {
+    let mut store = open(&platform_store(folder)).await?;
+    let rows = sqlx::query(
+        "SELECT data_set_writer_id, epoch, sequence, is_replay, fields FROM report WHERE factory_id = ? \
+         ORDER BY report_id",
+    )
+    .bind(factory)
+    .fetch_all(&mut store)
+    .await?;
+    rows.iter()
+        .map(|row| {
+            let key =
+                ReportKey { factory: factory.to_owned(), writer: row.get(0), epoch: row.get(1), sequence: row.get(2) };
+            let fields: Value = serde_json::from_str(row.get(4))?;
+            Ok((key, Arrived { is_replay: row.get::<i64, _>(3) != 0, values: shown_values(&fields) }))
+        })
+        .collect()
+}
+
+/// How many repeats the platform has discarded, and how many messages it could not use.
+pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
+    let mut store = open(&platform_store(folder)).await?;
+    let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) FROM data_set_writer").fetch_one(&mut store).await?;
+    let letters = sqlx::query("SELECT count(*) FROM dead_letter").fetch_one(&mut store).await?;
+    Ok((u64::try_from(repeats.get::<i64, _>(0))?, u64::try_from(letters.get::<i64, _>(0))?))
+}
+
+/// The fields of a payload in the reversible encoding: a variant, or a data value in one. A bare status is no value.
+fn payload_values(payload: &Value) -> BTreeMap<String, Value> {
+    let all = payload.as_object().into_iter().flatten();
+    all.map(|(name, field)| {
+        let variant = if field["Type"] == DATA_VALUE { &field["Body"]["Value"] } else { field };
+        let value = if variant["Type"] == STATUS_CODE { Value::Null } else { variant["Body"].clone() };
+        (name.clone(), value)
+    })
+    .collect()
+}
+
+// Built-in types (OPC 10000-6, table 1).
+const STATUS_CODE: u8 = 19;
+const DATA_VALUE: u8 = 23;
+
+/// The fields of a report as the platform's API shows them.
+fn shown_values(fields: &Value) -> BTreeMap<String, Value> {
+    let all = fields.as_object().into_iter().flatten();
+    all.map(|(name, field)| (name.clone(), field["value"].clone())).collect()
+}
+
+/// Equal as values: 6 and 6.0 are one number.
+pub(super) fn is_same(one: &Value, other: &Value) -> bool {
+    one == other || one.as_f64().zip(other.as_f64()).is_some_and(|(one, other)| one == other)
+}

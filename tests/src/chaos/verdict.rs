@@ -1,0 +1,130 @@
+//! What must hold in the end, read from the stores of both sides after everything has stopped.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use super::stores::{self, ReportKey};
+
+/// What was found.
+#[derive(Debug, Default)]
+pub(super) struct Verdict {
+    /// Reports that left the factories.
+    pub left: usize,
+    /// Of these, how many the platform holds.
+    pub arrived: usize,
+    /// How many came with the backlog after an outage.
+    pub replayed: usize,
+    /// How many were given up and announced.
+    pub announced: usize,
+    /// What does not hold.
+    pub faults: Vec<String>,
+}
+
+/// Compares what left one factory with what arrived, and adds to the verdict.
+pub(super) async fn of_factory(
+    folder: &Path,
+    factory: &str,
+    set_back: &BTreeSet<ReportKey>,
+    verdict: &mut Verdict,
+) -> anyhow::Result<()> {
+    let left = stores::left(folder, factory).await?;
+    let arrived = stores::arrived(folder, factory).await?;
+    let gaps: BTreeSet<ReportKey> = stores::gaps(folder, factory).await?.into_iter().collect();
+    let faults = &mut verdict.faults;
+
+    let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
+    if held.len() != arrived.len() {
+        faults.push(format!("{factory}: {} reports are held twice", arrived.len() - held.len()));
+    }
+    for (key, report) in &left {
+        match held.get(key) {
+            None if gaps.contains(key) => {}
+            None => faults.push(format!("{} is lost: {key:?}", report.state)),
+            Some(_) if report.state == "PARKED" => faults.push(format!("rejected and yet held: {key:?}")),
+            Some(there) => {
+                for (name, value) in &report.values {
+                    if there.values.get(name).is_some_and(|other| !stores::is_same(other, value)) {
+                        faults.push(format!("{key:?}: {name} left as {value}, is held as {}", there.values[name]));
+                    }
+                }
+            }
+        }
+    }
+    faults.extend(held.keys().filter(|key| !left.contains_key(**key)).map(|key| format!("never left: {key:?}")));
+    faults.extend(holes(left.keys().chain(&gaps)));
+    faults.extend(disorder(&arrived, set_back));
+    let recipients: usize = left.values().map(|report| report.recipients).sum();
+    let entries = stores::ledger_entries(folder, factory).await?;
+    if entries != recipients {
+        faults.push(format!("{factory}: {entries} ledger entries for {recipients} disclosures"));
+    }
+
+    verdict.left += left.len();
+    verdict.arrived += arrived.len();
+    verdict.replayed += arrived.iter().filter(|(_, report)| report.is_replay).count();
+    verdict.announced += gaps.len();
+    Ok(())
+}
+
+/// Sequence numbers of a writer's epoch begin at zero and miss none.
+fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
+    let mut writers: BTreeMap<(&str, i64, i64), BTreeSet<i64>> = BTreeMap::new();
+    for key in keys {
+        writers.entry((&key.factory, key.writer, key.epoch)).or_default().insert(key.sequence);
+    }
+    let mut faults = Vec::new();
+    for (writer, sequences) in writers {
+        let (first, last) = (sequences.first().copied().unwrap_or(0), sequences.last().copied().unwrap_or(-1));
+        let count = i64::try_from(sequences.len()).unwrap_or(i64::MAX);
+        if first != 0 || count != last + 1 {
+            faults.push(format!("{writer:?}: {count} sequence numbers from {first} to {last}"));
+        }
+    }
+    faults
+}
+
+/// Within each lane a writer's reports arrive in their order, but for those that the broker lost.
+fn disorder(arrived: &[(ReportKey, stores::Arrived)], set_back: &BTreeSet<ReportKey>) -> Vec<String> {
+    let mut newest: BTreeMap<(i64, i64, bool), i64> = BTreeMap::new();
+    let mut faults = Vec::new();
+    for (key, report) in arrived.iter().filter(|(key, _)| !set_back.contains(key)) {
+        let newest = newest.entry((key.writer, key.epoch, report.is_replay)).or_insert(0);
+        if key.sequence < *newest {
+            let lane = if report.is_replay { "replay" } else { "live" };
+            faults.push(format!("{key:?} came after {newest} in the {lane} lane"));
+        }
+        *newest = key.sequence.max(*newest);
+    }
+    faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chaos::stores::Arrived;
+
+    fn key(sequence: i64) -> ReportKey {
+        ReportKey { factory: "F".into(), writer: 1, epoch: 1, sequence }
+    }
+
+    #[test]
+    fn a_hole_and_a_late_start_are_seen() {
+        let all: Vec<_> = [0, 1, 2].map(key).to_vec();
+        assert!(holes(all.iter()).is_empty());
+        assert_eq!(holes(all[1..].iter()).len(), 1);
+        let with_hole = [all[0].clone(), all[2].clone()];
+        assert_eq!(holes(with_hole.iter()).len(), 1);
+    }
+
+    #[test]
+    fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
+        let came = |sequence, is_replay| (key(sequence), Arrived { is_replay, values: BTreeMap::new() });
+        let arrived = [came(1, false), came(5, false), came(2, true), came(3, true), came(6, false)];
+        assert!(disorder(&arrived, &BTreeSet::new()).is_empty());
+        let arrived = [came(2, false), came(1, false)];
+        assert_eq!(disorder(&arrived, &BTreeSet::new()).len(), 1);
+        assert!(disorder(&arrived, &BTreeSet::from([key(1)])).is_empty());
+    }
+}
