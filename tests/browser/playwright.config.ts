@@ -21,7 +21,7 @@ export default defineConfig({
     { name: 'story', testMatch: /story\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
     { name: 'scale', testMatch: /scale\.spec\.ts/ },
-    { name: 'accessibility', testMatch: /accessibility\.spec\.ts/ },
+    { name: 'accessibility', testMatch: /accessibility\.spec\.ts/, timeout: 300_000 },
     { name: 'screenshots', testMatch: /screenshots\.spec\.ts/, timeout: 240_000 },
   ],
 })

@@ -114,6 +114,7 @@ export async function places(page: Page, site: Site): Promise<{ name: string; ha
     ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
     { name: 'sources', hash: '#/sources' },
     { name: 'operator', hash: '#/operator' },
+    { name: 'mappings', hash: '#/mappings' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
     { name: 'ledger', hash: '#/ledger' },
     { name: 'link', hash: '#/link' },

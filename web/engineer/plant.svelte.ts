@@ -77,6 +77,16 @@ class Plant {
       return
     }
     const field = event as Field
+    const known = this.field(field.key)
+    // A decision has more members than the event tells: that field is read again.
+    if (known !== undefined && field.mappingState !== undefined && field.mappingState !== known.mappingState) {
+      void connector.field(field.key).then((whole) => {
+        this.put(whole)
+      }, () => {
+        this.inbox.refreshSoon()
+      })
+      return
+    }
     this.#news.set(Object.values(field.key).join('/'), field)
     if (this.#isDrawing) return
     this.#isDrawing = true

@@ -30,6 +30,7 @@ import type {
   RecipientView,
   Revocation,
   RevocationBody,
+  Role,
   Rule,
   RuleDecision,
   RulePreview,
@@ -42,6 +43,7 @@ import type {
   Status,
   Suggestions,
   Trial,
+  User,
   ValueSource,
   Verification,
 } from './types'
@@ -82,6 +84,11 @@ export const connector = {
   ruleDecisions: (cursor?: string, signal?: AbortSignal) => request<Page<RuleDecision>>('GET', `/rule-decisions${query({ cursor })}`, { signal }),
   undoRuleDecision: (id: string) => request<unknown>('POST', path('rule-decisions', id, 'undo')),
 
+  field: (key: FieldKey, signal?: AbortSignal) => request<Field>('GET', fieldPath(key), { signal }),
+  users: (signal?: AbortSignal) => request<Page<User>>('GET', '/users', { signal }),
+  putUser: (userName: string, user: { role: Role; password?: string }) => request<User>('PUT', path('users', userName), { body: user }),
+  removeUser: (userName: string) => request<unknown>('DELETE', path('users', userName)),
+
   revoke: (body: RevocationBody) => request<Revocation>('POST', '/revocations', { body }),
   revocations: (cursor?: string, signal?: AbortSignal) => request<Page<Revocation>>('GET', `/revocations${query({ cursor })}`, { signal }),
   revocationToPrint: (id: string, language: string) => download(`${path('revocations', id, 'print')}${query({ language })}`),
@@ -91,7 +98,7 @@ export const connector = {
 
   decide: (key: FieldKey, decision: Decision) => request<Field>('PUT', `${fieldPath(key)}/decision`, { body: decision }),
   enter: (key: FieldKey, value: unknown) => request<unknown>('PUT', `${fieldPath(key)}/value`, { body: { value } }),
-  preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure }, signal?: AbortSignal) =>
+  preview: (key: FieldKey, draft: { valueSource: ValueSource; mapping?: Mapping; disclosure: Disclosure; policyId?: string }, signal?: AbortSignal) =>
     request<Preview>('POST', `${fieldPath(key)}/preview`, { body: draft, signal }),
 
   operatorOperations: (from: string, until: string, signal?: AbortSignal) => request<Page<OperatorOperation>>('GET', `/operator/operations${query({ from, until })}`, { signal }),
@@ -120,4 +127,4 @@ export const connector = {
 }
 
 /** What happens at the connector, as it happens. */
-export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'status'])
+export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'policies', 'status'])

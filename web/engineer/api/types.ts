@@ -25,6 +25,10 @@ export type MappingState = 'PENDING' | 'MAPPED' | 'REFUSED'
 export type ValueSource = 'MAPPING' | 'MANUAL' | 'EXTERNAL'
 
 export type Role = Schemas['Role']
+export interface User {
+  userName: string
+  role: Role
+}
 /** How a field is coarsened. The parts below `workingHours` are younger than the others and may be absent in an older connector. */
 export type Disclosure = Partial<Schemas['DisclosurePolicy']> & {
   significantDigits?: number | null
@@ -55,6 +59,12 @@ export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSo
   disclosure?: Disclosure | null
   mapping?: Mapping | null
   value?: DataValue | null
+  /** What holds: the strictest of the field's own policy, a named one and those of its recipients. */
+  effectiveDisclosure?: Disclosure | null
+  grounds?: { policyId?: string | null; rules?: { id: string; version: number }[] } | null
+  /** What standing rules offer for an undecided field. */
+  offer?: { action: string; rules: { id: string; version: number; name: string }[]; disclosure: Disclosure; statement: string; valueSource?: ValueSource | null; mapping?: Mapping | null; reason?: string | null } | null
+  isWithheld?: boolean
 }
 
 export interface Operation {
@@ -65,9 +75,10 @@ export interface Operation {
   plannedEnd?: string | null
 }
 
-export type InboxRequest = Omit<Schemas['RequestView'], 'key' | 'operation' | 'fields'> & { key: RequestKey; operation: Operation; fields: Field[] }
+export type InboxRequest = Omit<Schemas['RequestView'], 'key' | 'operation' | 'fields'> & { key: RequestKey; operation: Operation; fields: Field[]; openSince?: string | null; isOverdue?: boolean; hasEnded?: boolean }
 
 export interface Decision {
+  policyId?: string
   mappingState: MappingState
   valueSource?: ValueSource
   mapping?: Mapping
@@ -82,6 +93,9 @@ export type Preview = Omit<Schemas['Preview'], 'inputs' | 'steps' | 'candidate' 
   steps: PreviewStep[]
   candidate?: DataValue | null
   disclosed?: DataValue | null
+  effectiveDisclosure?: Disclosure | null
+  effects?: { kind: string; text: string; isFelt: boolean }[]
+  isWithheld?: boolean
 }
 
 export interface LinkStatus {

@@ -7,18 +7,23 @@ export class Draft {
   inputs = $state<MappingInput[]>([])
   steps = $state<Step[]>([])
   disclosure = $state<Disclosure>({})
+  /** A named policy that holds beside it. */
+  policyId = $state('')
 
   readonly #wanted: Field
   readonly #before: string
 
   constructor(field: Field, request: InboxRequest) {
     this.#wanted = field
-    this.source = field.valueSource ?? 'MAPPING'
-    this.inputs = structuredClone(field.mapping?.inputs ?? [])
-    this.steps = structuredClone(field.mapping?.steps ?? [])
+    const offer = field.mappingState === 'PENDING' ? field.offer : undefined
+    const mapping = field.mapping ?? offer?.mapping
+    this.source = field.valueSource ?? offer?.valueSource ?? 'MAPPING'
+    this.inputs = structuredClone(mapping?.inputs ?? [])
+    this.steps = structuredClone(mapping?.steps ?? [])
+    this.policyId = field.grounds?.policyId ?? ''
     // A field that is open for the first time starts with the period that the partner asked for.
     const asked: Disclosure = request.updateIntervalMs ? { minimumIntervalMs: request.updateIntervalMs } : {}
-    this.disclosure = structuredClone(field.mappingState === 'MAPPED' ? (field.disclosure ?? {}) : { ...asked, ...field.disclosure })
+    this.disclosure = structuredClone(field.mappingState === 'MAPPED' ? (field.disclosure ?? {}) : { ...asked, ...tidy(field.disclosure ?? {}), ...tidy(offer?.disclosure ?? {}) })
     this.#before = JSON.stringify(this.decision)
   }
 
@@ -37,7 +42,7 @@ export class Draft {
   }
 
   get decision(): Decision {
-    return { mappingState: 'MAPPED', valueSource: this.source, ...(this.mapping === undefined ? {} : { mapping: this.mapping }), disclosure: tidy(this.disclosure) }
+    return { mappingState: 'MAPPED', valueSource: this.source, ...(this.mapping === undefined ? {} : { mapping: this.mapping }), disclosure: tidy(this.disclosure), ...(this.policyId === '' ? {} : { policyId: this.policyId }) }
   }
 
   /** Where the first input's type is not the one that is asked for. */
