@@ -48,6 +48,9 @@ script-deno: ## the second script engine (needs cmake and libsimde-dev), and the
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
 	SCRIPT_DENO=$(CURDIR)/target/script-deno/debug/script-deno $(CARGO) test --locked -p script-quickjs --test it
 
+asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
+	tests/foreign/asi/run.sh --with-open62541
+
 screenshots: demo-programs ## every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
@@ -79,4 +82,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: browser chaos help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test

@@ -61,7 +61,8 @@ async def main():
         uri, identifier = value["id"].removeprefix("nsu=").split(";", 1)
         node = server.get_node(ua.NodeId.from_string(f"ns={uris.index(uri)};{identifier}"))
         read = await node.read_value()
-        if str(read) != value["text"]:
+        # An empty text is None to it.
+        if ("" if read is None else str(read)) != value["text"]:
             problems.append(f"{value['id']} has the value {read!r}, not {value['text']!r}")
     for problem in problems[:30]:
         print(problem, file=sys.stderr)
