@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::{FaultCode, NAME_CHARS_MAX, TEXT_CHARS_MAX, faults::Faults};
 use crate::{
-    ids::{InvalidId, is_noncharacter},
+    ids::{ID_BYTES_MAX, InvalidId, is_noncharacter},
     json::{Kind, Node},
     values::DateTime,
 };
@@ -126,7 +126,16 @@ impl Reader {
         match text.parse() {
             Ok(id) => Some(id),
             Err(InvalidId { kind, pattern, .. }) => {
-                self.fault(node, FaultCode::InvalidId, format!("This is not {kind}: it must match {pattern}."));
+                // A pattern counts characters, the bound bytes.
+                let message = match text.len() {
+                    length if length > ID_BYTES_MAX => {
+                        format!(
+                            "This is not {kind}: it has {length} bytes in UTF-8; at most {ID_BYTES_MAX} are accepted."
+                        )
+                    }
+                    _ => format!("This is not {kind}: it must match {pattern}."),
+                };
+                self.fault(node, FaultCode::InvalidId, message);
                 None
             }
         }

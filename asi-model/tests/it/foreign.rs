@@ -10,15 +10,22 @@ use std::{
 use asi_model::{
     DataValue, DateTime, NodeId, Scalar, Variant, asi_types,
     instance::{self, Instance},
-    messages::PlatformMessage,
+    messages::{OperationNetworkMessage, PlatformMessage},
     node_set::{self, Node, NodeClass, NodeSet},
     opcua_json::{DataEncoding, Encoder},
     validation::parse_any_platform_message,
     values::{ExtensionBody, Namespace},
 };
+use proptest::{
+    strategy::{Strategy as _, ValueTree as _},
+    test_runner::TestRunner,
+};
 use serde_json::{Value, json};
 
-use crate::vectors::{Numbers, namespaces, scalars, variants};
+use crate::{
+    networks,
+    vectors::{Numbers, namespaces, scalars, variants},
+};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -88,6 +95,18 @@ fn expected_scalar(scalar: &Scalar) -> Value {
             json!({ "type": name, "members": members })
         }
         Scalar::Variant(inner) => expected(inner),
+        Scalar::DataValue(inner) => json!({
+            "value": expected(&inner.value),
+            "sourceTimestamp": inner.source_timestamp.map(milliseconds)
+        }),
+        Scalar::DiagnosticInfo(info) => json!({
+            "symbolicId": info.symbolic_id,
+            "namespaceUri": info.namespace_uri,
+            "locale": info.locale,
+            "localizedText": info.localized_text,
+            "additionalInfo": info.additional_info.as_deref(),
+            "innerStatusCode": info.inner_status_code.map_or(0, |status| status.0)
+        }),
         other => json!(i64::try_from(other.as_i128().unwrap()).unwrap()),
     }
 }
@@ -188,6 +207,21 @@ fn expected_nodes(sets: &[NodeSet]) -> Value {
     json!({ "namespaces": namespaces, "nodes": list, "references": references, "values": values })
 }
 
+/// Networks with ids that are hard to carry, the same on every run, each at a factory of its own: its folder is in each
+/// of its documents.
+fn random_messages(count: usize) -> Vec<OperationNetworkMessage> {
+    let mut runner = TestRunner::deterministic();
+    let messages = std::iter::repeat_with(|| networks::message().new_tree(&mut runner).unwrap().current());
+    messages
+        .take(count)
+        .enumerate()
+        .map(|(number, mut message)| {
+            message.factory_id = format!("RANDOM_{number}").parse().unwrap();
+            message
+        })
+        .collect()
+}
+
 #[test]
 fn foreign_stacks_load_the_node_sets() {
     let peers = peers();
@@ -201,6 +235,13 @@ fn foreign_stacks_load_the_node_sets() {
         };
         let nodes = instance::node_set(&Instance::new(&message));
         let file = scratch(&format!("{name}.xml"));
+        std::fs::write(&file, node_set::write(&nodes)).unwrap();
+        sets.push(nodes);
+        files.push(file);
+    }
+    for (number, message) in random_messages(4).into_iter().enumerate() {
+        let nodes = instance::node_set(&Instance::new(&message));
+        let file = scratch(&format!("random-{number}.xml"));
         std::fs::write(&file, node_set::write(&nodes)).unwrap();
         sets.push(nodes);
         files.push(file);

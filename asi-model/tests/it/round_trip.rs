@@ -62,8 +62,11 @@ fn values_survive_node_sets() {
         let NodeClass::Variable { value: found, .. } = &found.nodes[0].class else { panic!("no variable") };
         if found.is_null() {
             let is_matrix = matches!(&value, Variant::Array(array) if array.dimensions.is_some());
-            let is_foreign =
-                is_matrix || value.built_in_type() == Some(BuiltInType::Variant) || as_text(&value).contains("null");
+            let holds_others = matches!(
+                value.built_in_type(),
+                Some(BuiltInType::Variant | BuiltInType::DataValue | BuiltInType::DiagnosticInfo)
+            );
+            let is_foreign = is_matrix || holds_others || as_text(&value).contains("null");
             assert!(is_foreign, "{text}");
             continue;
         }

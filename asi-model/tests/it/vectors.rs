@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use asi_model::{
-    BuiltInType, DateTime, NodeId, Scalar, StatusCode, Variant, units,
+    BuiltInType, DataValue, DateTime, NodeId, Scalar, StatusCode, Variant, units,
     values::{
-        Array, ExpandedNodeId, ExtensionBody, ExtensionObject, Identifier, LocalizedText, Namespace, QualifiedName,
-        Server, StructureValue,
+        Array, DiagnosticInfo, ExpandedNodeId, ExtensionBody, ExtensionObject, Identifier, LocalizedText, Namespace,
+        QualifiedName, Server, StructureValue,
     },
 };
 
@@ -99,6 +99,17 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
             Scalar::ByteString(Some(bits.to_le_bytes()[..1 + (bits % 7) as usize].into())),
             Scalar::ExpandedNodeId(Box::new(ExpandedNodeId { node_id: node_id.clone(), server: Server::Local })),
             Scalar::NodeId(Box::new(node_id)),
+            Scalar::DataValue(Box::new(DataValue::good(
+                number_of(bits),
+                DateTime::from_ticks(132_000_000_000_000_000 + (bits % 1_000_000_000) as i64),
+            ))),
+            Scalar::DiagnosticInfo(Box::new(DiagnosticInfo {
+                symbolic_id: Some((bits % 100) as i32),
+                locale: (bits & 1 == 0).then_some((bits % 7) as i32),
+                additional_info: (bits & 2 == 0).then(|| format!("Info {bits}").into()),
+                inner_status_code: (bits & 4 == 0).then_some(StatusCode::BAD_TIMEOUT),
+                ..DiagnosticInfo::default()
+            })),
             // It knows the standard's codes only.
             Scalar::StatusCode(
                 [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN][bits as usize % 3],
@@ -106,6 +117,15 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
         ]);
     }
     all
+}
+
+/// A value of one type or another.
+fn number_of(bits: u64) -> Variant {
+    match bits % 3 {
+        0 => bits.into(),
+        1 => 1.5.into(),
+        _ => "text".into(),
+    }
 }
 
 pub fn range(low: f64, high: f64) -> ExtensionObject {

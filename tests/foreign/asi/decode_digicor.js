@@ -44,6 +44,8 @@ function plain(type, value) {
       return { locale: value.locale ?? null, text: value.text ?? null };
     case "ExtensionObject":
       return structure(value);
+    case "DiagnosticInfo":
+      return diagnosticInfo(value);
     case "Variant":
       return variant(value);
     case "DataValue":
@@ -51,6 +53,19 @@ function plain(type, value) {
     default:
       return value;
   }
+}
+
+/** An absent number is -1 to it, an absent status Good. */
+function diagnosticInfo(found) {
+  const number = (value) => (value === undefined || value === null || value === -1 ? null : value);
+  return {
+    symbolicId: number(found.symbolicId),
+    namespaceUri: number(found.namespaceUri),
+    locale: number(found.locale),
+    localizedText: number(found.localizedText),
+    additionalInfo: found.additionalInfo ?? null,
+    innerStatusCode: found.innerStatusCode?.value ?? 0,
+  };
 }
 
 function structure(object) {
