@@ -1,6 +1,7 @@
 //! Pages and API of the factory engineer.
 
 mod accounts;
+mod client_certificates;
 mod comments;
 mod configuration;
 mod events;
@@ -225,6 +226,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(search::search))
         .routes(routes!(sources::certificates))
         .routes(routes!(sources::trust))
+        .routes(routes!(client_certificates::list, client_certificates::add))
+        .routes(routes!(client_certificates::trust))
         .routes(routes!(comments::list, comments::add))
         .routes(routes!(ledger::list))
         .routes(routes!(ledger::verify))

@@ -148,6 +148,7 @@ impl ConnectorConfig {
         if self.admin.user_name.trim().is_empty() {
             faults.push("admin.user_name must not be empty".to_owned());
         }
+        faults.extend(self.twin_config().faults().into_iter().map(|fault| format!("twin.{fault}")));
         faults
     }
 
@@ -192,5 +193,15 @@ mod tests {
         assert!(config.faults().is_empty());
         config.web.listen = "0.0.0.0:8090".parse().expect("an address");
         assert_eq!(config.faults().len(), 1);
+    }
+
+    #[test]
+    fn the_twins_faults_are_named_with_its_section() {
+        let mut config = ConnectorConfig::default();
+        config.twin.discovery.local_discovery_server_url = Some("http://discovery".to_owned());
+        config.twin.discovery.registration_interval_s = 1000;
+        let faults = config.faults();
+        assert_eq!(faults.len(), 2, "{faults:?}");
+        assert!(faults.iter().all(|fault| fault.starts_with("twin.discovery.")), "{faults:?}");
     }
 }

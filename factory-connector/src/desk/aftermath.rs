@@ -1,6 +1,9 @@
 //! After the commit: twin, mapping engine, link and pages hear of it, in this order.
 
-use std::collections::HashMap;
+use std::{
+    collections::HashMap,
+    time::{Duration, Instant},
+};
 
 use asi_model::OperationNetworkId;
 use time::OffsetDateTime;
@@ -9,10 +12,19 @@ use twin::AsiDocument;
 use super::{Desk, now};
 use crate::books::{Aftermath, TwinWork};
 
+/// How long the twin is brought up to date without letting others run.
+const TURN_MAX: Duration = Duration::from_millis(2);
+
 impl Desk {
     pub(super) async fn follow(&mut self, aftermath: Aftermath) {
+        let mut turn = Instant::now();
         for work in aftermath.twin {
             self.show(work);
+            // After a restart there are thousands: those who read meanwhile get their turns.
+            if turn.elapsed() >= TURN_MAX {
+                tokio::task::yield_now().await;
+                turn = Instant::now();
+            }
         }
         if !aftermath.values.is_empty() {
             self.rooms.twin.publish_values(aftermath.values);
