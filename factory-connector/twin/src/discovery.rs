@@ -27,7 +27,7 @@ impl Discovery {
         // The server does not run yet, but will when this is sent.
         let server = RegisteredServer { is_online: true, ..handle.info().registered_server() };
         let name = server.server_names.iter().flatten().next().map(|name| name.text.to_string()).unwrap_or_default();
-        let announcement = config.discovery.announce_by_multicast_dns.then(|| Announcement { name, address });
+        let announcement = config.discovery.announce_by_multicast_dns.then_some(Announcement { name, address });
         let registration = config.discovery.local_discovery_server_url.clone().map(|url| Registration {
             url,
             interval: config.discovery.registration_interval(),
