@@ -3,6 +3,7 @@
 
 mod browsable;
 mod throughput;
+pub mod twin;
 
 use std::time::Duration;
 
@@ -36,10 +37,33 @@ pub async fn run() -> anyhow::Result<()> {
     results.extend(distribution("request sent -> nodes browsable in the twin", latencies));
     results.extend(throughput::measure(&world, &cast).await?);
     world.stop()?;
+    results.extend(twin::measure().await?);
     let file = repository()?.join("target/bench/results.json");
     std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
     std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
     say(&format!("\nWritten to {}", file.display()));
+    Ok(())
+}
+
+/// Measures the twin alone.
+///
+/// # Errors
+/// When a part of it fails or takes too long.
+pub async fn run_twin() -> anyhow::Result<()> {
+    say(&format!("{}\n", machine()));
+    twin::measure().await?;
+    Ok(())
+}
+
+/// Measures one part of the twin in this process and prints what it finds as JSON.
+///
+/// # Errors
+/// When it fails.
+pub async fn run_twin_part(part: twin::Part) -> anyhow::Result<()> {
+    let found = twin::run_part(part).await?;
+    if part != twin::Part::Serve {
+        say(&serde_json::to_string(&found)?);
+    }
     Ok(())
 }
 
