@@ -4,8 +4,8 @@ mod from_factory;
 mod to_factory;
 
 pub use from_factory::{
-    Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, Decision, DecisionTarget, DisclosureStatement,
-    FactoryMessage, Fault, Gap, GapCause, MappingState, ValueSource,
+    Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision, DecisionTarget,
+    DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState, RateStatement, ValueSource,
 };
 pub use to_factory::{
     AssetRequest, Comment, OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt,

@@ -8,10 +8,13 @@ mod events;
 mod exchange;
 mod fields;
 mod inbox;
+mod leaks;
 mod ledger;
 mod operator;
+mod policies;
 mod preview;
 mod problems;
+mod rules;
 mod search;
 mod session;
 mod shadow;
@@ -199,6 +202,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(inbox::list))
         .routes(routes!(inbox::networks))
         .routes(routes!(inbox::network))
+        .routes(routes!(inbox::news))
+        .routes(routes!(fields::read))
         .routes(routes!(fields::decide))
         .routes(routes!(fields::enter))
         .routes(routes!(operator::operations))
@@ -233,6 +238,21 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(ledger::verify))
         .routes(routes!(spool::show))
         .routes(routes!(spool::dead_letters))
+        .routes(routes!(leaks::list))
+        .routes(routes!(leaks::offer))
+        .routes(routes!(policies::list))
+        .routes(routes!(policies::put))
+        .routes(routes!(policies::versions))
+        .routes(routes!(policies::preview))
+        .routes(routes!(policies::recipients))
+        .routes(routes!(policies::set_recipient))
+        .routes(routes!(rules::list))
+        .routes(routes!(rules::put))
+        .routes(routes!(rules::versions))
+        .routes(routes!(rules::preview))
+        .routes(routes!(rules::apply))
+        .routes(routes!(rules::decisions))
+        .routes(routes!(rules::undo))
         .routes(routes!(events::stream))
 }
 

@@ -9,12 +9,19 @@ mod decisions;
 mod field;
 mod mappings;
 mod operator;
+mod policies;
+#[cfg(test)]
+mod policy_tests;
 mod requests;
+mod rules;
 mod spool;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+mod traffic;
+mod validity;
 mod values;
 mod wanted;
+mod withholding;
 mod writer;
 
 use std::{
@@ -29,14 +36,19 @@ use asi_model::{
 };
 use uuid::Uuid;
 
-pub use aftermath::{Aftermath, ConnectorEvent, MappingWork, TwinWork};
+pub use aftermath::{Aftermath, ConnectorEvent, FieldNews, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision};
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
+pub use policies::{DocumentError, Grounds, RecipientPolicy};
+pub use rules::RuleOffer;
+pub use traffic::Traffic;
+pub use validity::Validity;
 pub use writer::Writer;
 
 use crate::{
+    disclosure::{DocumentId, NamedPolicy, Rule, Versioned},
     ledger::{Event, Heads, SequenceRange},
     operator::{Journal, OperationKey},
     store::{Changes, ControlRow, Snapshot, StoreError, WaitingRow},
@@ -79,6 +91,19 @@ pub struct Books {
     pub(crate) dirty_fields: BTreeSet<FieldKey>,
     /// When gates want to be asked again.
     pub(crate) due: BTreeSet<(DateTime, FieldKey)>,
+    /// Which fields' gates look at a field's state.
+    pub(crate) watchers: HashMap<FieldKey, BTreeSet<FieldKey>>,
+    /// Named policies in their newest version.
+    pub(crate) policies: BTreeMap<DocumentId, Versioned<NamedPolicy>>,
+    /// Standing rules in their newest version.
+    pub(crate) rules: BTreeMap<DocumentId, Versioned<Rule>>,
+    /// The policies set for recipients.
+    pub(crate) recipient_policies: BTreeMap<OrganisationId, RecipientPolicy>,
+    pub(crate) last_rule_decision: i64,
+    /// When the next mapped field's request ends, at the earliest.
+    pub(crate) next_expiry: Option<DateTime>,
+    /// Fields with a value that came before their request asks for it, by when it does.
+    pub(crate) beginnings: BTreeSet<(DateTime, FieldKey)>,
     pub(crate) last_row: i64,
     pub(crate) last_field: i64,
     pub(crate) changes: Changes,
@@ -105,6 +130,13 @@ impl Books {
             dirty_writers: BTreeSet::new(),
             dirty_fields: BTreeSet::new(),
             due: BTreeSet::new(),
+            watchers: HashMap::new(),
+            policies: keyed(snapshot.policies),
+            rules: keyed(snapshot.rules),
+            recipient_policies: snapshot.recipient_policies.into_iter().collect(),
+            last_rule_decision: snapshot.last_rule_decision,
+            next_expiry: None,
+            beginnings: BTreeSet::new(),
             last_row: snapshot.last_row,
             last_field: 0,
             changes: Changes::default(),
@@ -134,6 +166,7 @@ impl Books {
                 field.shelf = Self::load_shelf(newest, field.decision.mapping.as_ref(), shadow)?;
             }
         }
+        books.watch_after_load(now);
         if is_restored {
             tracing::warn!("The store is an older copy of itself; every data set writer begins a new epoch.");
             let writers: Vec<u16> = books.writer_of.values().copied().collect();
@@ -228,6 +261,10 @@ impl Books {
             self.record(recipients, now, None, &outcome(range));
         }
     }
+}
+
+fn keyed<T>(documents: Vec<Versioned<T>>) -> BTreeMap<DocumentId, Versioned<T>> {
+    documents.into_iter().map(|document| (document.key.id.clone(), document)).collect()
 }
 
 /// The range of a single sequence number.

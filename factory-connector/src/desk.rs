@@ -9,6 +9,8 @@ mod aftermath;
 mod handle;
 mod housekeeping;
 mod messages;
+#[cfg(test)]
+mod ways_tests;
 
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
@@ -176,7 +178,10 @@ impl Desk {
             for command in commands {
                 self.take(command).await?;
             }
-            self.books.release_due(now());
+            let now = now();
+            self.books.begin(now);
+            self.books.expire(now);
+            self.books.release_due(now);
             self.keep_house().await?;
             if self.must_commit() {
                 self.commit().await?;
@@ -220,7 +225,7 @@ impl Desk {
         if let Some(oldest) = self.oldest_unwritten {
             at = at.min(oldest + UNREPORTED_STATE_MAX);
         }
-        if let Some(due) = self.books.next_due() {
+        if let Some(due) = self.books.next_due().into_iter().chain(self.books.next_turn()).min() {
             at = at.min(Instant::now() + due.since(now()));
         }
         at

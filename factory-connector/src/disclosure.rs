@@ -4,13 +4,31 @@
 //! as the engineer's consent says, and only what [`Gate`] has released can reach the reporter, the twin's nodes and the
 //! ledger. The gate is pure: it has no clock and does no I/O, so its promises are stated as properties and tested.
 
+mod aggregate;
 mod coarsening;
 mod decimal;
+mod documents;
+mod effects;
+mod faults;
 mod gate;
+mod leak;
 mod policy;
+mod rate;
+mod rules;
+mod statement;
+mod strictest;
+mod withholding;
 mod working_hours;
 
+pub use aggregate::{AggregateFunction, Aggregation, OpenWindow, Sum, WindowAggregate};
 pub use decimal::{Decimal, InvalidStep, RoundingStep};
+pub use documents::{DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, Versioned};
+pub use effects::{Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max};
+pub use faults::PolicyFault;
 pub use gate::{Gate, GateState, Outcome};
-pub use policy::{DisclosurePolicy, PolicyFault};
+pub use leak::{Conclusion, FieldLeak, LeakBudget, LeakWarning, Measured, OpenField, leak_budget};
+pub use policy::DisclosurePolicy;
+pub use rate::RateLimit;
+pub use rules::{Rule, RuleAction, RuleCondition, RuleFault, RuleOutcome, outcome};
+pub use withholding::{StateValue, WithholdCondition};
 pub use working_hours::{ClockTime, Weekday, WorkingHours};

@@ -13,6 +13,8 @@ mod lookups;
 mod mappings;
 mod open;
 mod operator;
+mod policies;
+mod revisions;
 mod rows;
 mod spool;
 
@@ -29,4 +31,9 @@ pub use mappings::{
     MappingChanges, MappingShelf, ShadowRow, TemplateRow, VERSIONS_MAX, VersionRow, templates, versions,
 };
 pub use open::{Identity, Store};
+pub use policies::{
+    DocumentRow, DocumentVersions, RecipientPolicyRow, RuleDecision, RuleDecisionRow, document_versions, rule_decision,
+    rule_decisions,
+};
+pub use revisions::{Revisions, revisions};
 pub use spool::{Message, SpoolReader, WaitingRow};

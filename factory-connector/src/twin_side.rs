@@ -13,9 +13,9 @@ use sqlx::SqlitePool;
 use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
 
 use crate::{
-    books::Verdict,
+    books::{Grounds, Verdict},
     desk::{DeskError, DeskHandle, Taken},
-    disclosure::{DisclosurePolicy, Outcome},
+    disclosure::Outcome,
     store::{self, Role},
 };
 
@@ -34,18 +34,21 @@ impl FieldWriter for DeskWriter {
     }
 
     async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode {
-        let verdict = match decision.mapping_state {
-            MappingState::Pending => Verdict::LeavePending,
-            MappingState::Refused => Verdict::Refuse,
-            MappingState::Mapped => {
+        let (key, by) = (field.clone(), user.name.to_string());
+        let decided = self.0.change(move |books, now| {
+            let kept =
+                books.field(&key).map(|field| ((*field.decision.policy).clone(), field.decision.grounds.clone()));
+            let (policy, grounds) = kept.unwrap_or_default();
+            let verdict = match decision.mapping_state {
+                MappingState::Pending => Verdict::LeavePending,
+                MappingState::Refused => Verdict::Refuse,
                 // An OPC UA client opens a field to OPC UA clients; the policy stays as the page set it.
-                let key = field.clone();
-                let policy = self.0.read(move |books| books.field(&key).map(|f| (*f.decision.policy).clone())).await;
-                let policy: DisclosurePolicy = policy.ok().flatten().unwrap_or_default();
-                Verdict::Map { value_source: ValueSource::External, mapping: None, policy }
-            }
-        };
-        match self.0.decide(field.clone(), verdict, decision.reason, &user.name).await {
+                MappingState::Mapped => Verdict::Map { value_source: ValueSource::External, mapping: None, policy },
+            };
+            let grounds = Grounds { policy_id: grounds.policy_id, ..Grounds::default() };
+            books.decide_on(&key, verdict, decision.reason, &by, grounds, now)
+        });
+        match decided.await.and_then(|decided| decided.map_err(DeskError::from)) {
             Ok(()) => StatusCode::GOOD,
             Err(error) => failure(&error),
         }
@@ -59,6 +62,8 @@ const fn status_of(outcome: Outcome) -> StatusCode {
         }
         Outcome::Disclosed { .. } | Outcome::Unchanged { .. } => StatusCode::GOOD,
         Outcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
+        // It was taken, but nothing of it will ever be seen: the policy withholds the present state.
+        Outcome::Suppressed => StatusCode::GOOD_CLAMPED,
     }
 }
 

@@ -5,14 +5,16 @@ use crate::{
     ids::{FactoryId, OrganisationId},
     json::{Kind, Node},
     messages::{
-        Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, AssetRequest, Comment, Decision, DecisionTarget,
-        DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState, OperationNetworkMessage,
-        PlatformMessage, Receipt, Withdraw, WriterReceipt,
+        Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, AssetRequest, Comment,
+        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState,
+        OperationNetworkMessage, PlatformMessage, RateStatement, Receipt, Withdraw, WriterReceipt,
     },
 };
 
 /// Most writers in one receipt and most missing numbers of one writer.
 const RECEIPTS_MAX: usize = 10_000;
+/// Most limits of the rate that one disclosure states.
+const RATE_LIMITS_MAX: usize = 16;
 const ASSET_KINDS: [(&str, AssetKind); 4] = [
     ("POSE", AssetKind::Pose),
     ("POWER", AssetKind::Power),
@@ -265,16 +267,40 @@ fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureState
     if !reader.is_object(node, "A disclosure") {
         return None;
     }
-    let millis = |reader: &mut Reader, name: &str| {
-        reader.optional(node, name, |reader, node| reader.integer(node, "milliseconds as a number from 0"))
-    };
+    let millis = |reader: &mut Reader, name: &str| reader.optional(node, name, milliseconds);
     Some(DisclosureStatement {
         description: reader.required(node, "description", Reader::text).unwrap_or_default(),
         rounding_step: reader.optional(node, "roundingStep", Reader::quantity),
+        significant_digits: reader
+            .optional(node, "significantDigits", |reader, node| reader.integer(node, "digits as a number from 0")),
+        aggregate: reader.optional(node, "aggregate", aggregate),
         minimum_interval_ms: millis(reader, "minimumIntervalMs"),
+        rate_limit_list: reader.optional_list(node, "rateLimitList", RATE_LIMITS_MAX, rate),
         time_step_ms: millis(reader, "timeStepMs"),
         delay_ms: millis(reader, "delayMs"),
     })
+}
+
+fn aggregate(reader: &mut Reader, node: Node<'_, '_>) -> Option<AggregateStatement> {
+    if !reader.is_object(node, "An aggregate") {
+        return None;
+    }
+    let function = reader.required(node, "function", Reader::text);
+    let window_ms = reader.required(node, "windowMs", milliseconds);
+    Some(AggregateStatement { function: function?, window_ms: window_ms? })
+}
+
+fn rate(reader: &mut Reader, node: Node<'_, '_>) -> Option<RateStatement> {
+    if !reader.is_object(node, "A limit of the rate") {
+        return None;
+    }
+    let values = number(reader, node, "values");
+    let period_ms = reader.required(node, "periodMs", milliseconds);
+    Some(RateStatement { values: values?, period_ms: period_ms? })
+}
+
+fn milliseconds(reader: &mut Reader, node: Node<'_, '_>) -> Option<u64> {
+    reader.integer(node, "milliseconds as a number from 0")
 }
 
 fn gap(reader: &mut Reader, root: Node<'_, '_>) -> Gap {

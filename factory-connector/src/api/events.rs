@@ -4,20 +4,52 @@ use axum::{extract::State, http::HeaderMap, response::Response};
 use daemon::web::events::last_event_id;
 
 use super::{Api, problems::Problems};
-use crate::books::ConnectorEvent;
+use crate::{
+    books::{ConnectorEvent, FieldNews},
+    values::ShownValue,
+};
 
-/// Server-sent events: `field` with the field's key, `inbox` and `comment` with the network's id, `operator` with the
-/// operation's key, `status`, and `reset` where events were missed and the page must load afresh. They name what changed;
-/// values are read.
+/// A field's address flat, as its key is, with what is new.
+#[derive(serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+struct FieldNewsView<'n> {
+    #[serde(flatten)]
+    address: &'n asi_model::FieldKey,
+    key: &'n asi_model::FieldKey,
+    mapping_state: asi_model::messages::MappingState,
+    consent_version: u32,
+    is_withheld: bool,
+    value: Option<ShownValue>,
+}
+
+impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
+    fn from(news: &'n FieldNews) -> Self {
+        Self {
+            address: &news.key,
+            key: &news.key,
+            mapping_state: news.mapping_state,
+            consent_version: news.consent_version,
+            is_withheld: news.is_withheld,
+            value: news.value.as_ref().map(ShownValue::from),
+        }
+    }
+}
+
+/// Server-sent events: `field` with the field's key, its state and its newest disclosed value, `inbox` and `comment`
+/// with the network's id, `operator` with the operation's key, `policies`, `status`, and `reset` where events were
+/// missed and the page must load afresh.
 #[utoipa::path(get, path = "/events", tag = "events", security(("session" = [])),
     responses((status = 200, content_type = "text/event-stream", body = String), Problems))]
 pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
     api.events.stream(last_event_id(&headers), api.shutdown.clone(), |event| {
         Some(match event {
-            ConnectorEvent::Field(key) => ("field", serde_json::to_string(key).unwrap_or_default()),
+            ConnectorEvent::Field(news) => {
+                ("field", serde_json::to_string(&FieldNewsView::from(&**news)).unwrap_or_default())
+            }
             ConnectorEvent::Inbox(id) => ("inbox", serde_json::json!({ "operationNetworkId": id }).to_string()),
             ConnectorEvent::Comment(id) => ("comment", serde_json::json!({ "operationNetworkId": id }).to_string()),
             ConnectorEvent::Operator(operation) => ("operator", serde_json::to_string(operation).unwrap_or_default()),
+            ConnectorEvent::Policies => ("policies", "{}".to_owned()),
             ConnectorEvent::Status => ("status", "{}".to_owned()),
         })
     })

@@ -17,9 +17,9 @@ use super::{
     view::FieldView,
 };
 use crate::{
-    books::{EntryOutcome, Verdict},
-    desk::now,
-    disclosure::{DisclosurePolicy, Outcome},
+    books::{EntryOutcome, Grounds, Verdict},
+    desk::{DeskError, now},
+    disclosure::{DisclosurePolicy, DocumentId, Outcome},
     operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
 
@@ -64,6 +64,9 @@ pub struct DecisionBody {
     /// How values are coarsened; every change as it is without it.
     #[serde(default)]
     disclosure: DisclosurePolicy,
+    /// A named policy that holds beside it, in its newest version from now on.
+    #[schema(value_type = Option<String>)]
+    policy_id: Option<DocumentId>,
     /// Told to the partner; needed with `REFUSED`.
     reason: Option<String>,
 }
@@ -135,12 +138,24 @@ pub async fn decide(
             Verdict::Map { value_source, mapping, policy: body.disclosure }
         }
     };
-    api.desk.decide(field.clone(), verdict, body.reason, &who.principal.user_name).await?;
+    let grounds = Grounds { policy_id: body.policy_id, ..Grounds::default() };
+    let (key, by, reason) = (field.clone(), who.principal.user_name.clone(), body.reason);
+    let decided = api.desk.change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now)).await?;
+    decided.map_err(DeskError::from)?;
     show(&api, field).await
 }
 
+/// Shows a field as it stands.
+#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}",
+    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = FieldView), Problems))]
+pub async fn read(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<FieldView>, Problem> {
+    show(&api, key(path)).await
+}
+
 pub(super) async fn show(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
-    let view = api.desk.read(move |books| books.field(&field).map(|f| FieldView::new(field.clone(), f))).await?;
+    let view = api.desk.read(move |books| books.field(&field).map(|f| FieldView::new(books, field.clone(), f))).await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such field"))
 }
 
@@ -165,7 +180,8 @@ pub struct EnteredValue {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Entered {
-    /// `DISCLOSED`, `UNCHANGED` or `WITHHELD`.
+    /// `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds the present state:
+    /// it never leaves).
     outcome: &'static str,
     /// Less than was entered is disclosed.
     is_coarsened: bool,
@@ -237,6 +253,7 @@ impl From<Outcome> for Entered {
             Outcome::Disclosed { is_coarsened } => ("DISCLOSED", is_coarsened, None),
             Outcome::Unchanged { is_coarsened } => ("UNCHANGED", is_coarsened, None),
             Outcome::Withheld { until } => ("WITHHELD", false, Some(until)),
+            Outcome::Suppressed => ("SUPPRESSED", true, None),
         };
         Self { outcome, is_coarsened, until }
     }

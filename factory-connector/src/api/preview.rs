@@ -22,7 +22,7 @@ use super::{
 use crate::{
     books::{Books, new_message_id},
     desk::now,
-    disclosure::{DisclosurePolicy, Gate, GateState},
+    disclosure::{DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, effects},
     values::{ShownValue, typed_value},
 };
 
@@ -38,6 +38,9 @@ pub struct Draft {
     /// How values would be coarsened.
     #[serde(default)]
     disclosure: DisclosurePolicy,
+    /// A named policy that would hold beside it.
+    #[schema(value_type = Option<String>)]
+    policy_id: Option<DocumentId>,
 }
 
 /// A variable with what its machine says.
@@ -78,6 +81,14 @@ pub struct Preview {
     disclosed_at: Option<DateTime>,
     /// The precision in words, as the partner reads it.
     statement: String,
+    /// The precision that would hold: the strictest of the draft, the named policy and the recipients' policies.
+    effective_disclosure: DisclosurePolicy,
+    /// What each part of it does to this value.
+    effects: Vec<Effect>,
+    /// What partners could conclude if this were decided.
+    warnings: Vec<LeakWarning>,
+    /// Nothing would leave now: the policy withholds the present state, or one that is not known.
+    is_withheld: bool,
     /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times.
     message: Option<String>,
     /// What is wrong or doubtful about the mapping.
@@ -98,13 +109,18 @@ pub async fn preview(
     engineer_only(&who)?;
     let field = key(path);
     let now = now();
+    let policy = effective(&api, &field, draft.disclosure, draft.policy_id).await?;
     let mut preview = Preview {
         inputs: Vec::new(),
         steps: Vec::new(),
         candidate: None,
         disclosed: None,
         disclosed_at: None,
-        statement: statement(&api, &field, &draft.disclosure).await?,
+        statement: statement(&api, &field, &policy).await?,
+        effective_disclosure: (*policy).clone(),
+        effects: Vec::new(),
+        warnings: warnings(&api, &field, &policy, now).await?,
+        is_withheld: false,
         message: None,
         diagnostics: Vec::new(),
     };
@@ -115,29 +131,72 @@ pub async fn preview(
     };
     let Some(candidate) = candidate else { return Ok(Json(preview)) };
     preview.candidate = Some(ShownValue::from(&candidate));
-    let policy = Arc::new(draft.disclosure);
     let shown = api
         .desk
         .read(move |books| {
-            let definition = &books.field(&field)?.definition;
-            let mut gate = Gate::new(policy, definition.field_type.0, GateState::default(), now);
-            gate.on(now, candidate);
+            let field_type = books.field(&field)?.definition.field_type.0;
+            let mut gate = books.trial_gate(&field, Arc::clone(&policy), now)?;
+            let outcome = gate.on(now, candidate.clone());
+            let is_withheld = outcome == Outcome::Suppressed;
+            let effects = effects(&policy, field_type, &candidate, is_withheld, now);
             // What is delayed or waits for its hour leaves like this once its time has come.
             let mut held_until = None;
             while let Some(due) = gate.due().filter(|_| gate.disclosed().is_none()) {
                 held_until = Some(due);
                 gate.on_time(due);
             }
-            let disclosed = gate.disclosed()?.clone();
-            Some((ShownValue::from(&disclosed), held_until, message(books, &field, &disclosed, now)))
+            let shown = gate
+                .disclosed()
+                .map(|disclosed| (ShownValue::from(disclosed), held_until, message(books, &field, disclosed, now)));
+            Some((effects, is_withheld, shown))
         })
         .await?;
-    if let Some((disclosed, held_until, message)) = shown {
-        preview.disclosed = Some(disclosed);
-        preview.disclosed_at = held_until;
-        preview.message = message;
+    if let Some((effects, is_withheld, shown)) = shown {
+        preview.effects = effects;
+        preview.is_withheld = is_withheld;
+        if let Some((disclosed, held_until, message)) = shown {
+            preview.disclosed = Some(disclosed);
+            preview.disclosed_at = held_until;
+            preview.message = message;
+        }
     }
     Ok(Json(preview))
+}
+
+/// The precision that would hold.
+async fn effective(
+    api: &Api,
+    field: &FieldKey,
+    draft: DisclosurePolicy,
+    policy_id: Option<DocumentId>,
+) -> Result<Arc<DisclosurePolicy>, Problem> {
+    let key = field.clone();
+    let found = api
+        .desk
+        .read(move |books| {
+            let field = books.field(&key)?;
+            Some(books.effective_policy(&key, field, &draft, policy_id.as_ref()).0)
+        })
+        .await?;
+    found.ok_or_else(|| Problem::not_found("such field"))
+}
+
+/// What any partner could conclude with this field, once each.
+async fn warnings(
+    api: &Api,
+    field: &FieldKey,
+    policy: &Arc<DisclosurePolicy>,
+    now: DateTime,
+) -> Result<Vec<LeakWarning>, Problem> {
+    let (key, policy) = (field.clone(), Arc::clone(policy));
+    let budgets = api.desk.read(move |books| books.leak_budgets(now, Some((&key, &policy)))).await?;
+    let mut found: Vec<LeakWarning> = Vec::new();
+    for warning in budgets.into_values().flat_map(|budget| budget.warnings) {
+        if warning.fields.contains(field) && !found.contains(&warning) {
+            found.push(warning);
+        }
+    }
+    Ok(found)
 }
 
 async fn statement(api: &Api, field: &FieldKey, policy: &DisclosurePolicy) -> Result<String, Problem> {

@@ -55,6 +55,9 @@ impl From<DeskError> for Problem {
                     .collect();
                 Self::unprocessable("INVALID_POLICY", "The disclosure policy does not fit the field.", faults)
             }
+            DeskError::Decision(DecisionError::DecidedSince) => {
+                Self::conflict("DECIDED_SINCE", "Something else was decided about the field since; read it again.")
+            }
             DeskError::Decision(other) => Self::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
             DeskError::NotWritten => Self::unavailable(
                 "NOT_WRITTEN",

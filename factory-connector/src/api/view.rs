@@ -1,12 +1,18 @@
 //! Requests and fields as pages show them.
 
-use asi_model::{DateTime, FieldKey, RequestKey};
+use std::time::Duration;
+
+use asi_model::{
+    DateTime, FieldKey, RequestKey,
+    messages::{MappingState, OperationNetworkMessage},
+    network::{DynamicDataRequest, Operation},
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
-    books::{Books, Field},
-    disclosure::DisclosurePolicy,
+    books::{Books, Field, Grounds, Network, RuleOffer},
+    disclosure::{DisclosurePolicy, DocumentVersion, RuleAction},
     values::ShownValue,
 };
 
@@ -53,8 +59,16 @@ pub struct FieldView {
     /// `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped.
     #[schema(value_type = Option<String>)]
     pub value_source: Option<asi_model::messages::ValueSource>,
-    /// How values are coarsened.
+    /// How values are coarsened at least, as decided.
     pub disclosure: DisclosurePolicy,
+    /// How they are coarsened: the strictest of that, of the named policy and of the recipients' policies.
+    pub effective_disclosure: DisclosurePolicy,
+    /// The named policy and the rules on whose grounds it was decided.
+    pub grounds: Grounds,
+    /// What the standing rules offer for an undecided field.
+    pub offer: Option<RuleOfferView>,
+    /// Nothing leaves at present: the policy withholds the present state, or one that is not known.
+    pub is_withheld: bool,
     /// The same in words, as the partner is told.
     pub disclosure_statement: Option<String>,
     /// Why it was decided so.
@@ -77,7 +91,7 @@ pub struct FieldView {
 
 impl FieldView {
     /// As it stands.
-    pub fn new(key: FieldKey, field: &Field) -> Self {
+    pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
         Self {
             name: definition.name.to_string(),
@@ -89,6 +103,13 @@ impl FieldView {
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
             disclosure: (*decision.policy).clone(),
+            effective_disclosure: (**field.gate.policy()).clone(),
+            grounds: decision.grounds.clone(),
+            offer: (decision.mapping_state == asi_model::messages::MappingState::Pending)
+                .then(|| books.rule_offer(&key))
+                .flatten()
+                .map(|offer| RuleOfferView::new(&offer, field)),
+            is_withheld: decision.is_mapped() && field.gate.is_withheld(),
             disclosure_statement: field.statement().map(|statement| statement.description),
             decision_reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
@@ -98,6 +119,58 @@ impl FieldView {
             mapping_version: (field.shelf.version > 0).then_some(field.shelf.version),
             has_shadow: field.shelf.shadow.is_some(),
             key,
+        }
+    }
+}
+
+/// What standing rules say about a field.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RuleOfferView {
+    /// What they come to.
+    pub action: RuleAction,
+    /// The rules, the one that gives reason and source first.
+    pub rules: Vec<RuleReference>,
+    /// The precision.
+    pub disclosure: DisclosurePolicy,
+    /// The same in words.
+    pub statement: String,
+    /// Where values would come from.
+    #[schema(value_type = Option<String>)]
+    pub value_source: Option<asi_model::messages::ValueSource>,
+    /// The mapping, with the source `MAPPING`.
+    #[schema(value_type = Option<Object>)]
+    pub mapping: Option<mapping_engine::Mapping>,
+    /// What the partner would be told.
+    pub reason: Option<String>,
+}
+
+/// A rule by name.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RuleReference {
+    /// Which, in which version.
+    #[serde(flatten)]
+    pub key: DocumentVersion,
+    /// What it is called.
+    pub name: String,
+}
+
+impl RuleOfferView {
+    /// For a field.
+    pub fn new(offer: &RuleOffer, field: &Field) -> Self {
+        Self {
+            action: offer.action,
+            rules: offer
+                .rules
+                .iter()
+                .map(|(key, name)| RuleReference { key: key.clone(), name: name.clone() })
+                .collect(),
+            disclosure: (*offer.disclosure).clone(),
+            statement: offer.disclosure.statement(field.definition.unit.as_deref()).description,
+            value_source: offer.value_source,
+            mapping: offer.mapping.clone(),
+            reason: offer.reason.clone(),
         }
     }
 }
@@ -125,12 +198,22 @@ pub struct RequestView {
     pub description: Option<String>,
     /// How often the partner wants to hear, as the time between two reports in milliseconds.
     pub update_interval_ms: Option<u64>,
+    /// From when values are asked for.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    pub valid_from: Option<DateTime>,
     /// Until when.
     #[schema(value_type = Option<String>, format = "date-time")]
     pub valid_until: Option<DateTime>,
+    /// That time is over: nothing leaves any more.
+    pub has_ended: bool,
     /// When this revision came.
     #[schema(value_type = String, format = "date-time")]
     pub received_at: DateTime,
+    /// Since when it waits for an engineer, while a field of it is undecided.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    pub open_since: Option<DateTime>,
+    /// It has waited for more than a day.
+    pub is_overdue: bool,
     /// What the report is called.
     pub report_name: String,
     /// Its DataSetWriter.
@@ -139,34 +222,58 @@ pub struct RequestView {
     pub fields: Vec<FieldView>,
 }
 
-/// Every request of the active networks, or of one, in document order.
-pub fn requests(books: &Books, network: Option<&asi_model::OperationNetworkId>) -> Vec<RequestView> {
-    let mut views = Vec::new();
-    for (id, entry) in &books.networks {
-        let Some(message) = entry.message.as_ref().filter(|_| network.is_none_or(|wanted| wanted == id)) else {
-            continue;
-        };
-        for (key, operation, request) in message.operation_network.requests() {
-            let mut short = operation.clone();
-            short.dynamic_data_request_list.clear();
-            views.push(RequestView {
-                operation: serde_json::to_value(&short).unwrap_or_default(),
-                network_name: message.operation_network.name.clone(),
-                requester_id: request.requester_id.to_string(),
-                recipient_list: request.recipient_list.clone(),
-                purpose: request.purpose.clone(),
-                description: request.description.clone(),
-                update_interval_ms: request
-                    .update_interval()
-                    .map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX)),
-                valid_until: request.valid_until,
-                received_at: entry.received_at,
-                report_name: request.report_data_format.report_name.clone(),
-                data_set_writer_id: books.writer_of.get(&key).copied(),
-                fields: books.fields_of(&key).map(|(key, field)| FieldView::new(key, field)).collect(),
-                key,
-            });
+/// How long a request may lie open before the inbox reminds of it: a working day.
+pub const REMIND_AFTER: Duration = Duration::from_secs(24 * 3600);
+
+/// Every request of a network, in document order.
+pub fn requests(books: &Books, network: &asi_model::OperationNetworkId, now: DateTime) -> Vec<RequestView> {
+    let Some((network, message)) = books.networks.get(network).and_then(|n| n.message.as_ref().map(|m| (n, m))) else {
+        return Vec::new();
+    };
+    let requests = message.operation_network.requests();
+    requests
+        .map(|(key, operation, request)| RequestView::new(books, network, message, key, operation, request, now))
+        .collect()
+}
+
+impl RequestView {
+    /// As it stands.
+    pub fn new(
+        books: &Books,
+        network: &Network,
+        message: &OperationNetworkMessage,
+        key: RequestKey,
+        operation: &Operation,
+        request: &DynamicDataRequest,
+        now: DateTime,
+    ) -> Self {
+        let mut short = operation.clone();
+        short.dynamic_data_request_list.clear();
+        let fields: Vec<FieldView> =
+            books.fields_in(&key, request).map(|(key, field)| FieldView::new(books, key, field)).collect();
+        let is_open = fields.iter().any(|field| field.mapping_state == MappingState::Pending);
+        let has_ended = request.valid_until.is_some_and(|until| until <= now);
+        let open_since = Some(network.received_at).filter(|_| is_open && !has_ended);
+        Self {
+            operation: serde_json::to_value(&short).unwrap_or_default(),
+            network_name: message.operation_network.name.clone(),
+            requester_id: request.requester_id.to_string(),
+            recipient_list: request.recipient_list.clone(),
+            purpose: request.purpose.clone(),
+            description: request.description.clone(),
+            update_interval_ms: request
+                .update_interval()
+                .map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX)),
+            valid_from: request.valid_from,
+            valid_until: request.valid_until,
+            has_ended,
+            received_at: network.received_at,
+            open_since,
+            is_overdue: open_since.is_some_and(|since| now.since(since) >= REMIND_AFTER),
+            report_name: request.report_data_format.report_name.clone(),
+            data_set_writer_id: books.writer_of.get(&key).copied(),
+            fields,
+            key,
         }
     }
-    views
 }

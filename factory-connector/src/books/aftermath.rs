@@ -1,7 +1,7 @@
 //! What is to be done once a transaction is committed.
 
 use crate::operator::OperationKey;
-use asi_model::{DataValue, FieldKey, OperationNetworkId};
+use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
 use mapping_engine::{Mapping, MappingId, TransformState};
 
 /// Work for the other rooms, in this order: twin, mapping engine, link, pages.
@@ -58,16 +58,33 @@ pub enum MappingWork {
 }
 
 /// What pages are told.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ConnectorEvent {
     /// A field was decided or has another value.
-    Field(FieldKey),
+    Field(Box<FieldNews>),
     /// A network came, changed or was withdrawn.
     Inbox(OperationNetworkId),
     /// A remark was made.
     Comment(OperationNetworkId),
     /// Something was entered about an operation.
     Operator(OperationKey),
+    /// Policies or rules changed.
+    Policies,
     /// Link, spool, twin or sources changed.
     Status,
+}
+
+/// How a field stands after something happened to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldNews {
+    /// Which.
+    pub key: FieldKey,
+    /// What was decided.
+    pub mapping_state: MappingState,
+    /// Counts the consents.
+    pub consent_version: u32,
+    /// Nothing leaves at present because of a state.
+    pub is_withheld: bool,
+    /// What the partner has.
+    pub value: Option<DataValue>,
 }

@@ -8,9 +8,9 @@ use asi_model::{
 };
 use mapping_engine::Mapping;
 
-use super::{Books, ConnectorEvent, MappingWork, TwinWork, new_message_id};
+use super::{Books, Grounds, MappingWork, Traffic, TwinWork, new_message_id};
 use crate::{
-    disclosure::{DisclosurePolicy, PolicyFault},
+    disclosure::{DisclosurePolicy, DocumentId, PolicyFault},
     ledger::Event,
     store::ConsentRow,
 };
@@ -45,6 +45,15 @@ pub enum DecisionError {
     /// A refusal is told to the partner with its reason.
     #[error("a refusal needs a reason for the partner")]
     NoReason,
+    /// The request does not ask for values any more.
+    #[error("the request's validity has ended; the partner must ask again")]
+    Ended,
+    /// There is no such policy, or it is retired.
+    #[error("there is no policy {0} that could be applied")]
+    UnknownPolicy(DocumentId),
+    /// Something else was decided since.
+    #[error("something else was decided about the field since; look at it before you change it")]
+    DecidedSince,
     /// The policy does not fit the field.
     #[error("the disclosure policy does not fit the field")]
     Policy(Vec<PolicyFault>),
@@ -63,7 +72,40 @@ impl Books {
         decided_by: &str,
         now: DateTime,
     ) -> Result<(), DecisionError> {
+        self.decide_on(key, verdict, reason, decided_by, Grounds::default(), now)
+    }
+
+    /// As [`Self::decide`], on the grounds of a named policy or of rules.
+    ///
+    /// # Errors
+    /// [`DecisionError`]; then nothing is changed.
+    pub fn decide_on(
+        &mut self,
+        key: &FieldKey,
+        verdict: Verdict,
+        reason: Option<String>,
+        decided_by: &str,
+        grounds: Grounds,
+        now: DateTime,
+    ) -> Result<(), DecisionError> {
         let reason = reason.filter(|reason| !reason.trim().is_empty());
+        if let Some(id) = grounds.policy_id.as_ref().filter(|id| self.named_policy(id).is_none()) {
+            return Err(DecisionError::UnknownPolicy(id.clone()));
+        }
+        if let Verdict::Map { policy, .. } = &verdict {
+            let faults = self.withholding_faults(key, policy);
+            if self.fields.contains_key(key) && !faults.is_empty() {
+                return Err(DecisionError::Policy(faults));
+            }
+        }
+        let known = self.fields.get(key).ok_or(DecisionError::UnknownField)?;
+        if matches!(verdict, Verdict::Map { .. }) && known.validity.has_ended(now) {
+            return Err(DecisionError::Ended);
+        }
+        let effective = match &verdict {
+            Verdict::Map { policy, .. } => self.effective_policy(key, known, policy, grounds.policy_id.as_ref()).0,
+            Verdict::LeavePending | Verdict::Refuse => Arc::clone(known.gate.policy()),
+        };
         let field = self.fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
         let was_mapped = field.decision.is_mapped();
         let had_source = field.decision.value_source;
@@ -74,7 +116,7 @@ impl Books {
                 if value_source == ValueSource::Mapping && mapping.is_none() {
                     return Err(DecisionError::NoMapping);
                 }
-                let faults = policy.faults(field.definition.field_type.0);
+                let faults = policy.faults(field.definition.field_type.0, field.definition.value_rank >= 0);
                 if !faults.is_empty() {
                     return Err(DecisionError::Policy(faults));
                 }
@@ -93,11 +135,13 @@ impl Books {
                 decision.value_source = Some(value_source);
                 decision.mapping = mapping.map(|mapping| *mapping).or_else(|| decision.mapping.take());
                 decision.policy = Arc::new(policy);
-                if was_mapped {
-                    field.gate.change_policy(Arc::clone(&decision.policy), now);
-                } else {
+                if !was_mapped {
                     field.gate.close();
-                    field.gate.change_policy(Arc::clone(&decision.policy), now);
+                    *field.traffic = Traffic::new(now);
+                }
+                field.gate.change_policy(effective, now);
+                if is_other_source {
+                    field.newest = None;
                 }
                 if value_source == ValueSource::Mapping {
                     if let Some(mapping) = decision.mapping.as_ref().filter(|_| is_other_source || !was_mapped) {
@@ -115,6 +159,7 @@ impl Books {
                 decision.mapping_state =
                     if verdict == Verdict::Refuse { MappingState::Refused } else { MappingState::Pending };
                 decision.value_source = None;
+                field.newest = None;
                 field.gate.close();
                 if had_source == Some(ValueSource::Mapping) {
                     self.aftermath.mappings.push(MappingWork::Remove(mapping_id));
@@ -122,6 +167,7 @@ impl Books {
             }
         }
         field.decision.reason = reason;
+        field.decision.grounds = grounds;
         field.decision.decided_by = Some(decided_by.to_owned());
         field.decision.decided_at = Some(now);
         field.decision.version += 1;
@@ -130,6 +176,9 @@ impl Books {
         if field.decision.is_open_for(ValueSource::Mapping) {
             self.record_version(key, Some(decided_by.to_owned()), None, now);
         }
+        self.watch(key, now);
+        self.tell_watchers(key, now);
+        self.note_expiry(key);
         self.told_and_kept(key, now);
         if was_mapped && !is_mapped {
             self.purges.insert(writer, GapCause::Revoked);
@@ -149,12 +198,15 @@ impl Books {
             self.aftermath.mappings.push(MappingWork::Remove(field.mapping_id()));
         }
         field.gate.close();
+        field.newest = None;
         field.decision.mapping_state = MappingState::Pending;
         field.decision.value_source = None;
+        field.decision.grounds = Grounds::default();
         field.decision.reason = Some("The partner changed the request.".to_owned());
         field.decision.decided_by = None;
         field.decision.decided_at = Some(now);
         field.decision.version += 1;
+        self.tell_watchers(key, now);
         self.told_and_kept(key, now);
         if was_mapped {
             self.purges.insert(writer, GapCause::Revoked);
@@ -162,9 +214,12 @@ impl Books {
     }
 
     /// The partner hears of the decision, the ledger and the store keep it, twin and pages show it.
-    fn told_and_kept(&mut self, key: &FieldKey, now: DateTime) {
+    pub(super) fn told_and_kept(&mut self, key: &FieldKey, now: DateTime) {
         let Some(field) = self.fields.get(key) else { return };
         let decision = &field.decision;
+        let (_, policies) = self.effective_policy(key, field, &decision.policy, decision.grounds.policy_id.as_ref());
+        let grounds = Grounds { policies, ..decision.grounds.clone() };
+        let policy = field.gate.policy();
         let message = Decision {
             message_id: new_message_id(),
             factory_id: self.config.factory_id.clone(),
@@ -184,7 +239,9 @@ impl Books {
             version: decision.version,
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
-            policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
+            policy: serde_json::to_string(&**policy).expect("policies have text keys and finite numbers"),
+            grounds: (!grounds.is_empty())
+                .then(|| serde_json::to_string(&grounds).expect("grounds have text keys and whole numbers")),
             reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decided_at: now,
@@ -194,8 +251,9 @@ impl Books {
             version: decision.version,
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
-            policy: (*decision.policy).clone(),
+            policy: (**policy).clone(),
             decided_by: decision.decided_by.clone(),
+            grounds: Some(grounds).filter(|grounds| !grounds.is_empty()),
         };
         self.changes.consents.push(consent);
         self.send(&FactoryMessage::Decision(message), None, now);
@@ -204,14 +262,15 @@ impl Books {
         self.store_field(key);
         self.note_due(key);
         self.aftermath.twin.push(TwinWork::Decision(key.clone()));
-        self.aftermath.events.push(ConnectorEvent::Field(key.clone()));
+        self.tell_pages(key);
     }
 
     /// Why a value of this source is not taken for a field; `None` where it is.
     #[must_use]
-    pub fn refusal(&self, key: &FieldKey, source: ValueSource) -> Option<StatusCode> {
+    pub fn refusal(&self, key: &FieldKey, source: ValueSource, now: DateTime) -> Option<StatusCode> {
         match self.fields.get(key) {
             None => Some(StatusCode::BAD_NODE_ID_UNKNOWN),
+            Some(field) if !field.validity.contains(now) => Some(StatusCode::BAD_INVALID_STATE),
             Some(field) if field.decision.is_open_for(source) => None,
             Some(_) => Some(StatusCode::BAD_NOT_WRITABLE),
         }

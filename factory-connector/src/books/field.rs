@@ -5,12 +5,12 @@ use std::sync::Arc;
 use asi_model::{
     DateTime, FieldKey, FieldName, RequestKey, StatusCode,
     messages::{DisclosureStatement, MappingState, ValueSource},
-    network::ReportField,
+    network::{DynamicDataRequest, ReportField},
 };
 use mapping_engine::{Mapping, MappingId, TransformState};
 use twin::FieldRecord;
 
-use super::{Books, MappingWork, Shelf, TwinWork};
+use super::{Books, ConnectorEvent, FieldNews, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
 use crate::{
     disclosure::{DisclosurePolicy, Gate, GateState},
     store::{FieldRow, FieldValueRow, StoreError},
@@ -28,6 +28,12 @@ pub struct Field {
     pub decision: FieldDecision,
     /// What of its values leaves.
     pub gate: Gate,
+    /// How many values come and leave.
+    pub traffic: Box<Traffic>,
+    /// From when and until when its request asks for values.
+    pub validity: Validity,
+    /// What came last, before its gate; not kept over restarts.
+    pub newest: Option<asi_model::DataValue>,
     /// What its mapping's functions remember.
     pub transform: Option<TransformState>,
     /// Versions and shadow of its mapping.
@@ -53,8 +59,10 @@ pub struct FieldDecision {
     pub decided_at: Option<DateTime>,
     /// The mapping in force, or the one to offer again.
     pub mapping: Option<Mapping>,
-    /// How values are coarsened.
+    /// How values are coarsened at least: what was consented to. The gate's policy is what holds.
     pub policy: Arc<DisclosurePolicy>,
+    /// On what the decision rests beside the engineer's words.
+    pub grounds: Grounds,
     /// Counts the consents.
     pub version: u32,
 }
@@ -80,10 +88,16 @@ impl Field {
         mapping_id(self.id)
     }
 
+    /// Neither rules nor an engineer have said anything about it since it came or changed.
+    #[must_use]
+    pub fn is_undecided(&self) -> bool {
+        self.decision.mapping_state == MappingState::Pending && self.decision.decided_by.is_none()
+    }
+
     /// What the partner is told about its precision, while the field is mapped.
     #[must_use]
     pub fn statement(&self) -> Option<DisclosureStatement> {
-        self.decision.is_mapped().then(|| self.decision.policy.statement(self.definition.unit.as_deref()))
+        self.decision.is_mapped().then(|| self.gate.policy().statement(self.definition.unit.as_deref()))
     }
 
     /// What the twin shows.
@@ -117,6 +131,8 @@ impl Field {
                 .as_ref()
                 .map(|mapping| serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")),
             policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
+            grounds: (!decision.grounds.is_empty())
+                .then(|| serde_json::to_string(&decision.grounds).expect("grounds have text keys and whole numbers")),
             consent_version: decision.version,
         }
     }
@@ -148,6 +164,18 @@ impl Books {
     #[must_use]
     pub fn field(&self, key: &FieldKey) -> Option<&Field> {
         self.fields.get(key)
+    }
+
+    /// The fields of a request whose document is at hand, in payload order.
+    pub fn fields_in<'b>(
+        &'b self,
+        key: &'b RequestKey,
+        request: &'b DynamicDataRequest,
+    ) -> impl Iterator<Item = (FieldKey, &'b Field)> {
+        request.report_data_format.report_field_list.iter().filter_map(move |definition| {
+            let key = key.field(definition.name.clone());
+            self.fields.get(&key).map(|field| (key, field))
+        })
     }
 
     /// The fields of a request, in payload order.
@@ -189,9 +217,16 @@ impl Books {
                     .map_err(unreadable("transform's state"))?,
             ),
         };
-        let field = Field {
+        let grounds: Grounds = row
+            .grounds
+            .as_deref()
+            .map(serde_json::from_str)
+            .transpose()
+            .map_err(unreadable("grounds"))?
+            .unwrap_or_default();
+        let mut field = Field {
             id: row.id,
-            gate: Gate::new(Arc::clone(&policy), definition.field_type.0, gate, now),
+            gate: Gate::new(Arc::clone(&policy), definition.field_type.0, GateState::default(), now),
             definition,
             decision: FieldDecision {
                 mapping_state: row.mapping_state,
@@ -201,15 +236,24 @@ impl Books {
                 decided_at: row.decided_at,
                 mapping,
                 policy,
+                grounds,
                 version: row.consent_version,
             },
+            traffic: Box::new(Traffic::new(now)),
+            validity: self.validity_of(&row.key),
+            newest: None,
             transform,
             shelf: Shelf::default(),
             writer,
             noted_due: None,
         };
+        let decision = &field.decision;
+        let policy_id = decision.grounds.policy_id.as_ref();
+        let (effective, _) = self.effective_policy(&row.key, &field, &decision.policy, policy_id);
+        field.gate = Gate::new(effective, field.definition.field_type.0, gate, now);
         self.fields.insert(row.key.clone(), field);
         self.note_due(&row.key);
+        self.note_expiry(&row.key);
         Ok(())
     }
 
@@ -239,6 +283,19 @@ impl Books {
             }
             field.noted_due = due;
         }
+    }
+
+    /// Open pages hear how a field stands.
+    pub(super) fn tell_pages(&mut self, key: &FieldKey) {
+        let Some(field) = self.fields.get(key) else { return };
+        let news = FieldNews {
+            key: key.clone(),
+            mapping_state: field.decision.mapping_state,
+            consent_version: field.decision.version,
+            is_withheld: field.decision.is_mapped() && field.gate.is_withheld(),
+            value: field.gate.disclosed().cloned(),
+        };
+        self.aftermath.events.push(ConnectorEvent::Field(Box::new(news)));
     }
 
     /// At the start: everything that the twin shows and the engine runs.

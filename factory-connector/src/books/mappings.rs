@@ -6,7 +6,7 @@
 use asi_model::{DateTime, FieldKey, messages::ValueSource};
 use mapping_engine::{Mapping, MappingId, TransformState};
 
-use super::{Books, ConnectorEvent, Field, MappingWork, decisions::DecisionError};
+use super::{Books, Field, MappingWork, decisions::DecisionError};
 use crate::store::{ShadowRow, StoreError, VersionRow};
 
 /// What is kept about a field's mapping beside the decision.
@@ -147,7 +147,7 @@ impl Books {
                 self.record_version(&key, Some(author), note, now);
             }
             self.store_field(&key);
-            self.aftermath.events.push(ConnectorEvent::Field(key));
+            self.tell_pages(&key);
         }
     }
 
@@ -174,7 +174,7 @@ impl Books {
         }
         self.changes.mappings.shadows.push((field.id, row));
         self.show_shadow(key);
-        self.aftermath.events.push(ConnectorEvent::Field(key.clone()));
+        self.tell_pages(key);
         Ok(())
     }
 

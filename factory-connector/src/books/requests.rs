@@ -12,7 +12,7 @@ use asi_model::{
     network::{OperationNetwork, ReportField},
 };
 
-use super::{Books, ConnectorEvent, Field, FieldDecision, MappingWork, Network, TwinWork, new_message_id};
+use super::{Books, ConnectorEvent, Field, FieldDecision, MappingWork, Network, Traffic, TwinWork, new_message_id};
 use crate::{
     disclosure::{Gate, GateState},
     store::{CommentRow, NetworkRow},
@@ -37,7 +37,13 @@ impl Books {
             tracing::info!(operation.network = %id, revision, "An operation network is in effect.");
             AcknowledgementResult::Accepted
         };
-        self.acknowledge(message.message_id, Some((id, message.revision)), result, Vec::new(), now);
+        self.acknowledge(message.message_id, Some((id.clone(), message.revision)), result, Vec::new(), now);
+        if result == AcknowledgementResult::Accepted {
+            let count = self.apply_rules(Some(&id), now);
+            if count > 0 {
+                tracing::info!(operation.network = %id, fields = count, "Standing rules decided about new fields.");
+            }
+        }
     }
 
     /// A network was withdrawn; its revision stays as a tombstone.
@@ -49,7 +55,7 @@ impl Books {
         } else {
             if let Some(old) = known.and_then(|known| known.message.clone()) {
                 for (key, ..) in old.operation_network.fields() {
-                    self.remove_field(&key);
+                    self.remove_field(&key, now);
                 }
                 self.journals.retain(|operation, _| operation.operation_network_id != id);
                 for (request, ..) in old.operation_network.requests() {
@@ -130,7 +136,7 @@ impl Books {
         for change in difference.fields {
             match change.change {
                 FieldChange::Removed => {
-                    if self.remove_field(&change.key) {
+                    if self.remove_field(&change.key, now) {
                         // What waits still carries the field's value.
                         if let Some(writer) = self.writer_of.get(&change.key.request).copied() {
                             self.purges.entry(writer).or_insert(GapCause::Withdrawn);
@@ -165,6 +171,9 @@ impl Books {
             gate: Gate::new(Arc::clone(&decision.policy), definition.field_type.0, GateState::default(), now),
             definition,
             decision,
+            traffic: Box::new(Traffic::new(now)),
+            validity: self.validity_of(key),
+            newest: None,
             transform: None,
             shelf: super::Shelf::default(),
             writer,
@@ -181,12 +190,14 @@ impl Books {
     }
 
     /// True where the data set of the field's request changes.
-    fn remove_field(&mut self, key: &FieldKey) -> bool {
+    fn remove_field(&mut self, key: &FieldKey, now: DateTime) -> bool {
         let Some(field) = self.fields.remove(key) else { return false };
+        self.tell_watchers(key, now);
         if let Some(due) = field.noted_due {
             self.due.remove(&(due, key.clone()));
         }
         self.dirty_fields.remove(key);
+        self.unwatch(key);
         self.changes.fields.remove(&field.id);
         self.changes.field_values.remove(&field.id);
         self.changes.removed_fields.push(field.id);
@@ -200,6 +211,7 @@ impl Books {
     /// True where the data set of the field's request changes.
     fn change_field(&mut self, key: &FieldKey, mapping: MappingEffect, consent: ConsentEffect, now: DateTime) -> bool {
         let Some(definition) = self.requested(key) else { return false };
+        let validity = self.validity_of(key);
         let Some(field) = self.fields.get_mut(key) else {
             self.add_field(key, now);
             return false;
@@ -207,14 +219,16 @@ impl Books {
         let was_mapped = field.decision.is_mapped();
         let has_other_type = field.definition.field_type != definition.field_type;
         field.definition = definition;
+        field.validity = validity;
         if has_other_type {
             field.gate =
-                Gate::new(Arc::clone(&field.decision.policy), field.definition.field_type.0, GateState::default(), now);
+                Gate::new(Arc::clone(field.gate.policy()), field.definition.field_type.0, GateState::default(), now);
         }
         if mapping == MappingEffect::Suggested {
             field.transform = None;
         }
         if consent == ConsentEffect::Kept {
+            self.note_expiry(key);
             self.store_field(key);
             return was_mapped;
         }

@@ -10,11 +10,11 @@ use crate::disclosure::DisclosurePolicy;
 const START: i64 = 1_800_000_000_000_000;
 const SOURCES: [ValueSource; 3] = [ValueSource::Mapping, ValueSource::Manual, ValueSource::External];
 
-fn at(ms: i64) -> DateTime {
+pub(crate) fn at(ms: i64) -> DateTime {
     DateTime::from_unix_micros(START + ms * 1_000)
 }
 
-fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMessage {
+pub(crate) fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMessage {
     let mut request = json!({ "dynamicDataRequestId": "R1", "requesterId": "acme", "recipientList": ["acme", "hull"],
         "purpose": "Plan", "updateFrequency": 1, "updateFrequencyUnit": "HOUR",
         "reportDataFormat": { "reportName": "Progress", "reportFieldList": [
@@ -26,30 +26,19 @@ fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMe
     .expect("a network")
 }
 
-fn books() -> Books {
+pub(crate) fn books() -> Books {
     let config = BooksConfig { factory_id: "F".parse().expect("an id"), encoding: Encoding::Digicor };
-    let snapshot = Snapshot {
-        networks: Vec::new(),
-        fields: Vec::new(),
-        writers: Vec::new(),
-        heads: Heads::default(),
-        last_checkpoint: None,
-        last_row: 0,
-        operator_entries: Vec::new(),
-        sources: Vec::new(),
-        mappings: Default::default(),
-    };
-    let mut books = Books::new(config, snapshot, false, at(0)).expect("empty books");
+    let mut books = Books::new(config, Snapshot::default(), false, at(0)).expect("empty books");
     arrive(&mut books, network(1, |_| ()));
     books
 }
 
-fn arrive(books: &mut Books, message: OperationNetworkMessage) {
+pub(crate) fn arrive(books: &mut Books, message: OperationNetworkMessage) {
     let raw = serde_json::to_string(&message).expect("serialises");
     books.network_arrived(message, raw, at(0));
 }
 
-fn field(name: &str) -> FieldKey {
+pub(crate) fn field(name: &str) -> FieldKey {
     let request = RequestKey {
         operation_network_id: "n".parse().expect("an id"),
         operation_id: "op".parse().expect("an id"),
@@ -58,7 +47,7 @@ fn field(name: &str) -> FieldKey {
     request.field(name.parse().expect("a name"))
 }
 
-fn map(books: &mut Books, name: &str, value_source: ValueSource, policy: &str) {
+pub(crate) fn map(books: &mut Books, name: &str, value_source: ValueSource, policy: &str) {
     let mapping = (value_source == ValueSource::Mapping).then(|| {
         let json =
             json!({ "mappingId": "m", "target": field(name), "targetType": "UInt64", "inputs": [], "steps": [] });
@@ -70,7 +59,7 @@ fn map(books: &mut Books, name: &str, value_source: ValueSource, policy: &str) {
 }
 
 /// Offers a value and reports; the bodies of what left.
-fn offer(books: &mut Books, name: &str, value: impl Into<Variant>, ms: i64) -> Vec<Value> {
+pub(crate) fn offer(books: &mut Books, name: &str, value: impl Into<Variant>, ms: i64) -> Vec<Value> {
     let value = DataValue::good(value, at(ms));
     books.candidate(&field(name), ValueSource::Manual, value, None, at(ms));
     books.report(at(ms), || [7; SALT]);

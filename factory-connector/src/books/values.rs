@@ -9,7 +9,7 @@ use asi_model::{
 };
 use mapping_engine::TransformState;
 
-use super::{Books, ConnectorEvent, range_of};
+use super::{Books, range_of};
 use crate::{
     disclosure::Outcome,
     ledger::{Event, SALT_BYTES, values_root},
@@ -30,11 +30,22 @@ impl Books {
         now: DateTime,
     ) -> Option<Outcome> {
         let field = self.fields.get_mut(key).filter(|field| field.decision.is_open_for(source))?;
+        if !field.validity.contains(now) {
+            if let Some(from) = field.validity.from.filter(|from| *from > now) {
+                field.newest = Some(value);
+                self.beginnings.insert((from, key.clone()));
+            }
+            return None;
+        }
         if transform.is_some() {
             field.transform = transform;
         }
-        let outcome = field.gate.on(now, value);
-        self.after_gate(key);
+        field.newest = Some(value.clone());
+        field.traffic.came(now);
+        // Others hear of a new state before anything of theirs leaves.
+        self.tell_watchers(key, now);
+        let outcome = self.fields.get_mut(key)?.gate.on(now, value);
+        self.after_gate(key, now);
         Some(outcome)
     }
 
@@ -48,7 +59,7 @@ impl Books {
             if let Some(field) = self.fields.get_mut(&key) {
                 field.noted_due = None;
                 field.gate.on_time(now);
-                self.after_gate(&key);
+                self.after_gate(&key, now);
             }
         }
     }
@@ -79,9 +90,12 @@ impl Books {
         !self.dirty_writers.is_empty()
     }
 
-    fn after_gate(&mut self, key: &FieldKey) {
+    pub(super) fn after_gate(&mut self, key: &FieldKey, now: DateTime) {
         let Some(field) = self.fields.get_mut(key) else { return };
         let has_news = field.gate.take_news();
+        if has_news {
+            field.traffic.left(now);
+        }
         let writer = field.writer;
         self.dirty_fields.insert(key.clone());
         self.note_due(key);
@@ -89,7 +103,7 @@ impl Books {
             self.dirty_writers.insert(writer);
             if let Some(value) = self.fields.get(key).and_then(|field| field.gate.disclosed()) {
                 self.aftermath.values.push((key.clone(), value.clone()));
-                self.aftermath.events.push(ConnectorEvent::Field(key.clone()));
+                self.tell_pages(key);
             }
         }
     }
@@ -171,7 +185,7 @@ impl Books {
             .fields
             .iter()
             .filter_map(|name| self.fields.get(&writer.request.field(name.clone())))
-            .map(|field| field.decision.policy.time_step())
+            .map(|field| field.gate.policy().time_step())
             .max()
             .unwrap_or_default();
         let mut fields = vec![

@@ -1,7 +1,7 @@
 //! What others ask of the desk.
 
 use asi_model::{
-    DataValue, FieldKey, StatusCode,
+    DataValue, DateTime, FieldKey, StatusCode,
     messages::{Comment, ValueSource},
 };
 use mapping_engine::Mapping;
@@ -39,6 +39,9 @@ pub enum Taken {
 }
 
 pub(crate) type Reading = Box<dyn FnOnce(&Books) + Send>;
+/// Tells whoever asked, once it is known whether the change was written.
+pub(crate) type Told = Box<dyn FnOnce(bool) + Send>;
+pub(crate) type Changing = Box<dyn FnOnce(&mut Books, DateTime) -> Told + Send>;
 
 /// Asks the desk.
 pub enum Command {
@@ -68,6 +71,8 @@ pub enum Command {
     RemoveTemplate(String, oneshot::Sender<bool>),
     #[doc(hidden)]
     Read(Reading),
+    #[doc(hidden)]
+    Change(Changing),
 }
 
 pub struct DecideCommand {
@@ -90,6 +95,7 @@ pub(super) enum Reply {
     Entered(Vec<EntryOutcome>, oneshot::Sender<Result<Vec<EntryOutcome>, DeskError>>),
     Decided(oneshot::Sender<Result<(), DeskError>>),
     Done(oneshot::Sender<bool>),
+    Then(Told),
 }
 
 impl Reply {
@@ -112,6 +118,7 @@ impl Reply {
             Self::Done(reply) => {
                 reply.send(is_written).ok();
             }
+            Self::Then(tell) => tell(is_written),
         }
     }
 }
@@ -244,6 +251,23 @@ impl DeskHandle {
             }))
         })
         .await
+    }
+
+    /// Changes the books; answered when everything that follows is committed.
+    ///
+    /// # Errors
+    /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
+    pub async fn change<T: Send + 'static>(
+        &self,
+        change: impl FnOnce(&mut Books, DateTime) -> T + Send + 'static,
+    ) -> Result<T, DeskError> {
+        let answer = self.ask(|reply| {
+            Command::Change(Box::new(move |books, now| {
+                let result = change(books, now);
+                Box::new(move |is_written| drop(reply.send(is_written.then_some(result))))
+            }))
+        });
+        answer.await?.ok_or(DeskError::NotWritten)
     }
 
     async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, DeskError> {

@@ -42,7 +42,7 @@ impl Desk {
                 self.replies.push(Reply::Done(reply));
             }
             Command::Value(field, source, value, reply) => {
-                let refusal = self.books.refusal(&field, source);
+                let refusal = self.books.refusal(&field, source, now);
                 let outcome = self.books.candidate(&field, source, value, None, now);
                 let taken = match (outcome, refusal) {
                     (Some(outcome), _) => Taken::Through(outcome),
@@ -93,6 +93,10 @@ impl Desk {
                 self.replies.push(Reply::Done(reply));
             }
             Command::Read(look) => look(&self.books),
+            Command::Change(change) => {
+                let tell = change(&mut self.books, now);
+                self.replies.push(Reply::Then(tell));
+            }
         }
         Ok(())
     }

@@ -48,8 +48,36 @@ fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
     match scalar {
         Scalar::DateTime(time) => Scalar::DateTime(time.floor_to(policy.time_step())),
         scalar if !scalar.built_in_type().is_numeric() => scalar.clone(),
-        scalar if !policy.bands.is_empty() => band(scalar, &policy.bands),
-        scalar => policy.rounding_step.map_or_else(|| scalar.clone(), |step| round(scalar, step)),
+        scalar => {
+            let coarse = if policy.bands.is_empty() {
+                policy.rounding_step.map_or_else(|| scalar.clone(), |step| round(scalar, step))
+            } else {
+                band(scalar, &policy.bands)
+            };
+            // The digits are cut last: what was one value before stays one value.
+            policy.significant_digits.map_or_else(|| coarse.clone(), |digits| cut_digits(&coarse, digits))
+        }
+    }
+}
+
+fn cut_digits(scalar: &Scalar, digits: u8) -> Scalar {
+    match *scalar {
+        Scalar::Double(value) => {
+            Scalar::Double(Decimal::from_f64(value).map_or(value, |decimal| decimal.with_digits(digits).to_f64()))
+        }
+        Scalar::Float(value) => {
+            Scalar::Float(Decimal::from_f32(value).map_or(value, |decimal| decimal.with_digits(digits).to_f32()))
+        }
+        _ => {
+            let wanted = scalar.built_in_type();
+            let exact = Decimal::new(scalar.as_i128().unwrap_or(0), 0);
+            // Beyond the type's limits the next such number towards zero.
+            [exact.with_digits(digits), exact.truncated_to(digits)]
+                .into_iter()
+                .find_map(|decimal| Scalar::from_i128(decimal.to_integer()?, wanted))
+                .or_else(|| Scalar::from_i128(0, wanted))
+                .expect("zero fits every integer type")
+        }
     }
 }
 
@@ -129,6 +157,11 @@ mod tests {
         check(r#"{"bands":[0,50,80]}"#, 79.9_f64, 50.0_f64);
         check(r#"{"bands":[0,50,80]}"#, -3_i32, 0_i32);
         check(r#"{"roundingStep":10}"#, "text", "text");
+        check(r#"{"significantDigits":2}"#, 12_345_u64, 12_000_u64);
+        check(r#"{"significantDigits":1}"#, 255_u8, 200_u8);
+        check(r#"{"significantDigits":2}"#, -99.7_f64, -100.0_f64);
+        check(r#"{"significantDigits":3}"#, 0.001_234_5_f64, 0.001_23_f64);
+        check(r#"{"roundingStep":25,"significantDigits":1}"#, 70_i32, 80_i32);
         let time: DateTime = "2026-11-21T10:17:31Z".parse().expect("a time");
         let floor: DateTime = "2026-11-21T10:15:00Z".parse().expect("a time");
         check(r#"{"timeStepMs":900000}"#, time, floor);

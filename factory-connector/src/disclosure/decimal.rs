@@ -82,6 +82,32 @@ impl Decimal {
         count.checked_mul(step.mantissa).map_or(self, |mantissa| Self::new(mantissa, step.exponent))
     }
 
+    /// The nearest number with at most so many significant digits, ties away from zero.
+    #[must_use]
+    pub fn with_digits(self, digits: u8) -> Self {
+        let (unit, exponent) = self.unit_of(digits);
+        Self::new(divide_to_nearest(self.mantissa, unit), exponent)
+    }
+
+    /// The number cut after so many significant digits, towards zero.
+    #[must_use]
+    pub fn truncated_to(self, digits: u8) -> Self {
+        let (unit, exponent) = self.unit_of(digits);
+        Self::new(self.mantissa / unit, exponent)
+    }
+
+    /// How many significant digits it has; one for zero.
+    #[must_use]
+    pub fn digits(self) -> u32 {
+        self.mantissa.unsigned_abs().checked_ilog10().unwrap_or(0) + 1
+    }
+
+    /// The last of so many digits in units of the mantissa's last digit, and its exponent.
+    fn unit_of(self, digits: u8) -> (i128, i32) {
+        let excess = self.digits().saturating_sub(u32::from(digits.max(1)));
+        (10_i128.pow(excess), self.exponent + i32::try_from(excess).unwrap_or(0))
+    }
+
     fn scientific(self) -> String {
         format!("{}e{}", self.mantissa, self.exponent)
     }

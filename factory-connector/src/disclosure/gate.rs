@@ -1,10 +1,14 @@
 //! The gate of one field: a state machine over candidates and time.
 
-use std::{collections::VecDeque, sync::Arc, time::Duration};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+    time::Duration,
+};
 
-use asi_model::{BuiltInType, DataValue, DateTime};
+use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
 
-use super::{DisclosurePolicy, coarsening::coarsen};
+use super::{AggregateFunction, DisclosurePolicy, aggregate::Aggregation, coarsening::coarsen, rate};
 
 /// Most values that wait for their delay; within a share of the delay the latest replaces the one before it.
 const DELAYED_MAX: u32 = 256;
@@ -27,6 +31,8 @@ pub enum Outcome {
         /// When it may leave at the earliest.
         until: DateTime,
     },
+    /// It never leaves: the policy withholds what comes in the present state.
+    Suppressed,
 }
 
 /// What a gate remembers over restarts.
@@ -38,6 +44,14 @@ pub struct GateState {
     pub disclosed: Option<DataValue>,
     /// Coarsened values that wait, with the time they came, oldest first.
     pub waiting: VecDeque<(DateTime, DataValue)>,
+    /// When values left, for the limits on their rate, oldest first.
+    pub released: VecDeque<DateTime>,
+    /// The window of an aggregate.
+    pub aggregation: Aggregation,
+    /// The field's own value is in a state in which nothing leaves.
+    pub is_in_withheld_state: bool,
+    /// Whether other fields are in a state in which nothing leaves, as far as that is known.
+    pub withheld_by: BTreeMap<FieldName, bool>,
 }
 
 /// Decides what of a field's candidates leaves, and when.
@@ -50,6 +64,8 @@ pub struct Gate {
     state: GateState,
     /// The newest value whose delay is over, with the time it came.
     ripe: Option<(DateTime, DataValue)>,
+    /// What was due was noticed too late, outside of the hours; this is when they begin again.
+    not_before: Option<DateTime>,
     has_news: bool,
 }
 
@@ -62,7 +78,11 @@ impl Gate {
         for (arrived_at, _) in &mut state.waiting {
             *arrived_at = (*arrived_at).min(now);
         }
-        Self { policy, field_type, state, ripe: None, has_news: false }
+        for released_at in &mut state.released {
+            *released_at = (*released_at).min(now);
+        }
+        state.aggregation.set_clock_back(now);
+        Self { policy, field_type, state, ripe: None, not_before: None, has_news: false }
     }
 
     /// The policy in force.
@@ -102,10 +122,22 @@ impl Gate {
     /// Takes a candidate. Whatever was due before it is released first.
     pub fn on(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
         self.on_time(now);
-        let coarsened = coarsen(&self.policy, self.field_type, candidate);
-        let is_coarsened = coarsened.is_coarsened;
-        self.wait(now, coarsened.value);
+        if let Some(is_withheld) = self.policy.is_own_state_withheld(&candidate) {
+            self.state.is_in_withheld_state = is_withheld;
+        }
+        if self.is_withheld() {
+            self.state.aggregation.pause(now);
+            return Outcome::Suppressed;
+        }
         let released_before = self.take_news();
+        let mut is_coarsened = true;
+        if let Some(aggregate) = self.policy.aggregate {
+            self.state.aggregation.take(aggregate, now, self.of_its_type(candidate), self.field_type);
+        } else {
+            let coarsened = coarsen(&self.policy, self.field_type, candidate);
+            is_coarsened = coarsened.is_coarsened;
+            self.wait(now, coarsened.value);
+        }
         self.on_time(now);
         let is_released = self.has_news;
         self.has_news |= released_before;
@@ -116,8 +148,37 @@ impl Gate {
         }
     }
 
+    /// Another field came into, or left, a state in which nothing of this one leaves; `None` where its state is not
+    /// known. True where that is news.
+    pub fn on_state(&mut self, now: DateTime, other: &FieldName, is_withheld: Option<bool>) -> bool {
+        self.on_time(now);
+        let before = self.state.withheld_by.get(other).copied();
+        match is_withheld {
+            Some(is_withheld) => drop(self.state.withheld_by.insert(other.clone(), is_withheld)),
+            None => drop(self.state.withheld_by.remove(other)),
+        }
+        if self.is_withheld() {
+            self.state.aggregation.pause(now);
+        }
+        self.on_time(now);
+        before != is_withheld
+    }
+
+    /// Nothing leaves at present because of a state, and what comes now never will.
+    #[must_use]
+    pub fn is_withheld(&self) -> bool {
+        self.state.is_in_withheld_state
+            || self
+                .policy
+                .withhold_while
+                .iter()
+                .filter_map(|condition| condition.field.as_ref())
+                .any(|other| self.state.withheld_by.get(other) != Some(&false))
+    }
+
     /// Releases what is due. The caller wakes the gate at [`Gate::due`].
     pub fn on_time(&mut self, now: DateTime) {
+        self.close_windows(now);
         let delay = self.policy.delay();
         while let Some((arrived_at, _)) = self.state.waiting.front() {
             if arrived_at.after(delay) > now {
@@ -129,25 +190,57 @@ impl Gate {
             self.ripe = None;
         }
         if self.release_at().is_some_and(|at| at <= now) {
-            self.state.disclosed = self.ripe.take().map(|(_, value)| value);
-            self.state.last_released_at = Some(now);
-            self.has_news = true;
+            // Noticed late, perhaps after a restart: what was due within the hours must not leave after them.
+            match self.first_within_hours(now) {
+                Some(at) if at > now => self.not_before = Some(at),
+                None => {}
+                Some(_) => self.release(now),
+            }
         }
+    }
+
+    fn release(&mut self, now: DateTime) {
+        self.state.disclosed = self.ripe.take().map(|(_, value)| value);
+        self.state.last_released_at = Some(now);
+        rate::remember(&mut self.state.released, &self.policy.rate_limits, now);
+        self.not_before = None;
+        self.has_news = true;
+    }
+
+    /// Lets the aggregates of windows that are over wait for their delay.
+    fn close_windows(&mut self, now: DateTime) {
+        let Some(aggregate) = self.policy.aggregate else { return };
+        while let Some((ended_at, value)) = self.state.aggregation.close(aggregate, now, self.field_type) {
+            let value = coarsen(&self.policy, self.field_type, value).value;
+            self.wait(ended_at, value);
+        }
+    }
+
+    /// A candidate of another type than the field's is none: it is left out of an aggregate as Bad.
+    fn of_its_type(&self, candidate: DataValue) -> DataValue {
+        let untouched = DisclosurePolicy::default();
+        coarsen(&untouched, self.field_type, candidate).value
     }
 
     /// When something may be released next.
     #[must_use]
     pub fn due(&self) -> Option<DateTime> {
         let ripens_at = self.state.waiting.front().map(|(arrived_at, _)| arrived_at.after(self.policy.delay()));
-        match (self.release_at(), ripens_at) {
-            (Some(release), Some(ripe)) => Some(release.min(ripe)),
-            (release, ripe) => release.or(ripe),
-        }
+        let ends_at = self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
+        [self.release_at(), ripens_at, ends_at].into_iter().flatten().min()
     }
 
     /// Another policy takes effect. What waits was coarsened under the old one and is coarsened again under the new
-    /// one; the minimum interval goes on counting.
+    /// one; the minimum interval goes on counting. What was to leave as part of an aggregate only never leaves singly.
     pub fn change_policy(&mut self, policy: Arc<DisclosurePolicy>, now: DateTime) {
+        if self.policy.aggregate != policy.aggregate {
+            self.state.aggregation = Aggregation::default();
+        }
+        if self.policy.withhold_while != policy.withhold_while {
+            self.state.is_in_withheld_state = false;
+            self.state.withheld_by.clear();
+        }
+        self.not_before = None;
         self.policy = policy;
         let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
         self.ripe = self.ripe.take().map(|(at, value)| (at, again(value)));
@@ -159,7 +252,9 @@ impl Gate {
     /// The consent ended: nothing that waits will leave, and nothing is shown any more.
     pub fn close(&mut self) {
         self.ripe = None;
+        self.not_before = None;
         self.state.waiting.clear();
+        self.state.aggregation = Aggregation::default();
         self.state.disclosed = None;
         self.has_news = false;
     }
@@ -180,37 +275,44 @@ impl Gate {
         waiting.push_back((now, value));
     }
 
+    /// Nothing new for those who know what left last. A sum is new with every window: two fives are ten.
     fn is_known(&self, value: &DataValue) -> bool {
-        self.state.disclosed.as_ref().is_some_and(|known| known.value == value.value && known.status == value.status)
+        let is_sum = self.policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
+        let is_zero = value.value.as_f64() == Some(0.0);
+        (!is_sum || is_zero)
+            && self
+                .state
+                .disclosed
+                .as_ref()
+                .is_some_and(|known| known.value == value.value && known.status == value.status)
     }
 
     /// When the ripe value may leave.
     fn release_at(&self) -> Option<DateTime> {
-        let (arrived_at, _) = self.ripe.as_ref()?;
+        let (arrived_at, _) = self.ripe.as_ref().filter(|_| !self.is_withheld())?;
         let mut at = arrived_at.after(self.policy.delay());
         if let Some(last) = self.state.last_released_at {
             at = at.max(last.after(self.policy.minimum_interval()));
-        }
-        let step = self.policy.time_step();
-        if let Some(last) = self.state.last_released_at.filter(|_| !step.is_zero()) {
-            at = at.max(last.floor_to(step).after(step));
-        }
-        let mut at = ceil_to(at, step);
-        if let Some(hours) = &self.policy.working_hours {
-            // An opening that is not on a step is followed by one that is, which lies within the hours or past them.
-            for _ in 0..2 {
-                at = ceil_to(hours.first_open(at)?, step);
+            let window = self.policy.aggregate.map(|aggregate| aggregate.window());
+            for step in [self.policy.time_step(), window.unwrap_or_default()] {
+                if !step.is_zero() {
+                    at = at.max(last.floor_to(step).after(step));
+                }
             }
         }
-        Some(at)
+        for limit in &self.policy.rate_limits {
+            at = at.max(limit.next_at(&self.state.released).unwrap_or(at));
+        }
+        self.policy.first_slot(at.max(self.not_before.unwrap_or(at)))
+    }
+
+    /// The first instant from `at` on within all working hours.
+    fn first_within_hours(&self, at: DateTime) -> Option<DateTime> {
+        if self.policy.has_hours() { self.policy.first_slot_of(at, Duration::ZERO) } else { Some(at) }
     }
 }
 
-/// Rounded up to a multiple of `step` since 1970; unchanged where the step is zero.
-fn ceil_to(at: DateTime, step: Duration) -> DateTime {
-    let floor = at.floor_to(step);
-    if floor == at { at } else { floor.after(step) }
-}
-
+#[cfg(test)]
+mod promises;
 #[cfg(test)]
 mod tests;

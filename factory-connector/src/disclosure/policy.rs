@@ -2,12 +2,16 @@
 
 use std::time::Duration;
 
-use asi_model::{BuiltInType, messages::DisclosureStatement};
+use asi_model::{DataValue, DateTime};
 use serde::{Deserialize, Serialize};
 
-use super::{RoundingStep, WorkingHours};
+use super::{RateLimit, RoundingStep, WindowAggregate, WithholdCondition, WorkingHours};
 
 /// How a field's values are coarsened before they leave. Empty: every change leaves as it is.
+///
+/// In this order: what comes in a withheld state is dropped, an aggregate is made of each window, the number is banded
+/// or rounded and then cut to its significant digits; the result waits for its delay, the intervals and rates, the time
+/// step and the working hours.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct DisclosurePolicy {
@@ -18,9 +22,18 @@ pub struct DisclosurePolicy {
     /// Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<f64>,
+    /// Numbers have at most so many significant digits, 1 to 15.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub significant_digits: Option<u8>,
+    /// One value leaves per window, made of all that held within it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aggregate: Option<WindowAggregate>,
     /// At most one value leaves per this many milliseconds; the latest wins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_interval_ms: Option<u64>,
+    /// At most so many values leave per period; all of these hold.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rate_limits: Vec<RateLimit>,
     /// Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_step_ms: Option<u64>,
@@ -30,73 +43,20 @@ pub struct DisclosurePolicy {
     /// Values leave within these hours only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_hours: Option<WorkingHours>,
-}
-
-/// What is wrong with a policy for a field.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{member}: {message}")]
-pub struct PolicyFault {
-    /// The member of the policy, as in JSON.
-    pub member: &'static str,
-    /// What is wrong and what to do.
-    pub message: String,
+    /// Values leave within each of these hours only, beside the working hours.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further_hours: Vec<WorkingHours>,
+    /// Nothing leaves while any of these is met, and what comes meanwhile never leaves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub withhold_while: Vec<WithholdCondition>,
 }
 
 /// Longest interval, time step or delay: a year.
-const PERIOD_MS_MAX: u64 = 366 * 86_400_000;
-/// Most bounds that bands may have.
-const BANDS_MAX: usize = 64;
+pub(super) const PERIOD_MS_MAX: u64 = 366 * 86_400_000;
+/// Rounds in which a time step and several hours must agree on an instant.
+const SLOT_ROUNDS_MAX: usize = 64;
 
 impl DisclosurePolicy {
-    /// Everything that keeps this policy from being applied to a field of this type.
-    #[must_use]
-    pub fn faults(&self, field_type: BuiltInType) -> Vec<PolicyFault> {
-        let mut faults = Vec::new();
-        let mut fault = |member, message: String| faults.push(PolicyFault { member, message });
-        if let Some(step) = self.rounding_step {
-            if !field_type.is_numeric() {
-                fault("roundingStep", format!("only numbers can be rounded, and this field is a {field_type}"));
-            } else if field_type.is_integer() && step.to_integer().is_none() {
-                fault("roundingStep", format!("{step} is not a whole number, as a {field_type} needs"));
-            }
-        }
-        if !self.bands.is_empty() {
-            if !field_type.is_numeric() {
-                fault("bands", format!("only numbers can be put into bands, and this field is a {field_type}"));
-            }
-            if self.bands.len() > BANDS_MAX {
-                fault("bands", format!("at most {BANDS_MAX} bounds are possible"));
-            }
-            if self.bands.iter().any(|bound| !bound.is_finite()) || self.bands.windows(2).any(|w| w[0] >= w[1]) {
-                fault("bands", "the bounds must be finite numbers in ascending order".to_owned());
-            }
-            if field_type.is_integer() && self.bands.iter().any(|b| b.fract() != 0.0 || b.abs() > 9e15) {
-                fault("bands", format!("the bounds must be whole numbers, as a {field_type} needs"));
-            }
-            if self.rounding_step.is_some() {
-                fault("bands", "bands and a rounding step exclude each other; choose one".to_owned());
-            }
-        }
-        for (member, period) in [
-            ("minimumIntervalMs", self.minimum_interval_ms),
-            ("timeStepMs", self.time_step_ms),
-            ("delayMs", self.delay_ms),
-        ] {
-            if period.is_some_and(|ms| ms == 0 || ms > PERIOD_MS_MAX) {
-                fault(member, format!("must lie between 1 and {PERIOD_MS_MAX}"));
-            }
-        }
-        if let Some(hours) = &self.working_hours {
-            if hours.days.is_empty() || hours.from >= hours.until {
-                fault("workingHours", "needs at least one day, and must begin before it ends".to_owned());
-            }
-            if hours.utc_offset_minutes.abs() > 14 * 60 {
-                fault("workingHours", "no place on earth is more than 14 hours ahead of or behind UTC".to_owned());
-            }
-        }
-        faults
-    }
-
     /// True where nothing is coarsened.
     #[must_use]
     pub fn is_open(&self) -> bool {
@@ -121,96 +81,47 @@ impl DisclosurePolicy {
         Duration::from_millis(self.delay_ms.unwrap_or(0))
     }
 
-    /// What the partner is told about its precision.
-    #[must_use]
-    pub fn statement(&self, unit: Option<&str>) -> DisclosureStatement {
-        DisclosureStatement {
-            description: self.describe(unit),
-            rounding_step: self.rounding_step.map(|step| step.decimal().to_f64()),
-            minimum_interval_ms: self.minimum_interval_ms,
-            time_step_ms: self.time_step_ms,
-            delay_ms: self.delay_ms,
-        }
+    /// Values leave within certain hours only.
+    pub(super) const fn has_hours(&self) -> bool {
+        self.working_hours.is_some() || !self.further_hours.is_empty()
     }
 
-    fn describe(&self, unit: Option<&str>) -> String {
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
-        let mut parts = Vec::new();
-        if let Some(step) = self.rounding_step {
-            parts.push(format!("rounded to multiples of {step}{unit}"));
+    /// All hours, within each of which a value must lie to leave.
+    pub(super) fn hours(&self) -> impl Iterator<Item = &WorkingHours> {
+        self.working_hours.iter().chain(&self.further_hours)
+    }
+
+    /// The first instant from `at` on that is on the time step and within all hours; `None` where there is none.
+    pub(super) fn first_slot(&self, at: DateTime) -> Option<DateTime> {
+        self.first_slot_of(at, self.time_step())
+    }
+
+    pub(super) fn first_slot_of(&self, at: DateTime, step: Duration) -> Option<DateTime> {
+        let mut at = ceil_to(at, step);
+        for _ in 0..SLOT_ROUNDS_MAX {
+            let before = at;
+            for hours in self.hours() {
+                at = hours.first_open(at)?;
+            }
+            at = ceil_to(at, step);
+            if at == before {
+                return Some(at);
+            }
         }
-        if !self.bands.is_empty() {
-            let bounds: Vec<String> = self.bands.iter().map(f64::to_string).collect();
-            parts.push(format!("in bands from {}{unit}", bounds.join(", ")));
-        }
-        if let Some(ms) = self.minimum_interval_ms {
-            parts.push(format!("at most once per {}", describe_period(ms)));
-        }
-        if let Some(ms) = self.time_step_ms {
-            parts.push(format!("times in steps of {}", describe_period(ms)));
-        }
-        if let Some(ms) = self.delay_ms {
-            parts.push(format!("{} late", describe_period(ms)));
-        }
-        if let Some(hours) = &self.working_hours {
-            parts.push(hours.describe());
-        }
-        if parts.is_empty() {
-            return "Every change, as it is.".to_owned();
-        }
-        let mut text = parts.join("; ");
-        if let Some(first) = text.get_mut(..1) {
-            first.make_ascii_uppercase();
-        }
-        text.push('.');
-        text
+        None
+    }
+
+    /// Whether a value is in a state in which nothing of its own field leaves; `None` where it does not say.
+    pub(super) fn is_own_state_withheld(&self, value: &DataValue) -> Option<bool> {
+        let mut own = self.withhold_while.iter().filter(|condition| condition.field.is_none()).peekable();
+        own.peek()?;
+        own.map(|condition| condition.is_met_by(value))
+            .try_fold(false, |any, is_met| is_met.map(|is_met| any || is_met))
     }
 }
 
-fn describe_period(ms: u64) -> String {
-    for (length, name) in [(86_400_000, "d"), (3_600_000, "h"), (60_000, "min"), (1_000, "s")] {
-        if ms.is_multiple_of(length) {
-            return format!("{} {name}", ms / length);
-        }
-    }
-    format!("{ms} ms")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn says_what_the_partner_gets() {
-        for (json, unit, text) in [
-            ("{}", None, "Every change, as it is."),
-            (
-                r#"{"roundingStep":10,"minimumIntervalMs":60000}"#,
-                Some("PIECE"),
-                "Rounded to multiples of 10 PIECE; at most once per 1 min.",
-            ),
-            (r#"{"timeStepMs":900000,"delayMs":1500}"#, None, "Times in steps of 15 min; 1500 ms late."),
-            (r#"{"bands":[0.0,50.0,80.0]}"#, Some("%"), "In bands from 0, 50, 80 %."),
-        ] {
-            let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");
-            assert_eq!(policy.statement(unit).description, text);
-            assert_eq!(serde_json::to_string(&policy).expect("serialises"), json);
-        }
-    }
-
-    #[test]
-    fn faults_name_the_member() {
-        for (json, field_type, members) in [
-            (r#"{"roundingStep":0.5}"#, BuiltInType::Double, vec![]),
-            (r#"{"roundingStep":0.5}"#, BuiltInType::Int32, vec!["roundingStep"]),
-            (r#"{"roundingStep":5}"#, BuiltInType::String, vec!["roundingStep"]),
-            (r#"{"bands":[5,1]}"#, BuiltInType::Double, vec!["bands"]),
-            (r#"{"minimumIntervalMs":0,"delayMs":0}"#, BuiltInType::String, vec!["minimumIntervalMs", "delayMs"]),
-        ] {
-            let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");
-            let found: Vec<&str> = policy.faults(field_type).iter().map(|fault| fault.member).collect();
-            assert_eq!(found, members, "{json}");
-        }
-        assert!(serde_json::from_str::<DisclosurePolicy>(r#"{"roundingstep":5}"#).is_err());
-    }
+/// Rounded up to a multiple of `step` since 1970; unchanged where the step is zero.
+fn ceil_to(at: DateTime, step: Duration) -> DateTime {
+    let floor = at.floor_to(step);
+    if floor == at { at } else { floor.after(step) }
 }

@@ -8,7 +8,7 @@ use asi_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::disclosure::DisclosurePolicy;
+use crate::{books::Grounds, disclosure::DisclosurePolicy};
 
 /// Sequence numbers of one writer and epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,6 +44,9 @@ pub enum Event {
         /// Who decided.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         decided_by: Option<String>,
+        /// The rules and named policies on whose grounds it was decided.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        grounds: Option<Grounds>,
     },
     /// A DataSetMessage was committed to the spool: from here on it will leave.
     Queued {

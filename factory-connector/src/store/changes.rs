@@ -7,7 +7,7 @@ use asi_model::{
     messages::{Comment, MappingState, ValueSource},
 };
 
-use super::MappingChanges;
+use super::{DocumentRow, MappingChanges, RecipientPolicyRow, RuleDecisionRow};
 use crate::{
     ledger::{LinkedEntry, SALT_BYTES},
     operator::OperatorEntry,
@@ -52,6 +52,16 @@ pub struct Changes {
     pub dead_letters: Vec<DeadLetterRow>,
     /// What people entered about operations.
     pub operator_entries: Vec<OperatorEntry>,
+    /// New versions of named policies.
+    pub policies: Vec<DocumentRow>,
+    /// New versions of standing rules.
+    pub rules: Vec<DocumentRow>,
+    /// Policies set for recipients.
+    pub recipient_policies: Vec<RecipientPolicyRow>,
+    /// What rules have decided.
+    pub rule_decisions: Vec<RuleDecisionRow>,
+    /// What was undone of it, by whom and when.
+    pub undone_rule_decisions: Vec<(i64, String, DateTime)>,
     /// Sources that are new or changed.
     pub sources: Vec<SourceRow>,
     /// Sources that are gone.
@@ -82,6 +92,11 @@ impl Changes {
             && self.comments.is_empty()
             && self.dead_letters.is_empty()
             && self.operator_entries.is_empty()
+            && self.policies.is_empty()
+            && self.rules.is_empty()
+            && self.recipient_policies.is_empty()
+            && self.rule_decisions.is_empty()
+            && self.undone_rule_decisions.is_empty()
             && self.sources.is_empty()
             && self.removed_sources.is_empty()
             && self.mappings.is_empty()
@@ -137,6 +152,8 @@ pub struct FieldRow {
     pub mapping: Option<String>,
     /// The disclosure policy as JSON.
     pub policy: String,
+    /// On what the decision rests, as JSON.
+    pub grounds: Option<String>,
     /// Counts the consents.
     pub consent_version: u32,
 }
@@ -163,6 +180,8 @@ pub struct ConsentRow {
     pub value_source: Option<ValueSource>,
     /// The policy as JSON.
     pub policy: String,
+    /// On what it rests, as JSON.
+    pub grounds: Option<String>,
     /// Why.
     pub reason: Option<String>,
     /// Who.

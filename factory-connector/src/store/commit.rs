@@ -5,6 +5,7 @@ use sqlx::{Connection as _, SqliteConnection};
 
 use super::{
     Changes, ReportMove, Store, StoreError, mappings,
+    policies::write_policies,
     rows::{id_list, insert},
 };
 
@@ -32,6 +33,7 @@ impl Store {
         write_requests(&mut transaction, &changes).await?;
         write_decisions(&mut transaction, &changes).await?;
         mappings::write(&mut transaction, &changes.mappings).await?;
+        write_policies(&mut transaction, &changes).await?;
         write_reports(&mut transaction, &changes).await?;
         write_controls(&mut transaction, &changes).await?;
         write_ledger(&mut transaction, &changes).await?;
@@ -48,6 +50,7 @@ async fn write_requests(connection: &mut SqliteConnection, changes: &Changes) ->
         action,
         "INSERT INTO network (operation_network_id, revision, state, message, received_at)",
         " ON CONFLICT (operation_network_id) DO UPDATE SET revision = excluded.revision, state = excluded.state, \
+         previous_message = CASE WHEN excluded.message IS NULL THEN NULL ELSE network.message END, \
          message = excluded.message, received_at = excluded.received_at",
         &changes.networks,
         |values, network| {
@@ -139,10 +142,10 @@ async fn write_decisions(connection: &mut SqliteConnection, changes: &Changes) -
         connection,
         "store a field",
         "INSERT INTO field (id, operation_network_id, operation_id, dynamic_data_request_id, field_name, \
-         mapping_state, value_source, reason, decided_by, decided_at, mapping, policy, consent_version)",
+         mapping_state, value_source, reason, decided_by, decided_at, mapping, policy, grounds, consent_version)",
         " ON CONFLICT (id) DO UPDATE SET mapping_state = excluded.mapping_state, \
          value_source = excluded.value_source, reason = excluded.reason, decided_by = excluded.decided_by, \
-         decided_at = excluded.decided_at, mapping = excluded.mapping, policy = excluded.policy, \
+         decided_at = excluded.decided_at, mapping = excluded.mapping, policy = excluded.policy, grounds = excluded.grounds, \
          consent_version = excluded.consent_version",
         &fields,
         |values, row| {
@@ -159,6 +162,7 @@ async fn write_decisions(connection: &mut SqliteConnection, changes: &Changes) -
             values.push_bind(row.decided_at.map(|at| at.unix_micros()));
             values.push_bind(row.mapping.clone());
             values.push_bind(row.policy.clone());
+            values.push_bind(row.grounds.clone());
             values.push_bind(i64::from(row.consent_version));
         },
     )
@@ -180,7 +184,8 @@ async fn write_decisions(connection: &mut SqliteConnection, changes: &Changes) -
     insert(
         connection,
         "store a consent",
-        "INSERT INTO consent (field, version, mapping_state, value_source, policy, reason, decided_by, decided_at)",
+        "INSERT INTO consent (field, version, mapping_state, value_source, policy, grounds, reason, decided_by, \
+         decided_at)",
         "",
         &changes.consents,
         |values, row| {
@@ -189,6 +194,7 @@ async fn write_decisions(connection: &mut SqliteConnection, changes: &Changes) -
             values.push_bind(mapping_state_name(row.mapping_state));
             values.push_bind(row.value_source.map(value_source_name));
             values.push_bind(row.policy.clone());
+            values.push_bind(row.grounds.clone());
             values.push_bind(row.reason.clone());
             values.push_bind(row.decided_by.clone());
             values.push_bind(row.decided_at.unix_micros());

@@ -7,8 +7,10 @@ use asi_model::{
 use serde::de::DeserializeOwned;
 use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 
-use super::{FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow};
+use super::{FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow, policies};
 use crate::{
+    books::RecipientPolicy,
+    disclosure::{NamedPolicy, Rule, Versioned},
     ledger::{Head, Heads},
     operator::OperatorEntry,
 };
@@ -27,7 +29,7 @@ pub struct StoredNetwork {
 }
 
 /// Everything that the desk keeps in memory.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Snapshot {
     /// All networks, withdrawn ones included.
     pub networks: Vec<StoredNetwork>,
@@ -47,6 +49,14 @@ pub struct Snapshot {
     pub sources: Vec<SourceRow>,
     /// Versions and shadows of mappings.
     pub mappings: MappingShelf,
+    /// Named policies in their newest version.
+    pub policies: Vec<Versioned<NamedPolicy>>,
+    /// Standing rules in their newest version.
+    pub rules: Vec<Versioned<Rule>>,
+    /// The policies set for recipients.
+    pub recipient_policies: Vec<(OrganisationId, RecipientPolicy)>,
+    /// The greatest number ever given to a decision of rules.
+    pub last_rule_decision: i64,
 }
 
 impl Store {
@@ -67,7 +77,7 @@ impl Store {
                 connection,
                 "SELECT f.id, f.operation_network_id, f.operation_id, f.dynamic_data_request_id, f.field_name, \
                  f.mapping_state, f.value_source, f.reason, f.decided_by, f.decided_at, f.mapping, f.policy, \
-                 f.consent_version, v.gate, v.transform FROM field f LEFT JOIN field_value v ON v.field_id = f.id",
+                 f.consent_version, f.grounds, v.gate, v.transform FROM field f LEFT JOIN field_value v ON v.field_id = f.id",
                 field,
             )
             .await?,
@@ -104,6 +114,10 @@ impl Store {
             })
             .await?,
             mappings: super::mappings::load(connection).await?,
+            policies: policies::newest_policies(connection).await?,
+            rules: policies::newest_rules(connection).await?,
+            recipient_policies: policies::newest_recipient_policies(connection).await?,
+            last_rule_decision: policies::last_rule_decision(connection).await?,
         })
     }
 }
@@ -148,7 +162,7 @@ pub(super) fn id<T: std::str::FromStr<Err: std::fmt::Display>>(
 }
 
 /// A column with a JSON document.
-fn json<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, StoreError> {
+pub(super) fn json<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, StoreError> {
     serde_json::from_str(text).map_err(StoreError::unreadable(what))
 }
 
@@ -181,8 +195,8 @@ pub(super) fn request_key(row: &SqliteRow, from: usize) -> Result<RequestKey, St
 fn field(row: &SqliteRow) -> Result<(FieldRow, Option<FieldValueRow>), StoreError> {
     let state: String = get(row, 5)?;
     let source: Option<String> = get(row, 6)?;
-    let gate: Option<String> = get(row, 13)?;
-    let transform = get(row, 14)?;
+    let gate: Option<String> = get(row, 14)?;
+    let transform = get(row, 15)?;
     let field = FieldRow {
         id: get(row, 0)?,
         key: FieldKey { request: request_key(row, 1)?, field_name: id::<FieldName>(row, 4)? },
@@ -194,6 +208,7 @@ fn field(row: &SqliteRow) -> Result<(FieldRow, Option<FieldValueRow>), StoreErro
         mapping: get(row, 10)?,
         policy: get(row, 11)?,
         consent_version: unsigned(get(row, 12)?),
+        grounds: get(row, 13)?,
     };
     Ok((field, gate.map(|gate| FieldValueRow { gate, transform })))
 }

@@ -20,6 +20,8 @@ use super::StoreError;
 const MIGRATIONS: &[(i64, &str, &str)] = &[
     (1, "initial", include_str!("../../migrations/0001_initial.sql")),
     (10, "mapping versions", include_str!("../../migrations/0010_mapping_versions.sql")),
+    (20, "policies", include_str!("../../migrations/0020_policies.sql")),
+    (21, "previous revision", include_str!("../../migrations/0021_previous_revision.sql")),
     (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
 ];
 

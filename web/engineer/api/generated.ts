@@ -498,9 +498,9 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `field` with the field's key, `inbox` and `comment` with the network's id, `operator` with the
-         *     operation's key, `status`, and `reset` where events were missed and the page must load afresh. They name what changed;
-         *     values are read.
+         * Server-sent events: `field` with the field's key, its state and its newest disclosed value, `inbox` and `comment`
+         *     with the network's id, `operator` with the operation's key, `policies`, `status`, and `reset` where events were
+         *     missed and the page must load afresh.
          */
         get: {
             parameters: {
@@ -517,6 +517,212 @@ export interface paths {
                     };
                     content: {
                         "text/event-stream": string;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows a field as it stands. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["FieldView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What a consent begins with, and what "every change" instead of the partner's period would add. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                    fieldName: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ConsentOffer"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -2144,12 +2350,24 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the requests of all active networks with their fields. */
+        /** Lists the requests of all active networks with their fields, filtered, in pages. */
         get: {
             parameters: {
                 query?: {
                     /** @description `nextCursor` of the page before. */
                     cursor?: number;
+                    /** @description Requests per page, at most 200. */
+                    limit?: number;
+                    /** @description Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`. */
+                    state?: string;
+                    /** @description Requests of this requester. */
+                    partner?: string;
+                    /** @description Requests of this network. */
+                    operationNetworkId?: string;
+                    /** @description Requests in whose ids, names, purpose, fields or partners all these words occur. */
+                    search?: string;
+                    /** @description Requests that have been open for longer than the time after which the inbox reminds. */
+                    isOverdue?: boolean;
                 };
                 header?: never;
                 path?: never;
@@ -2162,7 +2380,108 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": components["schemas"]["Page_RequestView"];
+                        "application/json": components["schemas"]["InboxPage"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/leak-budgets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What each partner learns in sum from all open fields, and what it can conclude from them together. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description One organisation only. */
+                    partner?: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_PartnerLeaks"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -3430,6 +3749,106 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/operation-networks/{operationNetworkId}/news": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What is new in a network against the revision before. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["NetworkNews"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/operator/entries": {
         parameters: {
             query?: never;
@@ -3647,6 +4066,1335 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_OperatorOperation"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/policies": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the named policies in their newest version, retired ones included. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_PolicyView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/policies/{policyId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Keeps a new version of a named policy. What fields with it, or recipients with it, get changes at once; each change
+         *     is a consent in the ledger and told to the partner. `If-Match` with the version read (`"0"` for a new one) keeps two
+         *     engineers from overwriting each other.
+         */
+        put: {
+            parameters: {
+                query?: never;
+                header?: {
+                    "If-Match"?: string | null;
+                };
+                path: {
+                    policyId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["NamedPolicy"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["DocumentVersion"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/policies/{policyId}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** The mapped fields that a draft of a named policy would change, at most 500; nothing is changed. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    policyId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["NamedPolicy"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_PolicyUse"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/policies/{policyId}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Every version of a named policy, newest first. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    policyId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_Versioned_NamedPolicy"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recipients": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists every organisation that may get anything, with the policy set for it. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_RecipientView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recipients/{recipient}/policy": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Sets a named policy for everything a recipient gets: all recipients of a request get the same values, so that the
+         *     strictest of the field's and of all its recipients' policies holds. Changes at once what leaves.
+         */
+        put: {
+            parameters: {
+                query?: never;
+                header?: {
+                    "If-Match"?: string | null;
+                };
+                path: {
+                    recipient: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["RecipientBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["RecipientVersion"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rule-decisions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists what rules have decided by themselves, newest first. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_RuleDecision"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rule-decisions/{id}/undo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts where something
+         *     else was decided since.
+         */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    id: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Undone */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rules": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the standing rules in their newest version. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_Versioned_Rule"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rules/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Applies the enabled rules to all undecided fields; what an engineer left open stays open. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Applied"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rules/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** What a draft of a rule means among the fields that are there; nothing is changed. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Rule"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["RulePreview"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rules/{ruleId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there already is decided by
+         *     `POST /rules/apply`. `If-Match` as for policies.
+         */
+        put: {
+            parameters: {
+                query?: never;
+                header?: {
+                    "If-Match"?: string | null;
+                };
+                path: {
+                    ruleId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Rule"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["DocumentVersion"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/rules/{ruleId}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Every version of a rule, newest first. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    ruleId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_Versioned_Rule"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -4949,6 +6697,16 @@ export interface components {
          * @enum {string}
          */
         Aggregate: "minimum" | "maximum" | "mean" | "sum" | "count" | "last";
+        /**
+         * @description What is made of a window's values.
+         * @enum {string}
+         */
+        AggregateFunction: "LAST" | "MAXIMUM" | "MINIMUM" | "SUM" | "MEAN";
+        /** @description What was decided. */
+        Applied: {
+            /** @description How many fields. */
+            decidedCount: number;
+        };
         /** @description One bit of an integer, as Boolean. */
         Bit: {
             /**
@@ -5075,6 +6833,36 @@ export interface components {
             /** @description True: its bearer may connect from now on. False: it is turned away from the next connection on. */
             isTrusted: boolean;
         };
+        /**
+         * @description What follows from fields that are open together.
+         * @enum {string}
+         */
+        Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
+        /** @description With what the consent for a field begins. */
+        ConsentOffer: {
+            /** @description The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period. */
+            disclosure: components["schemas"]["DisclosurePolicy"];
+            /**
+             * Format: double
+             * @description Values per hour that "every change" would add to that, as far as it was measured.
+             */
+            everyChangeAddsPerHour?: number | null;
+            measured?: components["schemas"]["Measured"] | null;
+            /**
+             * Format: int64
+             * @description The period that the partner asked for, in milliseconds.
+             */
+            requestedIntervalMs?: number | null;
+            /** @description The rules behind it. */
+            rules: components["schemas"]["RuleReference"][];
+            /** @description The same in words. */
+            statement: string;
+            /**
+             * Format: double
+             * @description Values per hour at that period.
+             */
+            valuesPerHour?: number | null;
+        };
         /** @description Yields the same value whatever comes in; with no input before it, once. */
         Constant: {
             /** @description The value. */
@@ -5160,6 +6948,8 @@ export interface components {
             mapping?: components["schemas"]["MappingDraft"] | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: string;
+            /** @description A named policy that holds beside it, in its newest version from now on. */
+            policyId?: string | null;
             /** @description Told to the partner; needed with `REFUSED`. */
             reason?: string | null;
             /** @description Where values come from; needed with `MAPPED`. */
@@ -5189,8 +6979,16 @@ export interface components {
             /** @description What differs. */
             changes: components["schemas"]["MappingChange"][];
         };
-        /** @description How a field's values are coarsened before they leave. Empty: every change leaves as it is. */
+        /**
+         * @description How a field's values are coarsened before they leave. Empty: every change leaves as it is.
+         *
+         *     In this order: what comes in a withheld state is dropped, an aggregate is made of each window, the number is banded
+         *     or rounded and then cut to its significant digits; the result waits for its delay, the intervals and rates, the time
+         *     step and the working hours.
+         */
         DisclosurePolicy: {
+            /** @default null */
+            aggregate: components["schemas"]["WindowAggregate"] | null;
             /**
              * @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending.
              * @default []
@@ -5203,11 +7001,21 @@ export interface components {
              */
             delayMs: number | null;
             /**
+             * @description Values leave within each of these hours only, beside the working hours.
+             * @default []
+             */
+            furtherHours: components["schemas"]["WorkingHours"][];
+            /**
              * Format: int64
              * @description At most one value leaves per this many milliseconds; the latest wins.
              * @default null
              */
             minimumIntervalMs: number | null;
+            /**
+             * @description At most so many values leave per period; all of these hold.
+             * @default []
+             */
+            rateLimits: components["schemas"]["RateLimit"][];
             /**
              * Format: double
              * @description Numbers are rounded to the nearest multiple of this, in the field's unit.
@@ -5215,19 +7023,42 @@ export interface components {
              */
             roundingStep: number | null;
             /**
+             * Format: int32
+             * @description Numbers have at most so many significant digits, 1 to 15.
+             * @default null
+             */
+            significantDigits: number | null;
+            /**
              * Format: int64
              * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
              * @default null
              */
             timeStepMs: number | null;
+            /**
+             * @description Nothing leaves while any of these is met, and what comes meanwhile never leaves.
+             * @default []
+             */
+            withholdWhile: components["schemas"]["WithholdCondition"][];
             /** @default null */
             workingHours: components["schemas"]["WorkingHours"] | null;
+        };
+        /** @description One version of a policy or rule. */
+        DocumentVersion: {
+            /** @description Which. */
+            id: string;
+            /**
+             * Format: int32
+             * @description From 1, one more with every change.
+             */
+            version: number;
         };
         /** @description What would be decided. */
         Draft: {
             /** @description How values would be coarsened. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
+            /** @description A named policy that would hold beside it. */
+            policyId?: string | null;
             /** @description Where values would come from. */
             valueSource: string;
         };
@@ -5241,11 +7072,28 @@ export interface components {
          * @enum {string}
          */
         EdgeDirection: "rising" | "falling" | "both";
+        /** @description What a part of a policy does. */
+        Effect: {
+            /** @description It changes this very value or its times, or holds it back now. */
+            isFelt: boolean;
+            /** @description Which part. */
+            kind: components["schemas"]["EffectKind"];
+            /** @description In words. */
+            text: string;
+        };
+        /**
+         * @description A part of a policy.
+         * @enum {string}
+         */
+        EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
         /** @description What became of it. */
         Entered: {
             /** @description Less than was entered is disclosed. */
             isCoarsened: boolean;
-            /** @description `DISCLOSED`, `UNCHANGED` or `WITHHELD`. */
+            /**
+             * @description `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds the present state:
+             *     it never leaves).
+             */
             outcome: string;
             /**
              * Format: date-time
@@ -5353,6 +7201,30 @@ export interface components {
             operationId: string;
             operationNetworkId: string;
         };
+        /** @description What one field tells. */
+        FieldLeak: {
+            /**
+             * Format: double
+             * @description The most that one value can tell, in bits; none for texts and other values without bound.
+             */
+            bitsPerValue?: number | null;
+            /** @description Which. */
+            key: Record<string, never>;
+            /** @description What was measured. */
+            measured: components["schemas"]["Measured"];
+            /** @description Its precision in words. */
+            statement: string;
+            /**
+             * Format: int64
+             * @description How exactly changes are timed, in milliseconds; 0: as they happen.
+             */
+            timeResolutionMs: number;
+            /**
+             * Format: double
+             * @description Values per hour at most; none where only the publishing interval limits them.
+             */
+            valuesPerHourMax?: number | null;
+        };
         /** @description What became of a value of an entry. */
         FieldResult: components["schemas"]["Entered"] & {
             key: Record<string, never>;
@@ -5370,12 +7242,18 @@ export interface components {
             decisionTime?: string | null;
             /** @description More about it. */
             description?: string | null;
-            /** @description How values are coarsened. */
+            /** @description How values are coarsened at least, as decided. */
             disclosure: components["schemas"]["DisclosurePolicy"];
             /** @description The same in words, as the partner is told. */
             disclosureStatement?: string | null;
+            /** @description How they are coarsened: the strictest of that, of the named policy and of the recipients' policies. */
+            effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description The named policy and the rules on whose grounds it was decided. */
+            grounds: components["schemas"]["Grounds"];
             /** @description A mapping is on trial beside the published one. */
             hasShadow: boolean;
+            /** @description Nothing leaves at present: the policy withholds the present state, or one that is not known. */
+            isWithheld: boolean;
             /** @description Its address. */
             key: Record<string, never>;
             /** @description The mapping in force, or the one to offer again. */
@@ -5389,6 +7267,7 @@ export interface components {
             mappingVersion?: number | null;
             /** @description Its name. */
             name: string;
+            offer?: components["schemas"]["RuleOfferView"] | null;
             /** @description What it means. */
             semantic?: string | null;
             /** @description Its built-in type by name. */
@@ -5428,6 +7307,24 @@ export interface components {
             /** @description The text with its placeholders. */
             template: string;
         };
+        /** @description On what a decision rests beside the engineer's own words. */
+        Grounds: {
+            /**
+             * @description The named policies that shaped the precision, with the versions that held; in consents only.
+             * @default []
+             */
+            policies: components["schemas"]["DocumentVersion"][];
+            /**
+             * @description The named policy that the field takes, in whatever version.
+             * @default null
+             */
+            policyId: string | null;
+            /**
+             * @description The rules that decided, each in the version that did.
+             * @default []
+             */
+            rules: components["schemas"]["DocumentVersion"][];
+        };
         /** @description Who we are to a server. */
         Identity: {
             /** @enum {string} */
@@ -5459,6 +7356,34 @@ export interface components {
             templates: number;
             /** @description Mappings that were there already. */
             unchanged: number;
+        };
+        /** @description A page of the inbox, and how many there are. */
+        InboxPage: {
+            /** @description Requests that the query means. */
+            count: number;
+            /** @description The requests. */
+            items: components["schemas"]["RequestView"][];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+            /** @description All requests and fields, whatever the query. */
+            totals: components["schemas"]["InboxTotals"];
+        };
+        /** @description How the fields of all active networks stand. */
+        InboxTotals: {
+            /** @description Requests whose validity has ended. */
+            endedRequests: number;
+            /** @description Fields whose values flow. */
+            mapped: number;
+            /** @description Requests with an undecided field. */
+            openRequests: number;
+            /** @description Of them, those that have been open for longer than the time after which the inbox reminds. */
+            overdueRequests: number;
+            /** @description Undecided fields. */
+            pending: number;
+            /** @description Refused fields. */
+            refused: number;
+            /** @description Requests. */
+            requests: number;
         };
         /** @description How much a counter went on since its last value. The first value yields nothing. */
         Increment: {
@@ -5511,6 +7436,42 @@ export interface components {
          * @enum {string}
          */
         LateValues: "ignore" | "use";
+        /** @description What a partner learns in sum. */
+        LeakBudget: {
+            /**
+             * Format: double
+             * @description Bits per hour at most; none where a field has no limit.
+             */
+            bitsPerHourMax?: number | null;
+            /** @description Each field. */
+            fields: components["schemas"]["FieldLeak"][];
+            /**
+             * Format: double
+             * @description Values per hour at most; none where a field has no limit.
+             */
+            valuesPerHourMax?: number | null;
+            /**
+             * Format: double
+             * @description Values per hour as measured.
+             */
+            valuesPerHourMeasured: number;
+            /** @description What can be concluded. */
+            warnings: components["schemas"]["LeakWarning"][];
+        };
+        /** @description A warning. */
+        LeakWarning: {
+            /** @description What can be concluded. */
+            conclusion: components["schemas"]["Conclusion"];
+            /** @description From which fields. */
+            fields: Record<string, never>[];
+            /**
+             * Format: int64
+             * @description The time from which on it could not be concluded, in milliseconds, where that helps.
+             */
+            neededMs?: number | null;
+            /** @description In words, with what would prevent it. */
+            text: string;
+        };
         /** @description Something that is not as it was written. */
         LedgerFault: {
             /** @description What is wrong with it. */
@@ -5717,6 +7678,24 @@ export interface components {
             /** @description Its identity within the connector. */
             templateId: string;
         };
+        /** @description What was counted over a time. */
+        Measured: {
+            /**
+             * Format: int64
+             * @description Values that came from the source.
+             */
+            candidates: number;
+            /**
+             * Format: double
+             * @description Over how many hours, at most 24; since the connector started or the field was opened.
+             */
+            hours: number;
+            /**
+             * Format: int64
+             * @description Values that left.
+             */
+            released: number;
+        };
         /** @description One value from several inputs. */
         Merge: {
             /** @description The names of the inputs, in their order of precedence; all where empty. */
@@ -5759,6 +7738,33 @@ export interface components {
              * @default null
              */
             samplingIntervalMs: number | null;
+        };
+        /** @description A policy with a name, to be chosen for fields and set for recipients. */
+        NamedPolicy: {
+            /** @description What it says. */
+            disclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description It is kept, but offered and applied no more. */
+            isRetired?: boolean;
+            /** @description What it is called. */
+            name: string;
+        };
+        /** @description What the revision in force changed. */
+        NetworkNews: {
+            /**
+             * @description What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
+             *     and of the consent.
+             */
+            difference: Record<string, never>;
+            /**
+             * Format: int64
+             * @description The one before it, where there was one.
+             */
+            previousRevision?: number | null;
+            /**
+             * Format: int64
+             * @description The revision in force.
+             */
+            revision: number;
         };
         /** @description A network in short. */
         NetworkSummary: {
@@ -6059,6 +8065,16 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_PartnerLeaks: {
+            /** @description The items. */
+            items: (components["schemas"]["LeakBudget"] & {
+                /** @description The organisation: a requester or a recipient. */
+                partner: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_PeerCertificate: {
             /** @description The items. */
             items: {
@@ -6085,47 +8101,75 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
-        Page_RequestView: {
+        Page_PolicyUse: {
             /** @description The items. */
             items: {
+                /** @description The field. */
+                key: Record<string, never>;
+                /** @description What its partner reads now. */
+                statement: string;
+                /** @description What it would read with the draft. */
+                statementThen: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_PolicyView: {
+            /** @description The items. */
+            items: (components["schemas"]["Versioned_NamedPolicy"] & {
+                /** @description How many mapped fields take it by name. */
+                fieldCount: number;
+                /** @description The recipients that it is set for. */
+                recipients: string[];
+                /** @description In words, as partners read it. */
+                statement: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_RecipientView: {
+            /** @description The items. */
+            items: {
+                /** @description How many mapped fields it gets. */
+                fieldCount: number;
+                /** @description The organisation. */
+                recipient: string;
+                set?: components["schemas"]["RecipientPolicy"] | null;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_RuleDecision: {
+            /** @description The items. */
+            items: {
+                /** @description `ACCEPT` or `REFUSE`. */
+                action: string;
                 /**
                  * Format: int32
-                 * @description Its DataSetWriter.
+                 * @description The consent that this made.
                  */
-                dataSetWriterId?: number | null;
-                /** @description More about it. */
-                description?: string | null;
-                /** @description Its fields. */
-                fields: components["schemas"]["FieldView"][];
-                /** @description Its address. */
-                key: Record<string, never>;
-                /** @description What the network is called. */
-                networkName?: string | null;
-                /** @description The operation it asks about, without its requests. */
-                operation: Record<string, never>;
-                /** @description What for. */
-                purpose: string;
+                consentVersion: number;
                 /**
                  * Format: date-time
-                 * @description When this revision came.
+                 * @description When.
                  */
-                receivedAt: string;
-                /** @description Who may see the answers. */
-                recipientList: string[];
-                /** @description What the report is called. */
-                reportName: string;
-                /** @description Who asks. */
-                requesterId: string;
-                /**
-                 * Format: int64
-                 * @description How often the partner wants to hear, as the time between two reports in milliseconds.
-                 */
-                updateIntervalMs?: number | null;
+                decidedAt: string;
+                /** @description The field. */
+                field: Record<string, never>;
+                /** @description Its number, as text. */
+                id: string;
+                /** @description The rules, in the versions that decided. */
+                rules: components["schemas"]["DocumentVersion"][];
                 /**
                  * Format: date-time
-                 * @description Until when.
+                 * @description When.
                  */
-                validUntil?: string | null;
+                undoneAt?: string | null;
+                /** @description Who undid it. */
+                undoneBy?: string | null;
             }[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
@@ -6230,6 +8274,63 @@ export interface components {
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
+        /** @description A page of a list. */
+        Page_Versioned_NamedPolicy: {
+            /** @description The items. */
+            items: (components["schemas"]["DocumentVersion"] & {
+                /** @description What it says. */
+                disclosure: components["schemas"]["DisclosurePolicy"];
+                /** @description It is kept, but offered and applied no more. */
+                isRetired?: boolean;
+                /** @description What it is called. */
+                name: string;
+            } & {
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                changedAt: string;
+                /** @description Who changed it last. */
+                changedBy: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_Versioned_Rule: {
+            /** @description The items. */
+            items: (components["schemas"]["DocumentVersion"] & {
+                /** @description What is done with them. */
+                action: components["schemas"]["RuleAction"];
+                /** @description The precision, with `ACCEPT` and `PREFILL`. */
+                disclosure?: components["schemas"]["DisclosurePolicy"];
+                /** @description It is applied to new requests; otherwise it is kept, and can be looked at. */
+                isEnabled?: boolean;
+                /** @description What it is called. */
+                name: string;
+                /** @description A named policy that holds beside it: the strictest of both. */
+                policyId?: string | null;
+                /** @description What the partner is told, with `REFUSE`. */
+                reason?: string | null;
+                /**
+                 * @description Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
+                 *     a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
+                 */
+                valueSource?: string | null;
+                /** @description Which fields it means. */
+                when: components["schemas"]["RuleCondition"];
+            } & {
+                /**
+                 * Format: date-time
+                 * @description When.
+                 */
+                changedAt: string;
+                /** @description Who changed it last. */
+                changedBy: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
         /** @description Takes a value out of a text. */
         Parse: {
             /** @description A comma is the decimal sign, points group digits. */
@@ -6243,6 +8344,11 @@ export interface components {
             radix?: number | null;
             /** @description The type of the value. */
             to: components["schemas"]["TypeName"];
+        };
+        /** @description What one partner learns. */
+        PartnerLeaks: components["schemas"]["LeakBudget"] & {
+            /** @description The organisation: a requester or a recipient. */
+            partner: string;
         };
         /** @description A server's certificate that we have met. */
         PeerCertificate: {
@@ -6282,6 +8388,24 @@ export interface components {
             /** @description What became of it. */
             outcome: components["schemas"]["Placed"];
         };
+        /** @description What a change of a policy would do to a field. */
+        PolicyUse: {
+            /** @description The field. */
+            key: Record<string, never>;
+            /** @description What its partner reads now. */
+            statement: string;
+            /** @description What it would read with the draft. */
+            statementThen: string;
+        };
+        /** @description A named policy and where it holds. */
+        PolicyView: components["schemas"]["Versioned_NamedPolicy"] & {
+            /** @description How many mapped fields take it by name. */
+            fieldCount: number;
+            /** @description The recipients that it is set for. */
+            recipients: string[];
+            /** @description In words, as partners read it. */
+            statement: string;
+        };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
         Preview: {
             candidate?: components["schemas"]["ShownValue"] | null;
@@ -6293,14 +8417,22 @@ export interface components {
              * @description When it would leave, where policy holds it back.
              */
             disclosedAt?: string | null;
+            /** @description The precision that would hold: the strictest of the draft, the named policy and the recipients' policies. */
+            effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description What each part of it does to this value. */
+            effects: components["schemas"]["Effect"][];
             /** @description What the machines say. */
             inputs: components["schemas"]["InputView"][];
+            /** @description Nothing would leave now: the policy withholds the present state, or one that is not known. */
+            isWithheld: boolean;
             /** @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times. */
             message?: string | null;
             /** @description The precision in words, as the partner reads it. */
             statement: string;
             /** @description What the mapping makes of it, function by function. */
             steps: components["schemas"]["StepView"][];
+            /** @description What partners could conclude if this were decided. */
+            warnings: components["schemas"]["LeakWarning"][];
         };
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
@@ -6342,6 +8474,19 @@ export interface components {
             /** @description Per what. */
             per?: components["schemas"]["RatePeriod"];
         };
+        /** @description At most so many values leave within any period of this length. */
+        RateLimit: {
+            /**
+             * Format: int64
+             * @description The period in milliseconds.
+             */
+            periodMs: number;
+            /**
+             * Format: int32
+             * @description How many values, 1 to 100.
+             */
+            values: number;
+        };
         /**
          * @description The time that a rate refers to.
          * @enum {string}
@@ -6364,6 +8509,44 @@ export interface components {
          * @enum {string}
          */
         ReasonKind: "name" | "semantic" | "place" | "description" | "type" | "unit" | "companionType" | "value" | "decision";
+        /** @description Which policy holds for everything a recipient gets. */
+        RecipientBody: {
+            /** @description The named policy; null takes it away. */
+            policyId?: string | null;
+        };
+        /** @description The policy that is set for everything one recipient gets. */
+        RecipientPolicy: {
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            changedAt: string;
+            /** @description Who set it. */
+            changedBy: string;
+            /** @description The named policy; none after it was taken away. */
+            policyId?: string | null;
+            /**
+             * Format: int32
+             * @description From 1, one more with every change.
+             */
+            version: number;
+        };
+        /** @description What was set. */
+        RecipientVersion: {
+            /**
+             * Format: int32
+             * @description Counts the changes.
+             */
+            version: number;
+        };
+        /** @description A recipient and the policy set for it. */
+        RecipientView: {
+            /** @description How many mapped fields it gets. */
+            fieldCount: number;
+            /** @description The organisation. */
+            recipient: string;
+            set?: components["schemas"]["RecipientPolicy"] | null;
+        };
         /** @description A request of a partner. */
         RequestView: {
             /**
@@ -6375,10 +8558,19 @@ export interface components {
             description?: string | null;
             /** @description Its fields. */
             fields: components["schemas"]["FieldView"][];
+            /** @description That time is over: nothing leaves any more. */
+            hasEnded: boolean;
+            /** @description It has waited for more than a day. */
+            isOverdue: boolean;
             /** @description Its address. */
             key: Record<string, never>;
             /** @description What the network is called. */
             networkName?: string | null;
+            /**
+             * Format: date-time
+             * @description Since when it waits for an engineer, while a field of it is undecided.
+             */
+            openSince?: string | null;
             /** @description The operation it asks about, without its requests. */
             operation: Record<string, never>;
             /** @description What for. */
@@ -6401,6 +8593,11 @@ export interface components {
             updateIntervalMs?: number | null;
             /**
              * Format: date-time
+             * @description From when values are asked for.
+             */
+            validFrom?: string | null;
+            /**
+             * Format: date-time
              * @description Until when.
              */
             validUntil?: string | null;
@@ -6415,6 +8612,132 @@ export interface components {
          * @enum {string}
          */
         Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
+        /** @description A standing rule. */
+        Rule: {
+            /** @description What is done with them. */
+            action: components["schemas"]["RuleAction"];
+            /** @description The precision, with `ACCEPT` and `PREFILL`. */
+            disclosure?: components["schemas"]["DisclosurePolicy"];
+            /** @description It is applied to new requests; otherwise it is kept, and can be looked at. */
+            isEnabled?: boolean;
+            /** @description What it is called. */
+            name: string;
+            /** @description A named policy that holds beside it: the strictest of both. */
+            policyId?: string | null;
+            /** @description What the partner is told, with `REFUSE`. */
+            reason?: string | null;
+            /**
+             * @description Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
+             *     a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
+             */
+            valueSource?: string | null;
+            /** @description Which fields it means. */
+            when: components["schemas"]["RuleCondition"];
+        };
+        /**
+         * @description What a rule does with the fields it means.
+         * @enum {string}
+         */
+        RuleAction: "ACCEPT" | "PREFILL" | "REFUSE";
+        /** @description Which fields a rule means: those that every list names. An empty list names everything. */
+        RuleCondition: {
+            /**
+             * @description Built-in types by name.
+             * @default []
+             */
+            dataTypes: string[];
+            /**
+             * @description The field's name, where `*` stands for anything; upper and lower case are alike.
+             * @default null
+             */
+            namePattern: string | null;
+            /**
+             * @description Organisations. A rule that accepts or pre-fills means requests of which the requester and *every* recipient are
+             *     among them; a rule that refuses, requests of which any is.
+             * @default []
+             */
+            partners: string[];
+            /**
+             * @description Semantics as requested.
+             * @default []
+             */
+            semantics: string[];
+            /**
+             * @description Units as requested.
+             * @default []
+             */
+            units: string[];
+        };
+        /** @description What rules decided by themselves. */
+        RuleDecision: {
+            /** @description `ACCEPT` or `REFUSE`. */
+            action: string;
+            /**
+             * Format: int32
+             * @description The consent that this made.
+             */
+            consentVersion: number;
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            decidedAt: string;
+            /** @description The field. */
+            field: Record<string, never>;
+            /** @description Its number, as text. */
+            id: string;
+            /** @description The rules, in the versions that decided. */
+            rules: components["schemas"]["DocumentVersion"][];
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            undoneAt?: string | null;
+            /** @description Who undid it. */
+            undoneBy?: string | null;
+        };
+        /** @description A field that a rule means. */
+        RuleMatch: {
+            /** @description The field. */
+            key: Record<string, never>;
+            /** @description `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided. */
+            mappingState: string;
+            /** @description What the rule says. */
+            offer: components["schemas"]["RuleOfferView"];
+            /** @description It is undecided and no engineer has left it open: the rule would decide now. */
+            wouldDecide: boolean;
+        };
+        /** @description What standing rules say about a field. */
+        RuleOfferView: {
+            /** @description What they come to. */
+            action: components["schemas"]["RuleAction"];
+            /** @description The precision. */
+            disclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description The mapping, with the source `MAPPING`. */
+            mapping?: Record<string, never> | null;
+            /** @description What the partner would be told. */
+            reason?: string | null;
+            /** @description The rules, the one that gives reason and source first. */
+            rules: components["schemas"]["RuleReference"][];
+            /** @description The same in words. */
+            statement: string;
+            /** @description Where values would come from. */
+            valueSource?: string | null;
+        };
+        /** @description What a rule would match. */
+        RulePreview: {
+            /** @description All fields it means. */
+            count: number;
+            /** @description At most 500 of them, those it would decide first. */
+            items: components["schemas"]["RuleMatch"][];
+            /** @description Of them, those it would decide now. */
+            wouldDecideCount: number;
+        };
+        /** @description A rule by name. */
+        RuleReference: components["schemas"]["DocumentVersion"] & {
+            /** @description What it is called. */
+            name: string;
+        };
         /**
          * @description `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor and offset are and the
          *     division comes out even.
@@ -6703,6 +9026,8 @@ export interface components {
             /** @description `Running`, `Interrupted` or `Ended`; none before anything was entered. */
             state?: string | null;
         };
+        /** @description A state as a plain value. */
+        StateValue: boolean | number | string;
         /** @description How the connector stands. */
         Status: {
             factoryId: string;
@@ -7111,6 +9436,23 @@ export interface components {
              */
             version: number;
         };
+        /** @description A document with its version, author and time. */
+        Versioned_NamedPolicy: components["schemas"]["DocumentVersion"] & {
+            /** @description What it says. */
+            disclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description It is kept, but offered and applied no more. */
+            isRetired?: boolean;
+            /** @description What it is called. */
+            name: string;
+        } & {
+            /**
+             * Format: date-time
+             * @description When.
+             */
+            changedAt: string;
+            /** @description Who changed it last. */
+            changedBy: string;
+        };
         /**
          * @description A day of the week.
          * @enum {string}
@@ -7133,6 +9475,26 @@ export interface components {
              * @description How many values.
              */
             samples?: number | null;
+        };
+        /** @description An aggregate over windows. */
+        WindowAggregate: {
+            /** @description What is made of a window's values. */
+            function: components["schemas"]["AggregateFunction"];
+            /**
+             * Format: int64
+             * @description Length of a window in milliseconds.
+             */
+            windowMs: number;
+        };
+        /** @description While a value is in one of these states nothing of the field leaves, and what comes meanwhile never leaves. */
+        WithholdCondition: {
+            /**
+             * @description Another field of the same request; the field's own value without it. While the other field's state is not known
+             *     the condition counts as met.
+             */
+            field?: string | null;
+            /** @description The states: texts, numbers or truth values. */
+            states: components["schemas"]["StateValue"][];
         };
         /** @description The hours in which values may leave; what changes outside of them leaves, newest only, when they begin. */
         WorkingHours: {

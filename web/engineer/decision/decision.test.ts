@@ -7,7 +7,7 @@ import { stepOf } from './preview.svelte'
 import { newStep, parseLiteral, STEP_KINDS, stepKind, withParameter, writeLiteral } from './step-catalogue'
 
 const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'power' }
-const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', hasShadow: false, ...more })
+const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', hasShadow: false, isWithheld: false, effectiveDisclosure: {}, grounds: {}, ...more })
 const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   key,
   operation: { operationId: 'o', operationType: 'PRODUCTION' },
@@ -15,6 +15,8 @@ const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   recipientList: ['acme'],
   purpose: 'Plan',
   receivedAt: '2026-01-01T00:00:00Z',
+  hasEnded: false,
+  isOverdue: false,
   reportName: 'Progress',
   updateIntervalMs: 60_000,
   fields: [],

@@ -1,5 +1,4 @@
-use asi_model::{Scalar, StatusCode, Variant};
-use proptest::prelude::*;
+use asi_model::{Scalar, StatusCode};
 
 use super::*;
 
@@ -111,101 +110,110 @@ fn a_lost_source_shows_as_its_status() {
     assert_eq!(gate.disclosed(), Some(&lost));
 }
 
-fn policies() -> impl Strategy<Value = DisclosurePolicy> {
-    let period = || prop_oneof![Just(None), (1_u64..5_000).prop_map(Some)];
-    (prop_oneof![Just(None), (1_u32..500).prop_map(Some)], period(), period(), period(), any::<bool>()).prop_map(
-        |(step, minimum_interval_ms, time_step_ms, delay_ms, is_banded)| {
-            let mut policy = DisclosurePolicy { minimum_interval_ms, time_step_ms, delay_ms, ..Default::default() };
-            if is_banded {
-                policy.bands = vec![-100.0, 0.0, 100.0];
-            } else {
-                policy.rounding_step = step.map(|step| f64::from(step).try_into().expect("positive"));
-            }
-            policy
-        },
-    )
+#[test]
+fn what_was_due_within_the_hours_does_not_leave_after_them() {
+    // START is a Friday at 08:00 UTC.
+    let mut gate = gate(r#"{"delayMs":1000,"workingHours":{"days":["FRIDAY"],"from":"06:00","until":"09:00"}}"#);
+    gate.on(at(0), candidate(0, 1));
+    let late = at(2 * 3_600_000);
+    gate.on_time(late);
+    assert_eq!(gate.disclosed(), None, "noticed an hour after the hours ended");
+    let due = gate.due().expect("it waits for the next opening");
+    assert_eq!(due, at(7 * 86_400_000 - 2 * 3_600_000));
+    gate.on_time(due);
+    assert_eq!(shown(&gate), Some(1));
 }
 
-/// What left of a gate: when, and what.
-fn run(policy: &DisclosurePolicy, steps: &[(u64, Option<i64>)]) -> Vec<(u64, DataValue)> {
-    let mut gate = Gate::new(Arc::new(policy.clone()), BuiltInType::Int64, GateState::default(), at(0));
-    let (mut now, mut left) = (0, Vec::new());
-    for (pause, value) in steps {
-        now += pause;
-        match value {
-            Some(value) => drop(gate.on(at(now), candidate(now, *value))),
-            None => gate.on_time(at(now)),
+#[test]
+fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
+    let mut gate = gate(r#"{"roundingStep":5,"aggregate":{"function":"MEAN","windowMs":1000}}"#);
+    assert_eq!(gate.on(at(0), candidate(0, 10)), Outcome::Withheld { until: at(1000) });
+    gate.on(at(500), candidate(500, 30));
+    let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(600));
+    gate.on_time(at(999));
+    assert!(!gate.take_news());
+    gate.on_time(at(1000));
+    assert!(gate.take_news());
+    assert_eq!(shown(&gate), Some(20));
+    let source = gate.disclosed().and_then(|value| value.source_timestamp);
+    assert_eq!(source, Some(at(0)), "the window's beginning");
+    gate.on_time(at(2000));
+    assert_eq!(shown(&gate), Some(30), "the value that held on");
+    assert_eq!(gate.due(), None, "and nothing more to say");
+}
+
+#[test]
+fn a_sum_is_told_for_every_window() {
+    let mut gate = gate(r#"{"aggregate":{"function":"SUM","windowMs":1000}}"#);
+    let mut news = Vec::new();
+    for ms in [0, 400, 1100, 1500, 2000, 3000, 4000, 5000] {
+        if ms < 2000 {
+            gate.on(at(ms), candidate(ms, 5));
+        } else {
+            gate.on_time(at(ms))
         }
         if gate.take_news() {
-            left.push((now, gate.disclosed().expect("news is a value").clone()));
+            news.push((ms, shown(&gate)));
         }
     }
-    left
+    assert_eq!(news, [(1100, Some(10)), (2000, Some(10)), (3000, Some(0))]);
 }
 
-proptest! {
-    /// For any policy and any course of candidates and wake-ups: never finer, faster or earlier than allowed.
-    #[test]
-    fn what_leaves_is_never_more_than_the_policy_allows(
-        policy in policies(),
-        steps in proptest::collection::vec((0_u64..2_000, prop_oneof![3 => (-1000_i64..1000).prop_map(Some), 1 => Just(None)]), 0..60),
-    ) {
-        let left = run(&policy, &steps);
-        let mut arrivals = Vec::new();
-        let mut now = 0;
-        for (pause, value) in &steps {
-            now += pause;
-            arrivals.extend(value.map(|value| (now, value)));
-        }
-        for (when, value) in &left {
-            let Variant::Scalar(scalar) = &value.value else { panic!("a scalar left") };
-            let number = scalar.as_i128().expect("an integer");
-            if let Some(step) = policy.rounding_step {
-                prop_assert_eq!(number % step.to_integer().expect("whole"), 0);
-            }
-            if !policy.bands.is_empty() {
-                prop_assert!([-100, 0, 100].contains(&number));
-            }
-            let source = value.source_timestamp.expect("a source time");
-            prop_assert_eq!(source, source.floor_to(policy.time_step()));
-            let allowed = source.after(policy.delay());
-            prop_assert!(allowed <= at(*when), "left before its delay");
-        }
-        for pair in left.windows(2) {
-            prop_assert!(pair[1].0 - pair[0].0 >= policy.minimum_interval_ms.unwrap_or(0));
-            prop_assert!((&pair[0].1.value, pair[0].1.status) != (&pair[1].1.value, pair[1].1.status));
-            if let Some(step) = policy.time_step_ms {
-                prop_assert!(at(pair[0].0).floor_to(Duration::from_millis(step)) < at(pair[1].0));
-            }
+#[test]
+fn a_rate_holds_in_any_period() {
+    let mut gate = gate(r#"{"rateLimits":[{"values":2,"periodMs":1000}]}"#);
+    let mut left = Vec::new();
+    for ms in (0_u64..3000).step_by(100) {
+        gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(ms));
+        gate.on(at(ms), candidate(ms, i64::try_from(ms).expect("small")));
+        if gate.take_news() {
+            left.push(ms);
         }
     }
+    assert_eq!(left, [0, 100, 1000, 1100, 2000, 2100]);
+}
 
-    /// Without a clock's limits nothing is lost: after enough time the newest value is shown.
-    #[test]
-    fn the_newest_value_leaves_in_the_end(policy in policies(), values in proptest::collection::vec((0_u64..2_000, -1000_i64..1000), 1..40)) {
-        let mut steps: Vec<_> = values.iter().map(|(pause, value)| (*pause, Some(*value))).collect();
-        steps.extend([(20_000, None), (20_000, None)]);
-        let left = run(&policy, &steps);
-        let last = values.last().expect("not empty");
-        let expected = coarsen(&policy, BuiltInType::Int64, DataValue::good(last.1, at(0))).value.value;
-        prop_assert_eq!(&left.last().expect("something left").1.value, &expected);
-    }
+#[test]
+fn what_comes_in_a_withheld_state_never_leaves() {
+    let mut gate = gate(r#"{"withholdWhile":[{"states":[-1]},{"field":"state","states":["SETUP"]}]}"#);
+    let other: FieldName = "state".parse().expect("a name");
+    assert_eq!(gate.on(at(0), candidate(0, 1)), Outcome::Suppressed, "the other field's state is not known");
+    gate.on_state(at(1), &other, Some(false));
+    assert!(!gate.take_news());
+    assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });
+    gate.on_state(at(3), &other, Some(true));
+    assert_eq!(gate.on(at(4), candidate(4, 3)), Outcome::Suppressed);
+    let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(5));
+    assert_eq!(gate.on(at(5), candidate(5, 4)), Outcome::Suppressed, "still, after a restart");
+    gate.on_state(at(6), &other, Some(false));
+    assert_eq!((gate.due(), shown(&gate)), (None, Some(2)));
+    assert_eq!(gate.on(at(7), candidate(7, -1)), Outcome::Suppressed, "its own state");
+    let mut lost = candidate(8, 0);
+    lost.status = StatusCode::BAD_NO_DATA;
+    assert_eq!(gate.on(at(8), lost), Outcome::Suppressed, "a loss within the state is the state's");
+    assert_eq!(gate.on(at(9), candidate(9, 5)), Outcome::Disclosed { is_coarsened: false });
+}
 
-    /// A restart at any moment does not let more out.
-    #[test]
-    fn a_restart_keeps_the_interval(pauses in proptest::collection::vec((0_u64..500, -9_i64..9), 1..30)) {
-        let mut gate = gate(r#"{"minimumIntervalMs":700}"#);
-        let (mut now, mut last) = (0, None);
-        for (pause, value) in pauses {
-            now += pause;
-            gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(now));
-            gate.on(at(now), candidate(now, value));
-            if gate.take_news() {
-                prop_assert!(last.is_none_or(|last| now - last >= 700));
-                last = Some(now);
-            }
-        }
-    }
+#[test]
+fn what_waits_does_not_leave_within_a_withheld_state() {
+    let mut gate = gate(r#"{"delayMs":100,"withholdWhile":[{"field":"state","states":[1]}]}"#);
+    let other: FieldName = "state".parse().expect("a name");
+    gate.on_state(at(0), &other, Some(false));
+    gate.on(at(0), candidate(0, 1));
+    gate.on_state(at(50), &other, Some(true));
+    gate.on_time(at(200));
+    assert_eq!((gate.disclosed(), gate.due()), (None, None));
+    gate.on_state(at(300), &other, Some(false));
+    assert_eq!(shown(&gate), Some(1));
+}
+
+#[test]
+fn what_was_meant_for_a_mean_never_leaves_singly() {
+    let mut gate = gate(r#"{"aggregate":{"function":"MEAN","windowMs":1000}}"#);
+    gate.on(at(0), candidate(0, 7));
+    gate.change_policy(Arc::default(), at(10));
+    gate.on_time(at(5000));
+    assert_eq!((gate.disclosed(), gate.due()), (None, None));
 }
 
 #[test]

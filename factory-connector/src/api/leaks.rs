@@ -1,0 +1,114 @@
+//! What partners learn in sum, and what consent would offer.
+
+use asi_model::OrganisationId;
+use axum::{Json, extract::State};
+use daemon::web::{ApiPath, ApiQuery, Problem};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::{
+    Api,
+    fields::{FieldPath, key},
+    problems::Problems,
+    view::{Page, RuleReference},
+};
+use crate::{
+    desk::now,
+    disclosure::{DisclosurePolicy, LeakBudget, Measured},
+};
+
+/// What one partner learns.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PartnerLeaks {
+    /// The organisation: a requester or a recipient.
+    #[schema(value_type = String)]
+    partner: OrganisationId,
+    /// Fields, rates, precision and warnings.
+    #[serde(flatten)]
+    budget: LeakBudget,
+}
+
+/// Whose.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LeakQuery {
+    /// One organisation only.
+    partner: Option<String>,
+}
+
+/// What each partner learns in sum from all open fields, and what it can conclude from them together.
+#[utoipa::path(get, path = "/leak-budgets", tag = "policies", security(("session" = [])), params(LeakQuery),
+    responses((status = 200, body = Page<PartnerLeaks>), Problems))]
+pub async fn list(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<LeakQuery>,
+) -> Result<Json<Page<PartnerLeaks>>, Problem> {
+    let now = now();
+    let budgets = api.desk.read(move |books| books.leak_budgets(now, None)).await?;
+    let is_wanted = |partner: &OrganisationId| query.partner.as_ref().is_none_or(|wanted| partner.as_str() == wanted);
+    let items = budgets
+        .into_iter()
+        .filter(|(partner, _)| is_wanted(partner))
+        .map(|(partner, budget)| PartnerLeaks { partner, budget })
+        .collect();
+    Ok(Json(Page::whole(items)))
+}
+
+/// With what the consent for a field begins.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ConsentOffer {
+    /// The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period.
+    disclosure: DisclosurePolicy,
+    /// The same in words.
+    statement: String,
+    /// The rules behind it.
+    rules: Vec<RuleReference>,
+    /// The period that the partner asked for, in milliseconds.
+    requested_interval_ms: Option<u64>,
+    /// Values per hour at that period.
+    values_per_hour: Option<f64>,
+    /// What came and left, while values flow.
+    measured: Option<Measured>,
+    /// Values per hour that "every change" would add to that, as far as it was measured.
+    every_change_adds_per_hour: Option<f64>,
+}
+
+/// What a consent begins with, and what "every change" instead of the partner's period would add.
+#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer",
+    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = ConsentOffer), Problems))]
+pub async fn offer(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<ConsentOffer>, Problem> {
+    let (key, now) = (key(path), now());
+    let offer = api
+        .desk
+        .read(move |books| {
+            let field = books.field(&key)?;
+            let (_, request) = books.request(&key.request)?;
+            let requested_interval_ms =
+                request.update_interval().map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX));
+            let asked = DisclosurePolicy { minimum_interval_ms: requested_interval_ms, ..DisclosurePolicy::default() };
+            let ruled = books.rule_offer(&key);
+            let disclosure = ruled.as_ref().map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));
+            #[allow(clippy::cast_precision_loss)]
+            let values_per_hour = requested_interval_ms.map(|ms| 3_600_000.0 / ms.max(1) as f64);
+            let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
+            let every_change = measured.and_then(Measured::candidates_per_hour);
+            Some(ConsentOffer {
+                statement: disclosure.statement(field.definition.unit.as_deref()).description,
+                rules: ruled
+                    .map(|ruled| ruled.rules.into_iter().map(|(key, name)| RuleReference { key, name }).collect())
+                    .unwrap_or_default(),
+                every_change_adds_per_hour: every_change
+                    .map(|every| (every - values_per_hour.unwrap_or(every)).max(0.0)),
+                disclosure,
+                requested_interval_ms,
+                values_per_hour,
+                measured,
+            })
+        })
+        .await?;
+    offer.map(Json).ok_or_else(|| Problem::not_found("such field"))
+}

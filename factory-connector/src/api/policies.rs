@@ -1,0 +1,246 @@
+//! Named policies, and the policies set for recipients.
+
+use asi_model::{DateTime, OrganisationId};
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, header},
+};
+use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use crate::{
+    books::{Books, DocumentError, RecipientPolicy},
+    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Versioned},
+    store::{DocumentVersions, document_versions},
+};
+
+/// Most fields listed as using a policy.
+const USES_MAX: usize = 500;
+
+/// A named policy and where it holds.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PolicyView {
+    /// The newest version.
+    #[serde(flatten)]
+    policy: Versioned<NamedPolicy>,
+    /// In words, as partners read it.
+    statement: String,
+    /// How many mapped fields take it by name.
+    field_count: usize,
+    /// The recipients that it is set for.
+    #[schema(value_type = Vec<String>)]
+    recipients: Vec<OrganisationId>,
+}
+
+fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
+    let takes = |id: Option<&DocumentId>| id == Some(&policy.key.id);
+    PolicyView {
+        statement: policy.document.disclosure.statement(None).description,
+        field_count: books
+            .fields
+            .values()
+            .filter(|field| field.decision.is_mapped() && takes(field.decision.grounds.policy_id.as_ref()))
+            .count(),
+        recipients: books
+            .recipient_policies()
+            .into_iter()
+            .filter(|(_, set)| takes(set.policy_id.as_ref()))
+            .map(|(recipient, _)| recipient)
+            .collect(),
+        policy,
+    }
+}
+
+/// Lists the named policies in their newest version, retired ones included.
+#[utoipa::path(get, path = "/policies", tag = "policies", security(("session" = [])),
+    responses((status = 200, body = Page<PolicyView>), Problems))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Problem> {
+    let items = api.desk.read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect()).await?;
+    Ok(Json(Page::whole(items)))
+}
+
+/// Keeps a new version of a named policy. What fields with it, or recipients with it, get changes at once; each change
+/// is a consent in the ledger and told to the partner. `If-Match` with the version read (`"0"` for a new one) keeps two
+/// engineers from overwriting each other.
+#[utoipa::path(put, path = "/policies/{policyId}", tag = "policies", security(("session" = [])),
+    params(("policyId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = NamedPolicy,
+    responses((status = 200, body = DocumentVersion), Problems))]
+pub async fn put(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<DocumentId>,
+    headers: HeaderMap,
+    ApiJson(policy): ApiJson<NamedPolicy>,
+) -> Result<Json<DocumentVersion>, Problem> {
+    engineer_only(&who)?;
+    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
+    let kept = api.desk.change(move |books, now| books.put_policy(&id, policy, expected, &by, now)).await?;
+    Ok(Json(kept.map_err(document_problem)?))
+}
+
+/// Every version of a named policy, newest first.
+#[utoipa::path(get, path = "/policies/{policyId}/versions", tag = "policies", security(("session" = [])),
+    params(("policyId" = String, Path)), responses((status = 200, body = Page<Versioned<NamedPolicy>>), Problems))]
+pub async fn versions(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<DocumentId>,
+) -> Result<Json<Page<Versioned<NamedPolicy>>>, Problem> {
+    Ok(Json(Page::whole(document_versions(&api.readers, DocumentVersions::Policies, &id).await?)))
+}
+
+/// What a change of a policy would do to a field.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PolicyUse {
+    /// The field.
+    #[schema(value_type = Object)]
+    key: asi_model::FieldKey,
+    /// What its partner reads now.
+    statement: String,
+    /// What it would read with the draft.
+    statement_then: String,
+}
+
+/// The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
+#[utoipa::path(post, path = "/policies/{policyId}/preview", tag = "policies", security(("session" = [])),
+    params(("policyId" = String, Path)), request_body = NamedPolicy,
+    responses((status = 200, body = Page<PolicyUse>), Problems))]
+pub async fn preview(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<DocumentId>,
+    ApiJson(draft): ApiJson<NamedPolicy>,
+) -> Result<Json<Page<PolicyUse>>, Problem> {
+    engineer_only(&who)?;
+    let uses = api
+        .desk
+        .read(move |books| {
+            let mut uses: Vec<PolicyUse> = books
+                .policy_changes(&id, &draft.disclosure)
+                .into_iter()
+                .map(|(key, now, then, unit)| PolicyUse {
+                    key,
+                    statement: now.statement(unit.as_deref()).description,
+                    statement_then: then.statement(unit.as_deref()).description,
+                })
+                .collect();
+            uses.sort_by(|left, right| left.key.cmp(&right.key));
+            uses.truncate(USES_MAX);
+            uses
+        })
+        .await?;
+    Ok(Json(Page::whole(uses)))
+}
+
+/// A recipient and the policy set for it.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RecipientView {
+    /// The organisation.
+    #[schema(value_type = String)]
+    recipient: OrganisationId,
+    /// How many mapped fields it gets.
+    field_count: usize,
+    /// The policy set for all of them.
+    set: Option<RecipientPolicy>,
+}
+
+/// Lists every organisation that may get anything, with the policy set for it.
+#[utoipa::path(get, path = "/recipients", tag = "policies", security(("session" = [])),
+    responses((status = 200, body = Page<RecipientView>), Problems))]
+pub async fn recipients(State(api): State<Api>) -> Result<Json<Page<RecipientView>>, Problem> {
+    let items = api
+        .desk
+        .read(|books| {
+            let mut found: std::collections::BTreeMap<OrganisationId, usize> =
+                books.recipient_policies().into_iter().map(|(recipient, _)| (recipient, 0)).collect();
+            for message in books.networks.values().filter_map(|network| network.message.as_ref()) {
+                for (key, _, request) in message.operation_network.requests() {
+                    let count = books.fields_of(&key).filter(|(_, field)| field.decision.is_mapped()).count();
+                    for recipient in &request.recipient_list {
+                        *found.entry(recipient.clone()).or_default() += count;
+                    }
+                }
+            }
+            let set: std::collections::BTreeMap<_, _> = books.recipient_policies().into_iter().collect();
+            found
+                .into_iter()
+                .map(|(recipient, field_count)| RecipientView {
+                    set: set.get(&recipient).cloned(),
+                    recipient,
+                    field_count,
+                })
+                .collect()
+        })
+        .await?;
+    Ok(Json(Page::whole(items)))
+}
+
+/// Which policy holds for everything a recipient gets.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct RecipientBody {
+    /// The named policy; null takes it away.
+    #[schema(value_type = Option<String>)]
+    policy_id: Option<DocumentId>,
+}
+
+/// What was set.
+#[derive(Serialize, ToSchema)]
+pub struct RecipientVersion {
+    /// Counts the changes.
+    version: u32,
+}
+
+/// Sets a named policy for everything a recipient gets: all recipients of a request get the same values, so that the
+/// strictest of the field's and of all its recipients' policies holds. Changes at once what leaves.
+#[utoipa::path(put, path = "/recipients/{recipient}/policy", tag = "policies", security(("session" = [])),
+    params(("recipient" = String, Path), ("If-Match" = Option<String>, Header)), request_body = RecipientBody,
+    responses((status = 200, body = RecipientVersion), Problems))]
+pub async fn set_recipient(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(recipient): ApiPath<OrganisationId>,
+    headers: HeaderMap,
+    ApiJson(body): ApiJson<RecipientBody>,
+) -> Result<Json<RecipientVersion>, Problem> {
+    engineer_only(&who)?;
+    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
+    let set = move |books: &mut Books, now: DateTime| {
+        books.set_recipient_policy(&recipient, body.policy_id, expected, &by, now)
+    };
+    let version = api.desk.change(set).await?.map_err(document_problem)?;
+    Ok(Json(RecipientVersion { version }))
+}
+
+/// The version of `If-Match`, where it is given.
+pub(super) fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
+    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
+    let version = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
+    let detail = "If-Match must be the version in quotes, as \"3\".";
+    version.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
+}
+
+/// Why a policy or rule is not kept.
+pub(super) fn document_problem(error: DocumentError) -> Problem {
+    match error {
+        DocumentError::Unknown(id) => Problem::not_found(format_args!("policy {id}")),
+        DocumentError::Changed(_) => Problem::conflict("CHANGED", format!("{error}.")),
+        DocumentError::TooMany => Problem::conflict("LIMIT_REACHED", format!("{error}.")),
+        DocumentError::Faults(faults) => {
+            let faults = faults
+                .into_iter()
+                .map(|fault| ProblemFault {
+                    pointer: fault.pointer,
+                    code: "INVALID".to_owned(),
+                    message: fault.message,
+                })
+                .collect();
+            Problem::unprocessable("INVALID_DOCUMENT", "The document has faults.", faults)
+        }
+    }
+}

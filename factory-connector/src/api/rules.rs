@@ -1,0 +1,187 @@
+//! Standing rules: kept, looked at before they are enabled, applied, and undone.
+
+use asi_model::FieldKey;
+use axum::{Json, extract::State, http::HeaderMap};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    policies::{document_problem, if_match},
+    problems::Problems,
+    view::{Page, RuleOfferView},
+};
+use crate::{
+    disclosure::{DocumentId, DocumentVersion, Rule, Versioned},
+    store::{DocumentVersions, RuleDecision, document_versions, rule_decision, rule_decisions},
+};
+
+/// Most fields listed in the preview of a rule.
+const MATCHES_MAX: usize = 500;
+/// Decisions per page.
+const PAGE: u32 = 100;
+
+/// Lists the standing rules in their newest version.
+#[utoipa::path(get, path = "/rules", tag = "policies", security(("session" = [])),
+    responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
+    Ok(Json(Page::whole(api.desk.read(crate::books::Books::rules).await?)))
+}
+
+/// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there already is decided by
+/// `POST /rules/apply`. `If-Match` as for policies.
+#[utoipa::path(put, path = "/rules/{ruleId}", tag = "policies", security(("session" = [])),
+    params(("ruleId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = Rule,
+    responses((status = 200, body = DocumentVersion), Problems))]
+pub async fn put(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<DocumentId>,
+    headers: HeaderMap,
+    ApiJson(rule): ApiJson<Rule>,
+) -> Result<Json<DocumentVersion>, Problem> {
+    engineer_only(&who)?;
+    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
+    let kept = api.desk.change(move |books, now| books.put_rule(&id, rule, expected, &by, now)).await?;
+    Ok(Json(kept.map_err(document_problem)?))
+}
+
+/// Every version of a rule, newest first.
+#[utoipa::path(get, path = "/rules/{ruleId}/versions", tag = "policies", security(("session" = [])),
+    params(("ruleId" = String, Path)), responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
+pub async fn versions(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<DocumentId>,
+) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
+    Ok(Json(Page::whole(document_versions(&api.readers, DocumentVersions::Rules, &id).await?)))
+}
+
+/// A field that a rule means.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RuleMatch {
+    /// The field.
+    #[schema(value_type = Object)]
+    key: FieldKey,
+    /// `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided.
+    #[schema(value_type = String)]
+    mapping_state: asi_model::messages::MappingState,
+    /// It is undecided and no engineer has left it open: the rule would decide now.
+    would_decide: bool,
+    /// What the rule says.
+    offer: RuleOfferView,
+}
+
+/// What a rule would match.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RulePreview {
+    /// All fields it means.
+    count: usize,
+    /// Of them, those it would decide now.
+    would_decide_count: usize,
+    /// At most 500 of them, those it would decide first.
+    items: Vec<RuleMatch>,
+}
+
+/// What a draft of a rule means among the fields that are there; nothing is changed.
+#[utoipa::path(post, path = "/rules/preview", tag = "policies", security(("session" = [])), request_body = Rule,
+    responses((status = 200, body = RulePreview), Problems))]
+pub async fn preview(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiJson(rule): ApiJson<Rule>,
+) -> Result<Json<RulePreview>, Problem> {
+    engineer_only(&who)?;
+    let faults = rule.faults();
+    if !faults.is_empty() {
+        return Err(document_problem(crate::books::DocumentError::Faults(faults)));
+    }
+    let preview = api
+        .desk
+        .read(move |books| {
+            let mut items: Vec<RuleMatch> = books
+                .rule_preview(&rule)
+                .into_iter()
+                .filter_map(|(key, offer)| {
+                    let field = books.field(&key)?;
+                    Some(RuleMatch {
+                        mapping_state: field.decision.mapping_state,
+                        would_decide: field.is_undecided() && offer.decides(),
+                        offer: RuleOfferView::new(&offer, field),
+                        key,
+                    })
+                })
+                .collect();
+            let (count, deciding) = (items.len(), items.iter().filter(|item| item.would_decide).count());
+            items.sort_by_key(|item| !item.would_decide);
+            items.truncate(MATCHES_MAX);
+            RulePreview { count, would_decide_count: deciding, items }
+        })
+        .await?;
+    Ok(Json(preview))
+}
+
+/// What was decided.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Applied {
+    /// How many fields.
+    decided_count: usize,
+}
+
+/// Applies the enabled rules to all undecided fields; what an engineer left open stays open.
+#[utoipa::path(post, path = "/rules/apply", tag = "policies", security(("session" = [])),
+    responses((status = 200, body = Applied), Problems))]
+pub async fn apply(State(api): State<Api>, who: SignedIn<Principal>) -> Result<Json<Applied>, Problem> {
+    engineer_only(&who)?;
+    let decided_count = api.desk.change(|books, now| books.apply_rules(None, now)).await?;
+    Ok(Json(Applied { decided_count }))
+}
+
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct DecisionsQuery {
+    /// `nextCursor` of the page before.
+    cursor: Option<i64>,
+}
+
+/// Lists what rules have decided by themselves, newest first.
+#[utoipa::path(get, path = "/rule-decisions", tag = "policies", security(("session" = [])), params(DecisionsQuery),
+    responses((status = 200, body = Page<RuleDecision>), Problems))]
+pub async fn decisions(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<DecisionsQuery>,
+) -> Result<Json<Page<RuleDecision>>, Problem> {
+    let items = rule_decisions(&api.readers, query.cursor.unwrap_or(i64::MAX), PAGE).await?;
+    let is_full = items.len() == usize::try_from(PAGE).unwrap_or(usize::MAX);
+    let next_cursor = items.last().filter(|_| is_full).map(|last| last.id.clone());
+    Ok(Json(Page { items, next_cursor }))
+}
+
+/// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts where something
+/// else was decided since.
+#[utoipa::path(post, path = "/rule-decisions/{id}/undo", tag = "policies", security(("session" = [])),
+    params(("id" = String, Path)), responses((status = 204, description = "Undone"), Problems))]
+pub async fn undo(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<i64>,
+) -> Result<axum::http::StatusCode, Problem> {
+    engineer_only(&who)?;
+    let unknown = || Problem::not_found(format_args!("decision {id} of a rule"));
+    let decision = rule_decision(&api.readers, id).await?.ok_or_else(unknown)?;
+    if decision.undone_at.is_some() {
+        return Ok(axum::http::StatusCode::NO_CONTENT);
+    }
+    let by = who.principal.user_name.clone();
+    let undone = api
+        .desk
+        .change(move |books, now| books.undo_rule_decision(id, &decision.field, decision.consent_version, &by, now))
+        .await?;
+    undone.map_err(crate::desk::DeskError::from)?;
+    Ok(axum::http::StatusCode::NO_CONTENT)
+}

@@ -1,0 +1,153 @@
+//! What each part of a policy does to one value, for the engineer to see before consenting.
+
+use asi_model::{BuiltInType, DataValue, DateTime};
+use serde::Serialize;
+
+use super::{DisclosurePolicy, coarsening::coarsen, statement::describe_period};
+
+/// A part of a policy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum EffectKind {
+    /// Nothing leaves in certain states.
+    Withheld,
+    /// One value per window.
+    Aggregated,
+    /// The greatest bound not above the value.
+    Banded,
+    /// The nearest multiple.
+    Rounded,
+    /// Few significant digits.
+    Digits,
+    /// Times in steps.
+    TimeStep,
+    /// Late.
+    Delayed,
+    /// At most one value per interval.
+    Interval,
+    /// At most so many values per period.
+    Rate,
+    /// Within certain hours.
+    Hours,
+}
+
+/// What a part of a policy does.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Effect {
+    /// Which part.
+    pub kind: EffectKind,
+    /// In words.
+    pub text: String,
+    /// It changes this very value or its times, or holds it back now.
+    pub is_felt: bool,
+}
+
+/// What each part of a policy does to a candidate at a time, in the order in which they are applied. `is_withheld`: the
+/// policy withholds the present state.
+#[must_use]
+pub fn effects(
+    policy: &DisclosurePolicy,
+    field_type: BuiltInType,
+    candidate: &DataValue,
+    is_withheld: bool,
+    now: DateTime,
+) -> Vec<Effect> {
+    let alone = |part: DisclosurePolicy| {
+        let coarse = coarsen(&part, field_type, candidate.clone()).value;
+        coarse.value != candidate.value || coarse.source_timestamp != candidate.source_timestamp
+    };
+    let open = DisclosurePolicy::default;
+    let statement = |part: &DisclosurePolicy| part.statement(None).description;
+    let mut effects = Vec::new();
+    let mut add = |kind, part: DisclosurePolicy, is_felt: bool| {
+        if !part.is_open() {
+            effects.push(Effect { kind, text: statement(&part), is_felt });
+        }
+    };
+    let withheld = DisclosurePolicy { withhold_while: policy.withhold_while.clone(), ..open() };
+    add(EffectKind::Withheld, withheld, is_withheld);
+    add(EffectKind::Aggregated, DisclosurePolicy { aggregate: policy.aggregate, ..open() }, true);
+    for (kind, part) in [
+        (EffectKind::Banded, DisclosurePolicy { bands: policy.bands.clone(), ..open() }),
+        (EffectKind::Rounded, DisclosurePolicy { rounding_step: policy.rounding_step, ..open() }),
+        (EffectKind::Digits, DisclosurePolicy { significant_digits: policy.significant_digits, ..open() }),
+        (EffectKind::TimeStep, DisclosurePolicy { time_step_ms: policy.time_step_ms, ..open() }),
+    ] {
+        let is_felt = alone(part.clone());
+        add(kind, part, is_felt);
+    }
+    add(EffectKind::Delayed, DisclosurePolicy { delay_ms: policy.delay_ms, ..open() }, true);
+    add(EffectKind::Interval, DisclosurePolicy { minimum_interval_ms: policy.minimum_interval_ms, ..open() }, false);
+    add(EffectKind::Rate, DisclosurePolicy { rate_limits: policy.rate_limits.clone(), ..open() }, false);
+    let hours = DisclosurePolicy {
+        working_hours: policy.working_hours.clone(),
+        further_hours: policy.further_hours.clone(),
+        ..open()
+    };
+    let is_closed = hours.first_slot(now) != Some(now);
+    add(EffectKind::Hours, hours, is_closed);
+    effects
+}
+
+/// The most values per hour that a policy lets through; `None` where there is no limit but the publishing interval.
+#[must_use]
+pub fn values_per_hour_max(policy: &DisclosurePolicy) -> Option<f64> {
+    const HOUR_MS: f64 = 3_600_000.0;
+    #[allow(clippy::cast_precision_loss)]
+    let per = |ms: u64| HOUR_MS / ms.max(1) as f64;
+    let slots =
+        [policy.minimum_interval_ms, policy.time_step_ms, policy.aggregate.map(|aggregate| aggregate.window_ms)];
+    let rates = policy.rate_limits.iter().map(|limit| f64::from(limit.values) * per(limit.period_ms));
+    slots.into_iter().flatten().map(per).chain(rates).reduce(f64::min)
+}
+
+/// The shortest time that can be told apart by when values leave and by their times, in words and milliseconds; zero
+/// where changes leave as they happen.
+#[must_use]
+pub fn time_resolution_ms(policy: &DisclosurePolicy) -> u64 {
+    // A minimum interval and rates limit how often something leaves, not how exactly it is timed.
+    let window = policy.aggregate.map_or(0, |aggregate| aggregate.window_ms);
+    policy.time_step_ms.unwrap_or(0).max(window)
+}
+
+/// A period in words.
+#[must_use]
+pub fn period_in_words(ms: u64) -> String {
+    describe_period(ms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_say_which_part_is_felt() {
+        let policy: DisclosurePolicy = serde_json::from_str(
+            r#"{"roundingStep":10,"significantDigits":2,"minimumIntervalMs":60000,"withholdWhile":[{"states":[0]}]}"#,
+        )
+        .expect("a policy");
+        let now = DateTime::from_unix_micros(1_800_000_000_000_000);
+        let found: Vec<(EffectKind, bool)> =
+            effects(&policy, BuiltInType::Int32, &DataValue::good(17_i32, now), false, now)
+                .into_iter()
+                .map(|effect| (effect.kind, effect.is_felt))
+                .collect();
+        use EffectKind as K;
+        assert_eq!(found, [(K::Withheld, false), (K::Rounded, true), (K::Digits, false), (K::Interval, false)]);
+        assert_eq!(effects(&DisclosurePolicy::default(), BuiltInType::Int32, &DataValue::default(), false, now), []);
+    }
+
+    #[test]
+    fn the_tightest_limit_says_how_many_leave() {
+        for (json, expected) in [
+            ("{}", None),
+            (r#"{"minimumIntervalMs":60000}"#, Some(60.0)),
+            (r#"{"minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}]}"#, Some(3.0)),
+            (r#"{"aggregate":{"function":"MEAN","windowMs":1800000}}"#, Some(2.0)),
+        ] {
+            let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");
+            assert_eq!(values_per_hour_max(&policy), expected, "{json}");
+        }
+    }
+}

@@ -1,0 +1,408 @@
+//! The gate's promises as properties: whatever the policy, whatever a script yields and in whatever order things happen,
+//! what leaves is never finer, faster or earlier than the policy allows. The checks look at what came and what left
+//! only; none of them knows how the gate works.
+
+use asi_model::{Scalar, StatusCode, Variant, values::Array};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    disclosure::{RateLimit, RoundingStep, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours},
+    values::{gate_from_json, gate_to_json},
+};
+
+/// A Monday, 00:00 UTC.
+const START_MS: i64 = 1_799_625_600_000;
+const HOUR_MS: u64 = 3_600_000;
+
+fn at(ms: u64) -> DateTime {
+    DateTime::from_unix_micros((START_MS + i64::try_from(ms).expect("small")) * 1_000)
+}
+
+fn other() -> FieldName {
+    "state".parse().expect("a name")
+}
+
+/// What happens at a gate.
+#[derive(Debug, Clone)]
+enum Step {
+    Candidate(DataValue),
+    State(Option<bool>),
+    Wake,
+    /// The connector ends and starts again from what was stored.
+    Restart,
+}
+
+/// Anything that a mapping, a script, a person or an OPC UA client could bring for a field of whole numbers.
+fn candidates() -> impl Strategy<Value = DataValue> {
+    let value = prop_oneof![
+        8 => (-1000_i64..1000).prop_map(Variant::from),
+        1 => any::<i64>().prop_map(Variant::from),
+        1 => any::<f64>().prop_map(Variant::from),
+        1 => Just(Variant::from("3.14159")),
+        1 => Just(Variant::Null),
+        1 => proptest::collection::vec(-1000_i64..1000, 0..4).prop_map(|elements| Variant::Array(Arc::new(Array {
+            element_type: BuiltInType::Int64,
+            elements: elements.into_iter().map(Scalar::Int64).collect(),
+            dimensions: None,
+        }))),
+    ];
+    let status = prop_oneof![
+        8 => Just(StatusCode::GOOD),
+        1 => Just(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
+        1 => Just(StatusCode::BAD_NO_DATA),
+    ];
+    (value, status).prop_map(|(value, status)| DataValue { status, ..DataValue::good(value, at(0)) })
+}
+
+fn steps(pause_ms: u64) -> impl Strategy<Value = Vec<(u64, Step)>> {
+    let step = prop_oneof![
+        10 => candidates().prop_map(Step::Candidate),
+        2 => proptest::option::of(any::<bool>()).prop_map(Step::State),
+        2 => Just(Step::Wake),
+        1 => Just(Step::Restart),
+    ];
+    proptest::collection::vec((0..pause_ms, step), 0..60)
+}
+
+fn policies() -> impl Strategy<Value = DisclosurePolicy> {
+    let period = || proptest::option::of(1_u64..5_000);
+    let step = (1_u32..500).prop_map(|step| f64::from(step).try_into().expect("positive"));
+    let rate = (1_u32..5, 1_u64..9_000).prop_map(|(values, period_ms)| RateLimit { values, period_ms });
+    let function = prop_oneof![
+        Just(AggregateFunction::Last),
+        Just(AggregateFunction::Maximum),
+        Just(AggregateFunction::Minimum),
+        Just(AggregateFunction::Sum),
+        Just(AggregateFunction::Mean),
+    ];
+    let aggregate = (function, 1_u64..5_000).prop_map(|(function, window_ms)| WindowAggregate { function, window_ms });
+    let condition = (any::<bool>(), -1000_i64..1000).prop_map(|(is_own, state)| WithholdCondition {
+        field: (!is_own).then(other),
+        states: vec![StateValue::Integer(state), StateValue::Integer(7)],
+    });
+    let hours = Just(WorkingHours {
+        days: vec![Weekday::Monday, Weekday::Wednesday],
+        from: "06:00".parse().expect("a time"),
+        until: "14:30".parse().expect("a time"),
+        utc_offset_minutes: 60,
+    });
+    (
+        (proptest::option::of(step), any::<bool>(), proptest::option::of(1_u8..4)),
+        (period(), period(), period()),
+        proptest::collection::vec(rate, 0..3),
+        proptest::option::of(aggregate),
+        proptest::collection::vec(condition, 0..2),
+        proptest::option::weighted(0.2, hours),
+    )
+        .prop_map(
+            |((step, is_banded, significant_digits), times, rate_limits, aggregate, withhold_while, hours)| {
+                let mut policy = DisclosurePolicy {
+                    significant_digits,
+                    minimum_interval_ms: times.0,
+                    time_step_ms: times.1,
+                    delay_ms: times.2,
+                    rate_limits,
+                    aggregate,
+                    withhold_while,
+                    working_hours: hours,
+                    ..Default::default()
+                };
+                if is_banded {
+                    policy.bands = vec![-100.0, 0.0, 100.0];
+                } else {
+                    policy.rounding_step = step;
+                }
+                policy
+            },
+        )
+}
+
+/// What left, and when.
+type Left = Vec<(u64, DataValue)>;
+
+/// Runs a gate through steps. Woken in time, or (`is_late`) only when something happens.
+fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left {
+    let policy = Arc::new(policy.clone());
+    let mut gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, GateState::default(), at(0));
+    let (mut now, mut left) = (0, Vec::new());
+    let mut note = |gate: &mut Gate, now| {
+        if gate.take_news() {
+            left.push((now, gate.disclosed().expect("news is a value").clone()));
+        }
+    };
+    for (pause, step) in steps {
+        let next = now + pause;
+        while let Some(due) = gate.due().filter(|due| !is_late && *due < at(next)) {
+            now = now.max(u64::try_from(due.unix_millis() - START_MS).expect("later"));
+            gate.on_time(at(now));
+            note(&mut gate, now);
+        }
+        now = next;
+        // What is due leaves before anything new comes, so that each release is seen.
+        gate.on_time(at(now));
+        note(&mut gate, now);
+        match step {
+            Step::Candidate(value) => {
+                gate.on(at(now), DataValue { source_timestamp: Some(at(now)), ..value.clone() });
+            }
+            Step::State(is_withheld) => {
+                gate.on_state(at(now), &other(), *is_withheld);
+            }
+            Step::Wake => gate.on_time(at(now)),
+            Step::Restart => {
+                let stored = gate_from_json(&gate_to_json(&gate.state())).expect("it reads what it wrote");
+                gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, stored, at(now));
+            }
+        }
+        note(&mut gate, now);
+    }
+    left
+}
+
+fn numbers(value: &DataValue) -> Vec<i128> {
+    match &value.value {
+        Variant::Null => Vec::new(),
+        Variant::Scalar(scalar) => vec![scalar.as_i128().expect("a whole number, as the field is")],
+        Variant::Array(array) => array.elements.iter().map(|e| e.as_i128().expect("whole numbers")).collect(),
+    }
+}
+
+fn significant(number: i128) -> usize {
+    number.unsigned_abs().to_string().trim_end_matches('0').len()
+}
+
+/// Monday and Wednesday from 05:00 to 13:30 UTC, as the only hours that are tested.
+fn is_working(ms: u64) -> bool {
+    let (day, of_day) = (ms / (24 * HOUR_MS) % 7, ms % (24 * HOUR_MS));
+    (day == 0 || day == 2) && of_day >= 5 * HOUR_MS && of_day < 13 * HOUR_MS + HOUR_MS / 2
+}
+
+/// When candidates came and whether they came in a withheld state, told from the steps alone.
+fn arrivals(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<(u64, DataValue, bool)> {
+    let (mut now, mut own, mut foreign) = (0, false, true);
+    let mut all = Vec::new();
+    let looks_at_other = policy.withhold_while.iter().any(|condition| condition.field.is_some());
+    for (pause, step) in steps {
+        now += pause;
+        match step {
+            Step::State(is_withheld) => foreign = is_withheld.unwrap_or(true),
+            Step::Candidate(value) => {
+                if !value.status.is_bad() && !value.value.is_null() {
+                    let elements = match &value.value {
+                        Variant::Array(array) => array.elements.clone(),
+                        Variant::Scalar(scalar) => vec![scalar.clone()],
+                        Variant::Null => Vec::new(),
+                    };
+                    own = policy.withhold_while.iter().filter(|condition| condition.field.is_none()).any(|condition| {
+                        condition.states.iter().any(|state| {
+                            let StateValue::Integer(state) = state else { panic!("only whole states are tested") };
+                            elements
+                                .iter()
+                                .any(|element| element.as_f64().is_some_and(|number| number == *state as f64))
+                        })
+                    });
+                }
+                all.push((now, value.clone(), own || (looks_at_other && foreign)));
+            }
+            Step::Wake | Step::Restart => {}
+        }
+    }
+    all
+}
+
+fn check(policy: &DisclosurePolicy, steps: &[(u64, Step)], left: &Left) -> Result<(), TestCaseError> {
+    let arrivals = arrivals(policy, steps);
+    let delay = policy.delay_ms.unwrap_or(0);
+    for (when, value) in left {
+        for number in numbers(value) {
+            if let Some(digits) = policy.significant_digits {
+                prop_assert!(significant(number) <= usize::from(digits), "{number} is finer than {digits} digits");
+            } else if let Some(step) = policy.rounding_step.and_then(RoundingStep::to_integer) {
+                prop_assert_eq!(number % step, 0, "not a multiple");
+            } else if !policy.bands.is_empty() {
+                prop_assert!([-100, 0, 100].contains(&number));
+            }
+        }
+        prop_assert_eq!((value.server_timestamp, value.source_picoseconds), (None, 0));
+        let source = value.source_timestamp.expect("a source time").unix_millis();
+        let millis = |ms: u64| i64::try_from(ms).expect("small");
+        let left_at = START_MS + millis(*when);
+        if let Some(step) = policy.time_step_ms {
+            prop_assert_eq!(source.rem_euclid(millis(step)), 0, "a time between the steps");
+        }
+        let windowed = policy.aggregate.map_or(0, |aggregate| aggregate.window_ms);
+        if windowed == 0 {
+            // Something that came, long enough ago and in no withheld state, looks like this.
+            let is_explained = arrivals.iter().any(|(came, candidate, is_withheld)| {
+                let is_alike = candidate.status.is_bad() == value.status.is_bad()
+                    || candidate.value.built_in_type() != Some(BuiltInType::Int64);
+                came + delay <= *when && !is_withheld && is_alike
+            });
+            prop_assert!(is_explained, "{value:?} left at {when}");
+            prop_assert!(source + millis(delay) <= left_at, "left before its delay");
+        } else if policy.time_step_ms.is_none() {
+            prop_assert_eq!(source.rem_euclid(millis(windowed)), 0, "a time within a window");
+            prop_assert!(source + millis(windowed + delay) <= left_at, "left before its window's end or its delay");
+        }
+        if policy.working_hours.is_some() {
+            prop_assert!(is_working(*when), "left outside of working hours");
+        }
+        // The last thing that is known of the states when it left.
+        if let Some((came, _, true)) = arrivals.iter().rev().find(|(came, ..)| came < when) {
+            let is_later = arrivals.iter().any(|(later, ..)| later > came && later < when);
+            prop_assert!(is_later || policy.withhold_while.iter().any(|c| c.field.is_some()), "left in its own state");
+        }
+    }
+    for pair in left.windows(2) {
+        let (before, after) = (pair[0].0, pair[1].0);
+        prop_assert!(after - before >= policy.minimum_interval_ms.unwrap_or(0), "faster than the interval");
+        for period in policy.time_step_ms.into_iter().chain(policy.aggregate.map(|aggregate| aggregate.window_ms)) {
+            let slot = |ms: u64| (START_MS.unsigned_abs() + ms) / period;
+            prop_assert!(slot(before) < slot(after), "twice in one step or window");
+        }
+        let is_sum = policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
+        prop_assert!(is_sum || pair[0].1.value != pair[1].1.value || pair[0].1.status != pair[1].1.status);
+    }
+    for limit in &policy.rate_limits {
+        for (first, _) in left {
+            let count = left.iter().filter(|(when, _)| when >= first && *when < first + limit.period_ms).count();
+            prop_assert!(count <= limit.values as usize, "{count} values within {} ms", limit.period_ms);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    /// Never finer, faster or earlier: short pauses, so that windows, intervals and delays meet.
+    #[test]
+    fn nothing_leaves_that_the_policy_does_not_allow(policy in policies(), steps in steps(2_000), is_late in any::<bool>()) {
+        check(&policy, &steps, &run(&policy, &steps, is_late))?;
+    }
+
+    /// The same over days, for the hours.
+    #[test]
+    fn nothing_leaves_outside_of_the_hours(policy in policies(), steps in steps(8 * HOUR_MS), is_late in any::<bool>()) {
+        check(&policy, &steps, &run(&policy, &steps, is_late))?;
+    }
+
+    /// What comes in a withheld state leaves no trace: without it, exactly the same leaves at the same times.
+    #[test]
+    fn withheld_candidates_leave_no_trace(steps in steps(500), minimum_interval_ms in proptest::option::of(1_u64..2_000)) {
+        let condition = WithholdCondition { field: Some(other()), states: vec![StateValue::Integer(1)] };
+        let policy = DisclosurePolicy { minimum_interval_ms, withhold_while: vec![condition], ..Default::default() };
+        let mut is_withheld = true;
+        let mut pauses = 0;
+        let mut without = Vec::new();
+        for (pause, step) in &steps {
+            if let Step::State(state) = step {
+                is_withheld = state.unwrap_or(true);
+            }
+            if is_withheld && matches!(step, Step::Candidate(_)) {
+                pauses += pause;
+            } else {
+                without.push((pauses + pause, step.clone()));
+                pauses = 0;
+            }
+        }
+        prop_assert_eq!(run(&policy, &steps, false), run(&policy, &without, false));
+    }
+
+    /// Two courses that differ below the rounding step only look the same from outside, in value and in time.
+    #[test]
+    fn what_is_below_the_step_cannot_be_told(
+        step in 1_i64..100,
+        values in proptest::collection::vec((0_u64..2_000, -20_i64..20, 0_i64..100, 0_i64..100), 1..40),
+        minimum_interval_ms in proptest::option::of(1_u64..5_000),
+    ) {
+        #[allow(clippy::cast_precision_loss)]
+        let rounding_step = Some((step as f64).try_into().expect("positive"));
+        let policy = DisclosurePolicy { rounding_step, minimum_interval_ms, ..Default::default() };
+        // Offsets that stay within half a step of the multiple, whichever way it lies.
+        let near = |multiple: i64, offset: i64| multiple * step + offset % ((step + 1) / 2);
+        let course = |pick: fn(&(u64, i64, i64, i64)) -> i64| -> Vec<(u64, Step)> {
+            values.iter().map(|v| (v.0, Step::Candidate(DataValue::good(near(v.1, pick(v)), at(0))))).collect()
+        };
+        let shown = |left: Left| -> Vec<(u64, Variant)> { left.into_iter().map(|(at, v)| (at, v.value)).collect() };
+        prop_assert_eq!(shown(run(&policy, &course(|v| v.2), false)), shown(run(&policy, &course(|v| v.3), false)));
+    }
+
+    /// Two courses that differ in when things happened within a time step look the same from outside.
+    #[test]
+    fn what_is_within_a_time_step_cannot_be_told(
+        values in proptest::collection::vec((0_u64..3, -9_i64..9, 0_u64..100, 0_u64..100), 1..40),
+    ) {
+        let policy = DisclosurePolicy { time_step_ms: Some(1_000), ..Default::default() };
+        let course = |pick: fn(&(u64, i64, u64, u64)) -> u64| -> Vec<(u64, Step)> {
+            let mut slot = 0;
+            let mut within = 0;
+            let mut last = 0;
+            let mut steps = Vec::new();
+            for value in &values {
+                slot += value.0;
+                within = if value.0 > 0 { 0 } else { within + 1 };
+                let now = slot * 1_000 + (within * 20 + pick(value) % 20).clamp(1, 999);
+                let now = now.max(last);
+                steps.push((now - last, Step::Candidate(DataValue::good(value.1, at(0)))));
+                last = now;
+            }
+            steps.push((60_000, Step::Wake));
+            steps
+        };
+        prop_assert_eq!(run(&policy, &course(|v| v.2), false), run(&policy, &course(|v| v.3), false));
+    }
+
+    /// The mean over a window is what one gets who looks every millisecond.
+    #[test]
+    fn a_mean_is_the_mean(values in proptest::collection::vec((1_u64..700, -1000_i64..1000), 1..30)) {
+        let policy: DisclosurePolicy =
+            serde_json::from_str(r#"{"aggregate":{"function":"MEAN","windowMs":1000}}"#).expect("a policy");
+        let steps: Vec<_> =
+            values.iter().map(|(pause, value)| (*pause, Step::Candidate(DataValue::good(*value, at(0))))).collect();
+        let left = run(&policy, &steps, false);
+        for (when, value) in &left {
+            let source = u64::try_from(value.source_timestamp.expect("a time").unix_millis() - START_MS).expect("later");
+            prop_assert_eq!(source + 1_000, *when);
+            let (mut sum, mut count) = (0, 0);
+            for ms in source..*when {
+                let mut came = 0;
+                let mut held = None;
+                for (pause, value) in &values {
+                    came += pause;
+                    held = if came <= ms { Some(*value) } else { held };
+                }
+                if let Some(held) = held {
+                    sum += held;
+                    count += 1;
+                }
+            }
+            #[allow(clippy::cast_precision_loss)]
+            let mean = sum as f64 / f64::from(count);
+            let shown = value.value.as_f64().expect("a number");
+            prop_assert!((shown - mean).abs() <= 0.5 + 1e-6, "{shown} instead of {mean}");
+        }
+    }
+
+    /// Without an end of time nothing is lost: after the last limit the newest value is shown.
+    #[test]
+    fn the_newest_value_leaves_in_the_end(policy in policies(), values in proptest::collection::vec((0_u64..2_000, -1000_i64..1000), 1..40)) {
+        let policy = DisclosurePolicy { withhold_while: Vec::new(), aggregate: None, ..policy };
+        let mut steps: Vec<_> =
+            values.iter().map(|(pause, value)| (*pause, Step::Candidate(DataValue::good(*value, at(0))))).collect();
+        steps.push((14 * 24 * HOUR_MS, Step::Wake));
+        let left = run(&policy, &steps, false);
+        let last = values.last().expect("not empty");
+        let expected = coarsen(&policy, BuiltInType::Int64, DataValue::good(last.1, at(0))).value.value;
+        prop_assert_eq!(&left.last().expect("something left").1.value, &expected);
+    }
+
+    /// A restart at any moment does not let more out.
+    #[test]
+    fn restarts_change_nothing(policy in policies(), steps in steps(900)) {
+        let without: Vec<_> = steps
+            .iter()
+            .map(|(pause, step)| (*pause, if matches!(step, Step::Restart) { Step::Wake } else { step.clone() }))
+            .collect();
+        prop_assert_eq!(run(&policy, &steps, false), run(&policy, &without, false));
+    }
+}

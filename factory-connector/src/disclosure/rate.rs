@@ -1,0 +1,56 @@
+//! At most so many values per period.
+
+use std::{collections::VecDeque, time::Duration};
+
+use asi_model::DateTime;
+use serde::{Deserialize, Serialize};
+
+/// Most values per period that a limit can allow: as many releases are remembered.
+pub(super) const VALUES_MAX: u32 = 100;
+/// Most limits of one policy.
+pub(super) const LIMITS_MAX: usize = 4;
+
+/// At most so many values leave within any period of this length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct RateLimit {
+    /// How many values, 1 to 100.
+    pub values: u32,
+    /// The period in milliseconds.
+    pub period_ms: u64,
+}
+
+impl RateLimit {
+    /// When the next value may leave, given when values left, oldest first.
+    pub(super) fn next_at(self, released: &VecDeque<DateTime>) -> Option<DateTime> {
+        let place = released.len().checked_sub(usize::try_from(self.values.max(1)).ok()?)?;
+        released.get(place).map(|at| at.after(Duration::from_millis(self.period_ms)))
+    }
+}
+
+/// Remembers a release for as long as one of the limits needs it.
+pub(super) fn remember(released: &mut VecDeque<DateTime>, limits: &[RateLimit], now: DateTime) {
+    let count = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max().unwrap_or(0);
+    released.push_back(now);
+    while released.len() > usize::try_from(count).unwrap_or(0) {
+        released.pop_front();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_period_slides() {
+        let at = |ms: i64| DateTime::from_unix_micros(ms * 1_000);
+        let limit = RateLimit { values: 2, period_ms: 100 };
+        let mut released = VecDeque::new();
+        assert_eq!(limit.next_at(&released), None);
+        for (now, next) in [(0, None), (10, Some(100)), (100, Some(110)), (150, Some(200))] {
+            remember(&mut released, &[limit], at(now));
+            assert_eq!(limit.next_at(&released), next.map(at), "after {now}");
+        }
+        assert_eq!(released.len(), 2);
+    }
+}

@@ -1,0 +1,272 @@
+//! Standing rules: what the engineer has decided once for a kind of field of certain partners.
+//!
+//! Pure: a rule looks at a requested field and says whether it is meant. What is then done is decided in the books.
+
+use std::sync::Arc;
+
+use asi_model::{
+    BuiltInType, FieldName, OrganisationId,
+    messages::ValueSource,
+    network::{DynamicDataRequest, ReportField},
+};
+use serde::{Deserialize, Serialize};
+
+use super::{DisclosurePolicy, DocumentId, documents::NAME_CHARS_MAX};
+
+/// Most entries of one list in a rule.
+const ENTRIES_MAX: usize = 100;
+/// Longest reason, unit, semantic or pattern, in characters.
+const TEXT_CHARS_MAX: usize = 400;
+
+/// What a rule does with the fields it means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum RuleAction {
+    /// Values flow, in the rule's precision, where a source for them is known.
+    Accept,
+    /// The engineer is offered the rule's precision and decides.
+    Prefill,
+    /// No values; the partner is told the rule's reason.
+    Refuse,
+}
+
+/// A standing rule.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Rule {
+    /// What it is called.
+    pub name: String,
+    /// It is applied to new requests; otherwise it is kept, and can be looked at.
+    #[serde(default)]
+    pub is_enabled: bool,
+    /// Which fields it means.
+    pub when: RuleCondition,
+    /// What is done with them.
+    pub action: RuleAction,
+    /// Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
+    /// a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>)]
+    pub value_source: Option<ValueSource>,
+    /// The precision, with `ACCEPT` and `PREFILL`.
+    #[serde(default)]
+    pub disclosure: DisclosurePolicy,
+    /// A named policy that holds beside it: the strictest of both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>)]
+    pub policy_id: Option<DocumentId>,
+    /// What the partner is told, with `REFUSE`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// Which fields a rule means: those that every list names. An empty list names everything.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+pub struct RuleCondition {
+    /// Organisations. A rule that accepts or pre-fills means requests of which the requester and *every* recipient are
+    /// among them; a rule that refuses, requests of which any is.
+    #[schema(value_type = Vec<String>)]
+    pub partners: Vec<OrganisationId>,
+    /// Built-in types by name.
+    pub data_types: Vec<String>,
+    /// Semantics as requested.
+    pub semantics: Vec<String>,
+    /// Units as requested.
+    pub units: Vec<String>,
+    /// The field's name, where `*` stands for anything; upper and lower case are alike.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name_pattern: Option<String>,
+}
+
+/// What is wrong with a rule.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RuleFault {
+    /// JSON pointer into the rule.
+    pub pointer: String,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+impl Rule {
+    /// Whether a requested field is meant.
+    #[must_use]
+    pub fn means(&self, request: &DynamicDataRequest, field: &ReportField) -> bool {
+        let when = &self.when;
+        let is_listed = |organisation: &OrganisationId| when.partners.contains(organisation);
+        let mut asking = std::iter::once(&request.requester_id).chain(&request.recipient_list);
+        let is_partner = when.partners.is_empty()
+            || if self.action == RuleAction::Refuse { asking.any(is_listed) } else { asking.all(is_listed) };
+        let names = |list: &[String], found: Option<&str>| {
+            list.is_empty() || found.is_some_and(|found| list.iter().any(|entry| entry == found))
+        };
+        is_partner
+            && names(&when.data_types, Some(field.field_type.0.name()))
+            && names(&when.semantics, field.semantic.as_ref().map(|semantic| semantic.as_str()))
+            && names(&when.units, field.unit.as_deref())
+            && when.name_pattern.as_deref().is_none_or(|pattern| is_like(&field.name, pattern))
+    }
+
+    /// Everything that is wrong with the rule.
+    #[must_use]
+    pub fn faults(&self) -> Vec<RuleFault> {
+        let mut faults = Vec::new();
+        let mut fault = |pointer: &str, message: &str| {
+            faults.push(RuleFault { pointer: pointer.to_owned(), message: message.to_owned() });
+        };
+        if self.name.trim().is_empty() || self.name.chars().count() > NAME_CHARS_MAX {
+            fault("/name", "A name has 1 to 120 characters.");
+        }
+        let lists = [&self.when.data_types, &self.when.semantics, &self.when.units];
+        let is_long = |text: &String| text.chars().count() > TEXT_CHARS_MAX;
+        if self.when.partners.len() > ENTRIES_MAX || lists.iter().any(|list| list.len() > ENTRIES_MAX) {
+            fault("/when", "A list has at most 100 entries.");
+        }
+        if lists.into_iter().flatten().chain(&self.when.name_pattern).any(is_long) {
+            fault("/when", "An entry has at most 400 characters.");
+        }
+        let is_type = |name: &String| (1..=25).any(|id| BuiltInType::from_id(id).is_some_and(|t| t.name() == name));
+        if !self.when.data_types.iter().all(is_type) {
+            fault("/when/dataTypes", "Types are built-in types by name, as Int32, Double or String.");
+        }
+        let is_accepting = self.action == RuleAction::Accept;
+        if is_accepting && self.when.partners.is_empty() {
+            fault("/when/partners", "A rule that accepts names its partners.");
+        }
+        if is_accepting && self.value_source.is_none() {
+            fault("/valueSource", "A rule that accepts says where values come from.");
+        }
+        let has_reason = self.reason.as_ref().is_some_and(|reason| !reason.trim().is_empty());
+        if self.action == RuleAction::Refuse && !has_reason {
+            fault("/reason", "A rule that refuses tells the partner why.");
+        }
+        if self.reason.as_ref().is_some_and(is_long) {
+            fault("/reason", "A reason has at most 400 characters.");
+        }
+        for found in self.disclosure.own_faults() {
+            faults.push(RuleFault {
+                pointer: format!("/disclosure/{}", found.member),
+                message: format!("{}.", found.message),
+            });
+        }
+        faults
+    }
+}
+
+/// Whether a name is like a pattern in which `*` stands for anything. Linear in both.
+fn is_like(name: &FieldName, pattern: &str) -> bool {
+    let (name, pattern) = (name.as_str().to_ascii_lowercase(), pattern.to_ascii_lowercase());
+    let mut parts = pattern.split('*');
+    let Some(first) = parts.next() else { return false };
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let parts: Vec<&str> = parts.collect();
+    let Some((last, middle)) = parts.split_last() else { return rest.is_empty() };
+    for part in middle {
+        let Some(place) = rest.find(part) else { return false };
+        rest = &rest[place + part.len()..];
+    }
+    rest.ends_with(last)
+}
+
+/// What the rules that mean a field come to. The most cautious action wins, and of those that let values flow the
+/// strictest precision holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuleOutcome<'r, K> {
+    /// What is done.
+    pub action: RuleAction,
+    /// The rules of this action, first the one that gives reason and source.
+    pub rules: Vec<(&'r K, &'r Rule)>,
+    /// The precision.
+    pub disclosure: Arc<DisclosurePolicy>,
+}
+
+/// Asks the rules about a field, in their order; `named` yields named policies.
+pub fn outcome<'r, K: 'r>(
+    rules: impl Iterator<Item = (&'r K, &'r Rule)>,
+    named: impl Fn(&DocumentId) -> Option<DisclosurePolicy>,
+    request: &DynamicDataRequest,
+    field: &ReportField,
+) -> Option<RuleOutcome<'r, K>> {
+    let mut meant: Vec<(&K, &Rule)> = rules.filter(|(_, rule)| rule.means(request, field)).collect();
+    let action = meant.iter().map(|(_, rule)| rule.action).max()?;
+    let mut disclosure = DisclosurePolicy::default();
+    for (_, rule) in meant.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse) {
+        disclosure = disclosure.strictest(&rule.disclosure);
+        if let Some(policy) = rule.policy_id.as_ref().and_then(&named) {
+            disclosure = disclosure.strictest(&policy);
+        }
+    }
+    meant.retain(|(_, rule)| rule.action == action);
+    let disclosure = Arc::new(disclosure.fitted_to(field.field_type.0, field.value_rank >= 0));
+    Some(RuleOutcome { action, rules: meant, disclosure })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn request(recipients: &[&str]) -> DynamicDataRequest {
+        serde_json::from_value(json!({ "dynamicDataRequestId": "R", "requesterId": "acme", "recipientList": recipients,
+            "purpose": "Plan", "reportDataFormat": { "reportName": "r", "reportFieldList": [] } }))
+        .expect("a request")
+    }
+
+    fn rule(action: &str, when: serde_json::Value) -> Rule {
+        let rule = json!({ "name": "n", "when": when, "action": action, "valueSource": "MANUAL", "reason": "no" });
+        serde_json::from_value(rule).expect("a rule")
+    }
+
+    #[test]
+    fn a_rule_means_what_all_its_lists_name() {
+        let field: ReportField =
+            serde_json::from_value(json!({ "name": "spindle_Temp", "type": 11, "unit": "CEL" })).expect("a field");
+        let check = |action: &str, when: serde_json::Value, recipients: &[&str], expected: bool| {
+            assert_eq!(rule(action, when.clone()).means(&request(recipients), &field), expected, "{action} {when}");
+        };
+        check("PREFILL", json!({}), &["acme"], true);
+        check("ACCEPT", json!({ "partners": ["acme"] }), &["acme"], true);
+        check("ACCEPT", json!({ "partners": ["acme"] }), &["acme", "spy"], false);
+        check("REFUSE", json!({ "partners": ["spy"] }), &["acme", "spy"], true);
+        check("ACCEPT", json!({ "partners": ["acme"], "dataTypes": ["Double"], "units": ["CEL"] }), &["acme"], true);
+        check("ACCEPT", json!({ "dataTypes": ["Int32"] }), &["acme"], false);
+        check("ACCEPT", json!({ "semantics": ["SCRAP_QUANTITY"] }), &["acme"], false);
+        for (pattern, expected) in
+            [("*temp", true), ("spindle*", true), ("s*_t*p", true), ("spindle", false), ("*temp*x", false), ("*", true)]
+        {
+            check("PREFILL", json!({ "namePattern": pattern }), &["acme"], expected);
+        }
+    }
+
+    #[test]
+    fn the_most_cautious_rule_wins_and_the_strictest_precision_holds() {
+        let field: ReportField = serde_json::from_value(json!({ "name": "made", "type": 9 })).expect("a field");
+        let mut rules = [
+            (1, rule("ACCEPT", json!({ "partners": ["acme"] }))),
+            (2, rule("ACCEPT", json!({ "partners": ["acme", "hull"] }))),
+            (3, rule("REFUSE", json!({ "partners": ["spy"] }))),
+        ];
+        rules[0].1.disclosure.minimum_interval_ms = Some(5);
+        rules[1].1.disclosure.minimum_interval_ms = Some(9);
+        let asked = |recipients: &[&str]| {
+            let rules = rules.iter().map(|(id, rule)| (id, rule));
+            outcome(rules, |_| None, &request(recipients), &field)
+                .map(|found| (found.action, found.rules.len(), found.disclosure.minimum_interval_ms))
+        };
+        assert_eq!(asked(&["acme"]), Some((RuleAction::Accept, 2, Some(9))));
+        assert_eq!(asked(&["acme", "hull"]), Some((RuleAction::Accept, 1, Some(9))));
+        assert_eq!(asked(&["acme", "spy"]), Some((RuleAction::Refuse, 1, None)));
+        assert_eq!(asked(&["other"]), None);
+    }
+
+    #[test]
+    fn all_faults_are_told_at_once() {
+        let mut rule = rule("ACCEPT", json!({ "dataTypes": ["Integer"] }));
+        rule.name = " ".to_owned();
+        rule.value_source = None;
+        rule.disclosure.delay_ms = Some(0);
+        let pointers: Vec<String> = rule.faults().into_iter().map(|fault| fault.pointer).collect();
+        assert_eq!(pointers, ["/name", "/when/dataTypes", "/when/partners", "/valueSource", "/disclosure/delayMs"]);
+    }
+}

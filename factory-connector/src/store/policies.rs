@@ -1,0 +1,284 @@
+//! Named policies, standing rules and what they decided: every version is kept.
+
+use asi_model::{DateTime, FieldKey, OrganisationId};
+use serde::{Serialize, de::DeserializeOwned};
+use sqlx::{Row as _, SqliteConnection, SqlitePool, sqlite::SqliteRow};
+
+use super::{
+    Changes, StoreError,
+    load::{all, get, id, json, time, unsigned},
+    rows::insert,
+};
+use crate::{
+    books::RecipientPolicy,
+    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Rule, RuleAction, Versioned},
+};
+
+/// A version of a policy or rule.
+#[derive(Debug, Clone)]
+pub struct DocumentRow {
+    /// Which.
+    pub key: DocumentVersion,
+    /// What it says, as JSON.
+    pub document: String,
+    /// Who wrote it.
+    pub changed_by: String,
+    /// When.
+    pub changed_at: DateTime,
+}
+
+impl DocumentRow {
+    /// As stored.
+    pub fn new(key: &DocumentVersion, document: &impl Serialize, by: &str, now: DateTime) -> Self {
+        let document = serde_json::to_string(document).expect("policies and rules have text keys and finite numbers");
+        Self { key: key.clone(), document, changed_by: by.to_owned(), changed_at: now }
+    }
+}
+
+/// A policy set for a recipient.
+#[derive(Debug, Clone)]
+pub struct RecipientPolicyRow {
+    /// Whose.
+    pub recipient: OrganisationId,
+    /// What was set.
+    pub set: RecipientPolicy,
+}
+
+/// What rules decided about a field.
+#[derive(Debug, Clone)]
+pub struct RuleDecisionRow {
+    /// Its number.
+    pub id: i64,
+    /// The field.
+    pub field: FieldKey,
+    /// What was done.
+    pub action: RuleAction,
+    /// The rules, in the versions that decided.
+    pub rules: Vec<DocumentVersion>,
+    /// The consent that this made.
+    pub consent_version: u32,
+    /// When.
+    pub decided_at: DateTime,
+}
+
+/// Which kind of document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentVersions {
+    /// Named policies.
+    Policies,
+    /// Standing rules.
+    Rules,
+}
+
+pub(super) async fn write_policies(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+    let tables = [
+        ("INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at)", &changes.policies),
+        ("INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at)", &changes.rules),
+    ];
+    for (head, rows) in tables {
+        insert(connection, "store a policy or rule", head, "", rows, |values, row| {
+            values.push_bind(row.key.id.to_string());
+            values.push_bind(i64::from(row.key.version));
+            values.push_bind(row.document.clone());
+            values.push_bind(row.changed_by.clone());
+            values.push_bind(row.changed_at.unix_micros());
+        })
+        .await?;
+    }
+    insert(
+        connection,
+        "store a recipient's policy",
+        "INSERT INTO recipient_policy (recipient, version, policy_id, changed_by, changed_at)",
+        "",
+        &changes.recipient_policies,
+        |values, row| {
+            values.push_bind(row.recipient.to_string());
+            values.push_bind(i64::from(row.set.version));
+            values.push_bind(row.set.policy_id.as_ref().map(ToString::to_string));
+            values.push_bind(row.set.changed_by.clone());
+            values.push_bind(row.set.changed_at.unix_micros());
+        },
+    )
+    .await?;
+    insert(
+        connection,
+        "store a rule's decision",
+        "INSERT INTO rule_decision (id, field, action, rules, consent_version, decided_at)",
+        "",
+        &changes.rule_decisions,
+        |values, row| {
+            values.push_bind(row.id);
+            values.push_bind(serde_json::to_string(&row.field).expect("keys serialise"));
+            values.push_bind(action_name(row.action));
+            values.push_bind(serde_json::to_string(&row.rules).expect("ids and numbers serialise"));
+            values.push_bind(i64::from(row.consent_version));
+            values.push_bind(row.decided_at.unix_micros());
+        },
+    )
+    .await?;
+    for (id, by, at) in &changes.undone_rule_decisions {
+        sqlx::query("UPDATE rule_decision SET undone_by = ?, undone_at = ? WHERE id = ? AND undone_at IS NULL")
+            .bind(by)
+            .bind(at.unix_micros())
+            .bind(id)
+            .execute(&mut *connection)
+            .await
+            .map_err(StoreError::while_doing("undo a rule's decision"))?;
+    }
+    Ok(())
+}
+
+const fn action_name(action: RuleAction) -> &'static str {
+    match action {
+        RuleAction::Accept => "ACCEPT",
+        RuleAction::Prefill => "PREFILL",
+        RuleAction::Refuse => "REFUSE",
+    }
+}
+
+pub(super) async fn newest_policies(
+    connection: &mut SqliteConnection,
+) -> Result<Vec<Versioned<NamedPolicy>>, StoreError> {
+    let newest =
+        "SELECT policy_id, max(version), document, changed_by, changed_at FROM policy_version GROUP BY policy_id";
+    all(connection, newest, versioned).await
+}
+
+pub(super) async fn newest_rules(connection: &mut SqliteConnection) -> Result<Vec<Versioned<Rule>>, StoreError> {
+    let newest = "SELECT rule_id, max(version), document, changed_by, changed_at FROM rule_version GROUP BY rule_id";
+    all(connection, newest, versioned).await
+}
+
+pub(super) async fn newest_recipient_policies(
+    connection: &mut SqliteConnection,
+) -> Result<Vec<(OrganisationId, RecipientPolicy)>, StoreError> {
+    let newest =
+        "SELECT recipient, max(version), policy_id, changed_by, changed_at FROM recipient_policy GROUP BY recipient";
+    all(connection, newest, |row| {
+        let policy_id: Option<String> = get(row, 2)?;
+        let set = RecipientPolicy {
+            version: unsigned(get(row, 1)?),
+            policy_id: policy_id
+                .map(|text| text.parse::<DocumentId>().map_err(StoreError::unreadable("identifier")))
+                .transpose()?,
+            changed_by: get(row, 3)?,
+            changed_at: DateTime::from_unix_micros(get(row, 4)?),
+        };
+        Ok((id::<OrganisationId>(row, 0)?, set))
+    })
+    .await
+}
+
+pub(super) async fn last_rule_decision(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
+    let rows = all(connection, "SELECT coalesce(max(id), 0) FROM rule_decision", |row| get::<i64>(row, 0)).await?;
+    Ok(rows.into_iter().next().unwrap_or(0))
+}
+
+fn versioned<T: DeserializeOwned>(row: &SqliteRow) -> Result<Versioned<T>, StoreError> {
+    let document: String = get(row, 2)?;
+    Ok(Versioned {
+        key: DocumentVersion { id: id::<DocumentId>(row, 0)?, version: unsigned(get(row, 1)?) },
+        document: json(&document, "policy or rule")?,
+        changed_by: get(row, 3)?,
+        changed_at: DateTime::from_unix_micros(get(row, 4)?),
+    })
+}
+
+/// All versions of a policy or rule, newest first, at most the last thousand.
+///
+/// # Errors
+/// [`StoreError`] where the table cannot be read.
+pub async fn document_versions<T: DeserializeOwned>(
+    readers: &SqlitePool,
+    kind: DocumentVersions,
+    id: &DocumentId,
+) -> Result<Vec<Versioned<T>>, StoreError> {
+    let sql = match kind {
+        DocumentVersions::Policies => {
+            "SELECT policy_id, version, document, changed_by, changed_at FROM policy_version WHERE policy_id = ? \
+             ORDER BY version DESC LIMIT 1000"
+        }
+        DocumentVersions::Rules => {
+            "SELECT rule_id, version, document, changed_by, changed_at FROM rule_version WHERE rule_id = ? \
+             ORDER BY version DESC LIMIT 1000"
+        }
+    };
+    let rows = sqlx::query(sql)
+        .bind(id.as_str())
+        .fetch_all(readers)
+        .await
+        .map_err(StoreError::while_doing("read the versions of a policy or rule"))?;
+    rows.iter().map(versioned).collect()
+}
+
+/// What rules decided by themselves.
+#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RuleDecision {
+    /// Its number, as text.
+    pub id: String,
+    /// The field.
+    #[schema(value_type = Object)]
+    pub field: FieldKey,
+    /// `ACCEPT` or `REFUSE`.
+    pub action: String,
+    /// The rules, in the versions that decided.
+    pub rules: Vec<DocumentVersion>,
+    /// The consent that this made.
+    pub consent_version: u32,
+    /// When.
+    #[schema(value_type = String, format = "date-time")]
+    pub decided_at: DateTime,
+    /// Who undid it.
+    pub undone_by: Option<String>,
+    /// When.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    pub undone_at: Option<DateTime>,
+}
+
+/// What rules decided, newest first, before a number.
+///
+/// # Errors
+/// [`StoreError`] where the table cannot be read.
+pub async fn rule_decisions(readers: &SqlitePool, before: i64, limit: u32) -> Result<Vec<RuleDecision>, StoreError> {
+    let rows = sqlx::query(
+        "SELECT id, field, action, rules, consent_version, decided_at, undone_by, undone_at FROM rule_decision \
+         WHERE id < ? ORDER BY id DESC LIMIT ?",
+    )
+    .bind(before)
+    .bind(i64::from(limit))
+    .fetch_all(readers)
+    .await
+    .map_err(StoreError::while_doing("read the decisions of rules"))?;
+    rows.iter().map(decision).collect()
+}
+
+/// One decision of rules.
+///
+/// # Errors
+/// [`StoreError`] where the table cannot be read.
+pub async fn rule_decision(readers: &SqlitePool, id: i64) -> Result<Option<RuleDecision>, StoreError> {
+    let row = sqlx::query(
+        "SELECT id, field, action, rules, consent_version, decided_at, undone_by, undone_at FROM rule_decision \
+         WHERE id = ?",
+    )
+    .bind(id)
+    .fetch_optional(readers)
+    .await
+    .map_err(StoreError::while_doing("read the decisions of rules"))?;
+    row.as_ref().map(decision).transpose()
+}
+
+fn decision(row: &SqliteRow) -> Result<RuleDecision, StoreError> {
+    let (field, rules): (String, String) = (get(row, 1)?, get(row, 3)?);
+    Ok(RuleDecision {
+        id: get::<i64>(row, 0)?.to_string(),
+        field: json(&field, "field's key")?,
+        action: get(row, 2)?,
+        rules: json(&rules, "rule's decision")?,
+        consent_version: unsigned(row.try_get(4).map_err(StoreError::while_doing("read a column"))?),
+        decided_at: DateTime::from_unix_micros(get(row, 5)?),
+        undone_by: get(row, 6)?,
+        undone_at: time(get(row, 7)?),
+    })
+}
