@@ -52,7 +52,7 @@ export interface Mapping {
   steps: Step[]
 }
 
-export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure'> & {
+export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure' | 'effectiveDisclosure' | 'grounds' | 'offer'> & {
   key: FieldKey
   mappingState: MappingState
   valueSource?: ValueSource | null

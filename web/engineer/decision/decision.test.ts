@@ -7,7 +7,7 @@ import { stepOf } from './preview.svelte'
 import { newStep, parseLiteral, STEP_KINDS, stepKind, withParameter, writeLiteral } from './step-catalogue'
 
 const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'power' }
-const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', hasShadow: false, isWithheld: false, effectiveDisclosure: {}, grounds: {}, ...more })
+const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', hasShadow: false, isWithheld: false, ...more })
 const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   key,
   operation: { operationId: 'o', operationType: 'PRODUCTION' },
