@@ -31,7 +31,7 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker had taken from a connector when it lost its store: they arrive later, out of their order.
+    /// Reports that the broker may have had when it lost its store: they arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// What was done, by kind.
     pub counts: BTreeMap<&'static str, u32>,
@@ -151,7 +151,7 @@ impl Stage {
             Fault::DoubleQueued => stores::double_queued(&folder).await?,
             _ => {
                 for factory in [MUNICH, HAMBURG] {
-                    self.set_back.extend(stores::sent_reports(&folder, factory).await?);
+                    self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
                 if fault == Fault::OldBrokerStore {
                     stores::exchange_broker_store(&folder)?;

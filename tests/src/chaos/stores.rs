@@ -52,11 +52,13 @@ fn platform_store(folder: &Path) -> PathBuf {
     folder.join("platform/platform.sqlite")
 }
 
-/// The reports that the broker has taken and the platform has not receipted.
-pub(super) async fn sent_reports(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
+/// The reports that the platform has not receipted. Of those that still wait some may have been taken by the broker as
+/// well: its answer is written down a moment later.
+pub(super) async fn unreceipted_reports(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let rows =
-        sqlx::query("SELECT writer_id, epoch, sequence FROM report WHERE state = 'SENT'").fetch_all(&mut store).await?;
+    let rows = sqlx::query("SELECT writer_id, epoch, sequence FROM report WHERE state IN ('SENT', 'WAITING')")
+        .fetch_all(&mut store)
+        .await?;
     Ok(rows
         .iter()
         .map(|row| ReportKey {
