@@ -2,6 +2,7 @@ use asi_model::{
     DataValue, Variant,
     messages::{GapCause, MappingState, ValueSource},
 };
+use mapping_engine::Mapping;
 use serde_json::{Value, json};
 
 use super::*;
@@ -231,4 +232,61 @@ fn entries_go_through_the_gate_once() {
         at(8),
     );
     assert_eq!(refused(books.enter(entry("f", json!({ "action": "DONE" }), 8), at(8))), "UNKNOWN_OPERATION");
+}
+
+/// A mapping of `made` with these functions, as the field takes it.
+fn fitted(books: &Books, steps: &Value) -> Mapping {
+    let json = json!({ "mappingId": "x", "target": field("made"), "targetType": "UInt64", "targetUnit": "PIECE",
+        "inputs": [{ "name": "a", "sourceId": "s", "nodeId": "nsu=urn:x;i=1" }], "steps": steps });
+    books.fitted(serde_json::from_value(json).expect("a mapping")).expect("it fits")
+}
+
+#[test]
+fn a_corrected_mapping_is_a_version_and_no_consent() {
+    let mut books = books();
+    let steps = json!([{ "function": "counter" }]);
+    let place = |books: &mut Books, steps: &Value| {
+        let placing = Placing { mapping: fitted(books, steps), author: "eve".to_owned(), note: None };
+        books.place(vec![placing], at(1));
+        let (changes, aftermath) = books.take();
+        let versions: Vec<u32> = changes.mappings.versions.iter().map(|row| row.version).collect();
+        (versions, changes.consents.len(), aftermath.mappings.len())
+    };
+    books.take();
+    assert_eq!(place(&mut books, &steps), (vec![], 0, 0), "undecided: a proposal");
+    let decided = Verdict::Map {
+        value_source: ValueSource::Mapping,
+        mapping: Some(Box::new(fitted(&books, &steps))),
+        policy: DisclosurePolicy::default(),
+    };
+    books.decide(&field("made"), decided.clone(), None, "eve", at(2)).expect("decided");
+    assert_eq!(books.take().0.mappings.versions[0].version, 1);
+    books.decide(&field("made"), decided, None, "eve", at(2)).expect("decided");
+    assert!(books.take().0.mappings.versions.is_empty(), "the same is no version");
+
+    let state: mapping_engine::TransformState =
+        serde_json::from_str(r#"[{"function":"counter","total":5,"last":15,"level":null}]"#).expect("a state");
+    let value = DataValue::good(5_u64, at(3));
+    books.candidate(&field("made"), ValueSource::Mapping, value, Some(state), at(3));
+    let scaled = json!([{ "function": "counter" }, { "function": "scale", "factor": 2 }]);
+    assert_eq!(place(&mut books, &scaled), (vec![2], 0, 1));
+    assert_eq!(place(&mut books, &scaled), (vec![], 0, 0));
+    let kept = books.field(&field("made")).and_then(|field| serde_json::to_string(&field.transform).ok());
+    assert!(kept.is_some_and(|kept| kept.contains(r#""total":5"#)), "a counter goes on through a correction");
+
+    let misfit = Mapping { target_unit: Some("KGM".to_owned()), ..fitted(&books, &scaled) };
+    assert_eq!(books.fitted(misfit).expect_err("another unit")[0].member, "targetUnit");
+}
+
+#[test]
+fn a_shadow_goes_with_its_field() {
+    let mut books = books();
+    let shadow = fitted(&books, &json!([]));
+    books.set_shadow(&field("made"), Some(shadow), "eve", at(1)).expect("there is the field");
+    let started = books.take();
+    assert!(matches!(started.1.mappings.as_slice(), [MappingWork::PutShadow(..)]));
+    arrive(&mut books, network(2, |request| request["reportDataFormat"]["reportFieldList"] = json!([])));
+    let (changes, aftermath) = books.take();
+    assert!(changes.mappings.is_empty());
+    assert!(aftermath.mappings.iter().any(|work| matches!(work, MappingWork::Remove(_))));
 }

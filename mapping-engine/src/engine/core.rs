@@ -28,6 +28,9 @@ use crate::{
     transform::{Plan, Reaction, ScriptCall, ScriptYield, Transform},
 };
 
+/// The place of nobody: holds variables while their mapping is replaced.
+const HELD: usize = usize::MAX;
+
 /// Mappings, routes, timers, and what waits for the consumer.
 pub(super) struct Core {
     config: MappingEngineConfig,
@@ -88,12 +91,32 @@ impl Core {
         results
     }
 
+    /// What both the mapping so far and the new one use stays monitored, and keeps what was recorded of it.
     fn put(
         &mut self,
         compiled: Compiled,
         requests: &mut Vec<shop_floor::MonitorRequest>,
         now: DateTime,
     ) -> Result<(), EngineError> {
+        let mapping = Arc::clone(&compiled.plan.mapping);
+        let mut held = Vec::with_capacity(mapping.inputs.len());
+        for (input, wanted) in mapping.inputs.iter().enumerate() {
+            let subscriber = Subscriber { place: HELD, input };
+            let (key, request) = self.routes.subscribe(wanted, subscriber);
+            requests.extend(request);
+            held.push((key, subscriber));
+        }
+        let result = self.put_in_place(compiled, now);
+        for (key, subscriber) in held {
+            if self.routes.unsubscribe(key, subscriber) {
+                requests.retain(|request| request.input != key);
+                self.inputs.unmonitor(&[key]);
+            }
+        }
+        result
+    }
+
+    fn put_in_place(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
         let Compiled { plan, state, last, is_shadow } = compiled;
         let id = plan.mapping.mapping_id.clone();
         self.remove(&id);
@@ -105,9 +128,9 @@ impl Core {
         let scripts = self.place_scripts(&plan, &transform, place)?;
         let mut keys = Vec::with_capacity(plan.mapping.inputs.len());
         for (input, wanted) in plan.mapping.inputs.iter().enumerate() {
-            let (key, request) = self.routes.subscribe(wanted, Subscriber { place, input });
+            // It is held already, so there is nothing to request.
+            let (key, _) = self.routes.subscribe(wanted, Subscriber { place, input });
             keys.push(key);
-            requests.extend(request);
         }
         self.inventory.insert(id, Entry::new(transform, keys.clone().into(), scripts, is_shadow));
         let reaction = self.inventory.get_mut(place).map(|entry| entry.transform.start(now, None));

@@ -110,6 +110,9 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
         serde_json::from_str(r#"[{"function":"counter","total":40,"last":14,"level":null}]"#).expect("a state");
     let trace = bench.handle.dry_run(counter(), vec![recorded[2].clone()], Some(state)).await.expect("runs");
     assert_eq!(last(trace).value, json!("41"));
+    // Another version goes on with what was recorded.
+    bench.handle.put(chain("count", &["a"], "UInt64", json!([])), None).await.expect("fine");
+    assert_eq!(bench.handle.recorded(counter().inputs).await.expect("runs").len(), 3);
     assert!(bench.handle.recorded(chain("x", &["b"], "UInt64", json!([])).inputs).await.expect("runs").is_empty());
     bench.stop().await;
 }
@@ -123,6 +126,7 @@ async fn a_mapping_is_replaced_in_place() {
     let published =
         Published { mapping: chain("m", &["a"], "Int32", doubled), state: None, last: None, is_shadow: false };
     bench.handle.put_many(vec![published]).await.expect("runs").pop().expect("one").expect("fine");
+    assert_eq!(bench.next("m").await.value.value, 8_i32.into(), "it speaks at once about what is known");
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
     assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
     bench.stop().await;

@@ -10,7 +10,9 @@ use asi_model::{
     DataValue, NodeId, Scalar, StatusCode, Variant,
     values::{ExtensionBody, StructureValue},
 };
-use shop_floor::{Identity, SecurityChoice, SourceConfig, SourceId, SourceProblemKind, TrustState};
+use shop_floor::{
+    Identity, InputKey, MonitorOptions, SecurityChoice, SourceConfig, SourceId, SourceProblemKind, TrustState,
+};
 use tempfile::TempDir;
 use tokio::{
     io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader},
@@ -210,6 +212,41 @@ async fn is_a_good_source(stack: Stack, restarts: u32) {
     let is_counter =
         |value: &DataValue| value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_)));
     assert!(floor.heard(COUNTER).iter().all(is_counter));
+}
+
+/// While nobody was connected the server got other indexes and ids; what was kept with the mapping finds the variable.
+async fn is_found_by_the_path_that_was_kept(stack: Stack) {
+    let mut peer = Peer::start(stack, false).await;
+    let id = peer.source().source_id;
+    let path = {
+        let floor = Floor::start();
+        floor.handle.put_source(peer.source()).expect("valid");
+        floor.until_connected(&id).await;
+        floor.handle.browse_path(&id, &peer.node(1)).await.expect("a path")
+    };
+    peer.restart(2, 5).await;
+    let floor = Floor::start();
+    floor.handle.put_source(peer.source()).expect("valid");
+    let options = MonitorOptions { browse_path: Some(path), ..MonitorOptions::default() };
+    floor.handle.monitor(InputKey(COUNTER), id.clone(), peer.node(1), options).expect("a valid request");
+    peer.set(r#"{"counter": 41}"#).await;
+    floor.until_value(COUNTER, 41_i32).await;
+    assert!(
+        floor
+            .heard(COUNTER)
+            .iter()
+            .all(|value| { value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_))) })
+    );
+}
+
+#[tokio::test]
+async fn asyncua_variables_are_found_by_paths_kept_from_before() {
+    is_found_by_the_path_that_was_kept(Stack::Asyncua).await;
+}
+
+#[tokio::test]
+async fn node_opcua_variables_are_found_by_paths_kept_from_before() {
+    is_found_by_the_path_that_was_kept(Stack::NodeOpcua).await;
 }
 
 async fn is_a_good_protected_source(stack: Stack) {
