@@ -16,7 +16,8 @@ export async function typesOf(description) {
   const api = JSON.parse(readFileSync(description, 'utf8'))
   // Operations are named by their functions, which several resources share; only the schemas are of use here.
   for (const path of Object.values(api.paths)) for (const operation of Object.values(path)) delete operation.operationId
-  return HEADER + astToString(await openapiTS(api))
+  const paths = `\n/** The paths that the daemon of this build answers: a page offers nothing else. */\nexport const PATHS: readonly string[] = ${JSON.stringify(Object.keys(api.paths), undefined, 2)}\n`
+  return HEADER + astToString(await openapiTS(api)) + paths
 }
 
 if (process.argv[1] === new URL(import.meta.url).pathname) {

@@ -14,6 +14,7 @@ mod operator;
 mod policies;
 mod preview;
 mod problems;
+mod revocations;
 mod rules;
 mod search;
 mod session;
@@ -46,7 +47,7 @@ use daemon::{
 use mapping_engine::MappingEngineHandle;
 use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
-use sqlx::SqlitePool;
+use sqlx::{Sqlite, SqlitePool, pool::PoolConnection};
 use tokio_util::sync::CancellationToken;
 use tower_http::{catch_panic::CatchPanicLayer, compression::CompressionLayer, trace::TraceLayer};
 use twin::TwinHandle;
@@ -119,6 +120,13 @@ impl Api {
         let accounts = StoredAccounts::new(parts.readers.clone());
         let sessions = Sessions::new(SessionConfig::new(COOKIE, parts.has_tls), accounts);
         Self { parts: Arc::new(parts), sessions }
+    }
+}
+
+impl Api {
+    /// A connection for reading.
+    async fn reader(&self) -> Result<PoolConnection<Sqlite>, Problem> {
+        self.parts.readers.acquire().await.map_err(|error| Problem::internal(&error))
     }
 }
 
@@ -236,6 +244,10 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(comments::list, comments::add))
         .routes(routes!(ledger::list))
         .routes(routes!(ledger::verify))
+        .routes(routes!(ledger::export))
+        .routes(routes!(revocations::list, revocations::revoke))
+        .routes(routes!(revocations::show))
+        .routes(routes!(revocations::print))
         .routes(routes!(spool::show))
         .routes(routes!(spool::dead_letters))
         .routes(routes!(leaks::list))

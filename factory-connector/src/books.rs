@@ -13,6 +13,7 @@ mod policies;
 #[cfg(test)]
 mod policy_tests;
 mod requests;
+mod revocation;
 mod rules;
 mod spool;
 #[cfg(test)]
@@ -42,6 +43,7 @@ pub use field::{Field, FieldDecision};
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
 pub use policies::{DocumentError, Grounds, RecipientPolicy};
+pub(crate) use revocation::Progress;
 pub use rules::RuleOffer;
 pub use traffic::Traffic;
 pub use validity::Validity;
@@ -108,6 +110,10 @@ pub struct Books {
     pub(crate) last_field: i64,
     pub(crate) changes: Changes,
     pub(crate) aftermath: Aftermath,
+    /// Consents that ended in this transaction.
+    pub(crate) ended: Vec<revocation::EndedConsents>,
+    /// Several consents are being ended with one receipt.
+    is_ending_together: bool,
     /// Writers whose waiting reports have to be taken back before the commit, and why.
     pub(crate) purges: BTreeMap<u16, asi_model::messages::GapCause>,
 }
@@ -141,6 +147,8 @@ impl Books {
             last_field: 0,
             changes: Changes::default(),
             aftermath: Aftermath::default(),
+            ended: Vec::new(),
+            is_ending_together: false,
             purges: BTreeMap::new(),
         };
         for stored in snapshot.networks {
@@ -239,7 +247,12 @@ impl Books {
     }
 
     /// Writes what became of reports into the chains of their recipients, neighbouring sequence numbers in one entry.
-    pub(crate) fn record_outcome(&mut self, rows: &[WaitingRow], now: DateTime, outcome: fn(SequenceRange) -> Event) {
+    pub(crate) fn record_outcome(
+        &mut self,
+        rows: &[WaitingRow],
+        now: DateTime,
+        outcome: impl Fn(SequenceRange) -> Event,
+    ) {
         let mut sorted: Vec<&WaitingRow> = rows.iter().collect();
         sorted.sort_by_key(|kept| (kept.row.data_set_writer_id, kept.row.epoch, kept.row.sequence));
         let mut ranges: Vec<(SequenceRange, &[OrganisationId])> = Vec::new();

@@ -1,5 +1,8 @@
 //! The command line.
 
+mod ledger;
+mod spool;
+
 use std::{
     io::{Read as _, Write},
     path::{Path, PathBuf},
@@ -19,7 +22,7 @@ use factory_connector::{
     config::{ConnectorConfig, EXAMPLE},
     desk::now,
     enrolment, service,
-    store::{Role, Store, User, put_user, remove_user, users, verify_ledger},
+    store::{Role, Store, User, put_user, remove_user, users},
 };
 
 /// Time for all tasks together to finish after the first signal.
@@ -56,7 +59,10 @@ enum Command {
     Config(ConfigCommand),
     /// The ledger of everything that left.
     #[command(subcommand)]
-    Ledger(LedgerCommand),
+    Ledger(ledger::LedgerCommand),
+    /// What waits to leave.
+    #[command(subcommand)]
+    Spool(spool::SpoolCommand),
     /// People who may sign in.
     #[command(subcommand)]
     Users(UsersCommand),
@@ -68,12 +74,6 @@ enum ConfigCommand {
     Check,
     /// Print a commented example with every key.
     Example,
-}
-
-#[derive(Debug, Subcommand)]
-enum LedgerCommand {
-    /// Find any change, deletion or reordering; exit status 1 where there is one.
-    Verify,
 }
 
 #[derive(Debug, Subcommand)]
@@ -127,7 +127,8 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
                 let factory = enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }
-            Command::Ledger(LedgerCommand::Verify) => verify(&config).await,
+            Command::Ledger(command) => ledger::run(command, &config).await,
+            Command::Spool(command) => spool::run(command, &config).await,
             Command::Users(command) => manage_users(command, &config).await,
             Command::Config(_) => Ok(()),
         }
@@ -144,14 +145,6 @@ async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
     );
     lifecycle.run(DRAIN_TIMEOUT).await?;
     tracing::info!("The connector has stopped.");
-    Ok(())
-}
-
-async fn verify(config: &ConnectorConfig) -> anyhow::Result<()> {
-    let mut connection = Store::connect(&config.data_directory).await?;
-    let outcome = verify_ledger(&mut connection).await?;
-    print(&serde_json::to_string_pretty(&outcome)?)?;
-    anyhow::ensure!(outcome.is_intact(), "the ledger was changed: {} fault(s)", outcome.fault_count);
     Ok(())
 }
 

@@ -13,7 +13,7 @@ use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 
-use crate::desk::SpoolLimits;
+use crate::desk::{RetentionLimits, SpoolLimits};
 
 /// The commented example, also printed by `factory-connector config example`.
 pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");
@@ -32,6 +32,8 @@ pub struct ConnectorConfig {
     pub reports: ReportConfig,
     /// Bounds of what waits to leave.
     pub spool: SpoolLimits,
+    /// How long what left is kept.
+    pub ledger: RetentionLimits,
     /// Mappings and scripts.
     pub mapping: MappingEngineConfig,
     /// The first user.
@@ -51,6 +53,7 @@ impl Default for ConnectorConfig {
             twin: TwinSection::default(),
             reports: ReportConfig::default(),
             spool: SpoolLimits::default(),
+            ledger: RetentionLimits::default(),
             mapping: MappingEngineConfig::default(),
             admin: AdminConfig::default(),
             log: LogConfig::default(),

@@ -8,6 +8,7 @@
 //! - [`disclosure`]: the one gate through which values leave.
 //! - [`ledger`]: everything that left, provable.
 //! - [`operator`]: what people enter about operations without a machine.
+//! - [`print`]: pages to print.
 //! - [`values`]: values as stored and as shown.
 
 pub mod api;
@@ -20,6 +21,7 @@ pub mod enrolment;
 pub mod ledger;
 pub mod operator;
 pub mod outbox;
+pub mod print;
 pub mod service;
 pub mod store;
 pub mod twin_side;

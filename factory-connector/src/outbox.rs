@@ -1,15 +1,20 @@
 //! The two ends of the link: what it sends comes from the spool, what it receives goes to the desk.
 
+mod departures;
+
 use std::{collections::BTreeMap, sync::Arc};
 
 use asi_model::{FactoryId, MessageId};
 use async_trait::async_trait;
 use messaging::{
-    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, Settlement, SpoolRow, SpoolStore,
+    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement, SpoolRow,
+    SpoolStore,
     spool::{Fetch, Lane, StoreError},
 };
 use parking_lot::Mutex;
 use sha2::{Digest, Sha256};
+
+pub use departures::{Departure, Departures};
 
 use crate::{
     desk::DeskHandle,
@@ -55,6 +60,7 @@ pub struct Outbox {
     reader: SpoolReader,
     desk: DeskHandle,
     ephemerals: Arc<Ephemerals>,
+    departures: Arc<Departures>,
 }
 
 impl Outbox {
@@ -65,8 +71,9 @@ impl Outbox {
         reader: SpoolReader,
         desk: DeskHandle,
         ephemerals: Arc<Ephemerals>,
+        departures: Arc<Departures>,
     ) -> Self {
-        Self { factory_id, reader, desk, ephemerals }
+        Self { factory_id, reader, desk, ephemerals, departures }
     }
 
     fn row(&self, message: Message) -> SpoolRow {
@@ -81,6 +88,7 @@ impl Outbox {
             }
             Message::Reports { id, reports, created_at, attempts } => {
                 let message_id = self.message_id(id, &reports);
+                self.departures.fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
                 let mut body = format!(
                     "{{\"MessageId\":\"{message_id}\",\"MessageType\":\"ua-data\",\"PublisherId\":\"{}\",\"Messages\":[",
                     self.factory_id
@@ -132,7 +140,20 @@ impl SpoolStore for Outbox {
     }
 
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
-        Ok(self.desk.outcomes(outcomes).await?)
+        let mut departures = Vec::new();
+        for outcome in &outcomes {
+            match outcome.outcome {
+                SendOutcome::Accepted => departures.extend(self.departures.accepted(outcome.id.0)),
+                SendOutcome::Rejected(_) | SendOutcome::Parked(_) | SendOutcome::Expired => {
+                    self.departures.not_sent(outcome.id.0);
+                }
+            }
+        }
+        Ok(self.desk.outcomes(outcomes, departures).await?)
+    }
+
+    fn may_leave(&self, row: &SpoolRow) -> bool {
+        row.envelope.message_id.as_ref().is_none_or(|message_id| self.departures.may_leave(row.id.0, message_id))
     }
 
     async fn last_row(&self) -> Result<RowId, StoreError> {

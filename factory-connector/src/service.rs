@@ -29,8 +29,8 @@ use crate::{
     catalog::Catalog,
     config::ConnectorConfig,
     desk::{self, Desk, DeskConfig, Rooms, now},
-    ledger::LedgerKey,
-    outbox::{Ephemerals, Outbox, PlatformInbox},
+    ledger::{LEDGER_KEY_FILE, LedgerKey},
+    outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
     store::{Enrolment, Role, SpoolReader, Store, User, count_users, enrolment, put_user},
     twin_side::{DeskWriter, StoredUsers},
 };
@@ -69,7 +69,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     drop(connection);
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
     let store = Store::open(&directory, &factory_id, started_at).await?;
-    let key = LedgerKey::open(&directory.join("ledger-key.pem"))?;
+    let key = LedgerKey::open(&directory.join(LEDGER_KEY_FILE))?;
     let metrics = Metrics::install()?;
     let readers = store.readers();
     let shutdown = lifecycle.shutdown();
@@ -89,12 +89,14 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
     let (engine, engine_handle, candidates) = MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let ephemerals = Arc::new(Ephemerals::default());
+    let departures = Arc::new(Departures::default());
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     let outbox = Outbox::new(
         factory_id.clone(),
         SpoolReader::new(readers.clone()),
         desk_handle.clone(),
         Arc::clone(&ephemerals),
+        Arc::clone(&departures),
     );
     let (link, link_handle) = Link::new(
         link_config(&enrolled, &factory_id)?,
@@ -109,6 +111,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             books: BooksConfig { factory_id: factory_id.clone(), encoding: config.reports.encoding },
             publishing_interval: config.publishing_interval(),
             spool: config.spool,
+            retention: config.ledger,
         },
         store,
         Rooms {
@@ -116,6 +119,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             mappings,
             link: Some(link_handle.clone()),
             ephemerals,
+            departures,
             events: events.clone(),
         },
         key,

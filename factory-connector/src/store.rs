@@ -14,17 +14,21 @@ mod mappings;
 mod open;
 mod operator;
 mod policies;
+mod retention;
 mod revisions;
+mod revocation;
 mod rows;
 mod spool;
+mod spooled;
+mod verify;
 
 pub use accounts::{Role, User, count_users, put_user, remove_user, user, users};
 pub use changes::{
     Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow, FieldValueRow, NetworkRow,
-    NewReport, ReportMove, SourceRow, WriterRow,
+    NewReport, ReportMove, RevocationRow, SourceRow, WriterRow,
 };
 pub use error::StoreError;
-pub use ledger::{LedgerPage, LedgerRow, ledger_page, verify_ledger};
+pub use ledger::{LedgerFilter, LedgerReader, LedgerRow, ledger_recipients};
 pub use load::Snapshot;
 pub use lookups::{DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources};
 pub use mappings::{
@@ -36,4 +40,7 @@ pub use policies::{
     rule_decisions,
 };
 pub use revisions::{Revisions, revisions};
+pub use revocation::{StoredRevocation, revocation_by_id, revocations};
 pub use spool::{Message, SpoolReader, WaitingRow};
+pub use spooled::{SpooledMessage, spooled};
+pub use verify::verify_ledger;

@@ -132,6 +132,12 @@ pub trait SpoolStore: Send + Sync + 'static {
     /// The waiting rows of a lane within a range, oldest first.
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError>;
 
+    /// Whether a row that was fetched some time ago may still leave, asked right before it is put on the wire. One that
+    /// may not is dropped without an outcome; the store has to rewind where something else stands in its place.
+    fn may_leave(&self, _row: &SpoolRow) -> bool {
+        true
+    }
+
     /// Records what became of rows, in one transaction. Rows that are gone meanwhile are passed over.
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError>;
 

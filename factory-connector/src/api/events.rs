@@ -36,8 +36,8 @@ impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
 }
 
 /// Server-sent events: `field` with the field's key, its state and its newest disclosed value, `inbox` and `comment`
-/// with the network's id, `operator` with the operation's key, `policies`, `status`, and `reset` where events were
-/// missed and the page must load afresh.
+/// with the network's id, `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `status`, and `reset`
+/// where events were missed and the page must load afresh.
 #[utoipa::path(get, path = "/events", tag = "events", security(("session" = [])),
     responses((status = 200, content_type = "text/event-stream", body = String), Problems))]
 pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
@@ -50,6 +50,7 @@ pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
             ConnectorEvent::Comment(id) => ("comment", serde_json::json!({ "operationNetworkId": id }).to_string()),
             ConnectorEvent::Operator(operation) => ("operator", serde_json::to_string(operation).unwrap_or_default()),
             ConnectorEvent::Policies => ("policies", "{}".to_owned()),
+            ConnectorEvent::Revocation(id) => ("revocation", serde_json::json!({ "revocationId": id }).to_string()),
             ConnectorEvent::Status => ("status", "{}".to_owned()),
         })
     })

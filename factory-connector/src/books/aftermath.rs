@@ -70,6 +70,8 @@ pub enum ConnectorEvent {
     Operator(OperationKey),
     /// Policies or rules changed.
     Policies,
+    /// A consent ended; the receipt's id.
+    Revocation(String),
     /// Link, spool, twin or sources changed.
     Status,
 }

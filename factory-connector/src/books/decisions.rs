@@ -15,8 +15,12 @@ use crate::{
     store::ConsentRow,
 };
 
+/// Why a field is undecided again.
+const REQUEST_CHANGED: &str = "The partner changed the request.";
+
 /// What is decided about a field.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, moved once")]
 pub enum Verdict {
     /// Values flow from a source, coarsened.
     Map {
@@ -54,6 +58,9 @@ pub enum DecisionError {
     /// Something else was decided since.
     #[error("something else was decided about the field since; look at it before you change it")]
     DecidedSince,
+    /// Nothing is mapped.
+    #[error("none of these fields is mapped, so there is no consent to end")]
+    NothingToRevoke,
     /// The policy does not fit the field.
     #[error("the disclosure policy does not fit the field")]
     Policy(Vec<PolicyFault>),
@@ -172,8 +179,12 @@ impl Books {
         field.decision.decided_at = Some(now);
         field.decision.version += 1;
         let is_mapped = field.decision.is_mapped();
-        let writer = field.writer;
-        if field.decision.is_open_for(ValueSource::Mapping) {
+        let (writer, version, reason) = (field.writer, field.decision.version, field.decision.reason.clone());
+        let has_mapping = field.decision.is_open_for(ValueSource::Mapping);
+        if was_mapped && !is_mapped {
+            self.consent_ends(key, version - 1, GapCause::Revoked, reason.as_deref(), Some(decided_by));
+        }
+        if has_mapping {
             self.record_version(key, Some(decided_by.to_owned()), None, now);
         }
         self.watch(key, now);
@@ -192,8 +203,13 @@ impl Books {
     /// The request changed in a way that the consent does not cover: the field is undecided again, its mapping is kept
     /// and offered.
     pub(super) fn reopen(&mut self, key: &FieldKey, now: DateTime) {
-        let Some(field) = self.fields.get_mut(key) else { return };
+        let Some(field) = self.fields.get(key) else { return };
         let (was_mapped, writer) = (field.decision.is_mapped(), field.writer);
+        if was_mapped {
+            let version = field.decision.version;
+            self.consent_ends(key, version, GapCause::Revoked, Some(REQUEST_CHANGED), None);
+        }
+        let Some(field) = self.fields.get_mut(key) else { return };
         if field.decision.is_open_for(ValueSource::Mapping) {
             self.aftermath.mappings.push(MappingWork::Remove(field.mapping_id()));
         }
@@ -202,7 +218,7 @@ impl Books {
         field.decision.mapping_state = MappingState::Pending;
         field.decision.value_source = None;
         field.decision.grounds = Grounds::default();
-        field.decision.reason = Some("The partner changed the request.".to_owned());
+        field.decision.reason = Some(REQUEST_CHANGED.to_owned());
         field.decision.decided_by = None;
         field.decision.decided_at = Some(now);
         field.decision.version += 1;

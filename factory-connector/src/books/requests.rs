@@ -55,6 +55,9 @@ impl Books {
         } else {
             if let Some(old) = known.and_then(|known| known.message.clone()) {
                 for (key, ..) in old.operation_network.fields() {
+                    self.consent_withdrawn(&key);
+                }
+                for (key, ..) in old.operation_network.fields() {
                     self.remove_field(&key, now);
                 }
                 self.journals.retain(|operation, _| operation.operation_network_id != id);
@@ -124,6 +127,9 @@ impl Books {
             operation_relation_list: Vec::new(),
         };
         let difference = difference(old.unwrap_or(&empty), new);
+        for change in difference.fields.iter().filter(|change| change.change == FieldChange::Removed) {
+            self.consent_withdrawn(&change.key);
+        }
         for request in &difference.requests.removed {
             self.retire_writer(request, GapCause::Withdrawn, now);
         }
@@ -187,6 +193,14 @@ impl Books {
     fn requested(&self, key: &FieldKey) -> Option<ReportField> {
         let (_, request) = self.request(&key.request)?;
         request.report_data_format.report_field_list.iter().find(|field| field.name == key.field_name).cloned()
+    }
+
+    /// The partner takes a request for a mapped field back.
+    fn consent_withdrawn(&mut self, key: &FieldKey) {
+        let decision = self.fields.get(key).map(|field| &field.decision);
+        if let Some(version) = decision.filter(|decision| decision.is_mapped()).map(|decision| decision.version) {
+            self.consent_ends(key, version, GapCause::Withdrawn, Some("The partner withdrew the request."), None);
+        }
     }
 
     /// True where the data set of the field's request changes.

@@ -1,7 +1,9 @@
 //! What becomes of reports after they were queued: sent, receipted, missing, taken back.
 
+use std::collections::BTreeMap;
+
 use asi_model::{
-    DateTime,
+    DateTime, MessageId,
     messages::{FactoryMessage, Gap, GapCause},
 };
 use messaging::spool::{ReceiptEffect, RowId, SequenceGap, gaps_of};
@@ -13,10 +15,18 @@ use crate::{
 };
 
 impl Books {
-    /// The broker accepted messages, with these reports in them.
-    pub fn sent(&mut self, messages: Vec<i64>, reports: &[WaitingRow], at: DateTime) {
-        self.record_outcome(reports, at, Event::Sent);
-        self.changes.report_moves.push(ReportMove::Sent { messages, at });
+    /// The broker accepted these reports, each in the message that left.
+    pub fn sent(&mut self, reports: &[(WaitingRow, Option<MessageId>)], at: DateTime) {
+        let mut messages: BTreeMap<i64, (Option<MessageId>, Vec<WaitingRow>)> = BTreeMap::new();
+        for (kept, message_id) in reports {
+            let message = messages.entry(kept.message).or_insert_with(|| (message_id.clone(), Vec::new()));
+            message.1.push(kept.clone());
+        }
+        for (message_id, rows) in messages.into_values() {
+            self.record_outcome(&rows, at, |range| Event::Sent { range, message_id: message_id.clone() });
+        }
+        let reports = reports.iter().map(|(kept, message_id)| (kept.row.id.0, message_id.clone())).collect();
+        self.changes.report_moves.push(ReportMove::Sent { reports, at });
     }
 
     /// What a receipt says about one writer; `rows` are all that the spool holds of it in the receipt's epoch.
@@ -28,7 +38,7 @@ impl Books {
         let held = of(&effect.held);
         if !held.is_empty() {
             self.record_outcome(&held, now, Event::Receipted);
-            self.changes.report_moves.push(ReportMove::Done(ids_of(&held)));
+            self.changes.report_moves.push(ReportMove::Receipted { reports: ids_of(&held), at: now });
         }
         let (revoked, resend): (Vec<_>, Vec<_>) = of(&effect.resend).into_iter().partition(|kept| kept.is_revoked);
         if !resend.is_empty() {
@@ -44,6 +54,8 @@ impl Books {
     pub fn purge(&mut self, rows: Vec<WaitingRow>, cause: GapCause, now: DateTime) {
         let (waiting, sent): (Vec<_>, Vec<_>) = rows.into_iter().partition(|kept| kept.row.sent_at.is_none());
         self.take_back(&waiting, cause, now);
+        // What the link has fetched of it is left out of what it sends; the rest of those messages is fetched again.
+        self.aftermath.is_spool_rewound |= !waiting.is_empty();
         if !sent.is_empty() {
             self.changes.report_moves.push(ReportMove::Revoked(ids_of(&sent)));
         }

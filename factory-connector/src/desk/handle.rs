@@ -7,11 +7,13 @@ use asi_model::{
 use mapping_engine::Mapping;
 use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
+use uuid::Uuid;
 
 use crate::{
     books::{Books, DecisionError, EntryOutcome, Placing, Verdict},
     disclosure::Outcome,
     operator::OperatorEntry,
+    outbox::Departure,
     store::{SourceRow, TemplateRow},
 };
 
@@ -48,13 +50,15 @@ pub enum Command {
     #[doc(hidden)]
     Deliver(Vec<Delivery>, oneshot::Sender<Vec<Settlement>>),
     #[doc(hidden)]
-    Outcomes(Vec<RowOutcome>, oneshot::Sender<bool>),
+    Outcomes(Vec<RowOutcome>, Vec<Departure>, oneshot::Sender<bool>),
     #[doc(hidden)]
     Value(FieldKey, ValueSource, DataValue, oneshot::Sender<Result<Taken, DeskError>>),
     #[doc(hidden)]
     Decide(Box<DecideCommand>, oneshot::Sender<Result<(), DeskError>>),
     #[doc(hidden)]
     Enter(Vec<OperatorEntry>, oneshot::Sender<Result<Vec<EntryOutcome>, DeskError>>),
+    #[doc(hidden)]
+    Revoke(Box<RevokeCommand>, oneshot::Sender<Result<Uuid, DeskError>>),
     #[doc(hidden)]
     Comment(Comment, oneshot::Sender<bool>),
     #[doc(hidden)]
@@ -75,6 +79,13 @@ pub enum Command {
     Change(Changing),
 }
 
+pub struct RevokeCommand {
+    pub(super) fields: Vec<FieldKey>,
+    pub(super) verdict: Verdict,
+    pub(super) reason: Option<String>,
+    pub(super) revoked_by: String,
+}
+
 pub struct DecideCommand {
     pub(super) field: FieldKey,
     pub(super) verdict: Verdict,
@@ -93,6 +104,7 @@ pub(super) enum Reply {
     Settle(Vec<Settlement>, oneshot::Sender<Vec<Settlement>>),
     Value(Taken, oneshot::Sender<Result<Taken, DeskError>>),
     Entered(Vec<EntryOutcome>, oneshot::Sender<Result<Vec<EntryOutcome>, DeskError>>),
+    Revoked(Uuid, oneshot::Sender<Result<Uuid, DeskError>>),
     Decided(oneshot::Sender<Result<(), DeskError>>),
     Done(oneshot::Sender<bool>),
     Then(Told),
@@ -111,6 +123,9 @@ impl Reply {
             }
             Self::Entered(outcomes, reply) => {
                 reply.send(if is_written { Ok(outcomes) } else { Err(DeskError::NotWritten) }).ok();
+            }
+            Self::Revoked(id, reply) => {
+                reply.send(if is_written { Ok(id) } else { Err(DeskError::NotWritten) }).ok();
             }
             Self::Decided(reply) => {
                 reply.send(if is_written { Ok(()) } else { Err(DeskError::NotWritten) }).ok();
@@ -141,12 +156,12 @@ impl DeskHandle {
         answer.unwrap_or_else(|_| vec![Settlement::Release; count])
     }
 
-    /// What became of messages in the spool.
+    /// What became of messages in the spool, and what was in those that left.
     ///
     /// # Errors
     /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
-    pub async fn outcomes(&self, outcomes: Vec<RowOutcome>) -> Result<(), DeskError> {
-        written(self.ask(|reply| Command::Outcomes(outcomes, reply)).await?)
+    pub async fn outcomes(&self, outcomes: Vec<RowOutcome>, departures: Vec<Departure>) -> Result<(), DeskError> {
+        written(self.ask(|reply| Command::Outcomes(outcomes, departures, reply)).await?)
     }
 
     /// A value for a field from a person or an OPC UA client; answered when it is committed.
@@ -178,6 +193,21 @@ impl DeskHandle {
     ) -> Result<(), DeskError> {
         let command = Box::new(DecideCommand { field, verdict, reason, decided_by: decided_by.to_owned() });
         self.ask(|reply| Command::Decide(command, reply)).await?
+    }
+
+    /// Ends the consent to fields, all or none; answered with the receipt's id when it is committed.
+    ///
+    /// # Errors
+    /// [`DeskError`].
+    pub async fn revoke(
+        &self,
+        fields: Vec<FieldKey>,
+        verdict: Verdict,
+        reason: Option<String>,
+        revoked_by: &str,
+    ) -> Result<Uuid, DeskError> {
+        let command = Box::new(RevokeCommand { fields, verdict, reason, revoked_by: revoked_by.to_owned() });
+        self.ask(|reply| Command::Revoke(command, reply)).await?
     }
 
     /// Says something to the partners.

@@ -10,7 +10,7 @@ use asi_model::{
 use messaging::spool::{ReportRow, RowId, coalesce, expire, overdue};
 use tokio::time::Instant;
 
-use super::{Desk, aftermath::offset_now, now};
+use super::{Desk, RetentionLimits, aftermath::offset_now, now};
 use crate::{
     books::new_message_id,
     ledger::Checkpoint,
@@ -18,6 +18,8 @@ use crate::{
 };
 
 const INTERVAL: Duration = Duration::from_secs(1);
+/// Pause after everything too old was removed.
+const RETENTION_INTERVAL: Duration = Duration::from_secs(3600);
 const SPOOL_INTERVAL: Duration = Duration::from_secs(10);
 /// Rows looked at in one round.
 const ROWS_MAX: u32 = 10_000;
@@ -28,12 +30,20 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(86_400);
 pub(super) struct Housekeeping {
     next: Instant,
     next_spool: Instant,
+    next_retention: Instant,
+    /// The last report whose values were looked at.
+    emptied_through: i64,
 }
 
 impl Default for Housekeeping {
     fn default() -> Self {
         let now = Instant::now();
-        Self { next: now + INTERVAL, next_spool: now + SPOOL_INTERVAL }
+        Self {
+            next: now + INTERVAL,
+            next_spool: now + SPOOL_INTERVAL,
+            next_retention: now + INTERVAL,
+            emptied_through: 0,
+        }
     }
 }
 
@@ -56,6 +66,15 @@ impl Desk {
         if instant >= self.housekeeping.next_spool {
             self.housekeeping.next_spool = instant + SPOOL_INTERVAL;
             self.tidy_spool(now).await?;
+        }
+        if instant >= self.housekeeping.next_retention {
+            self.housekeeping.next_retention = instant + RETENTION_INTERVAL;
+            if let Err(error) = self.retain(now).await {
+                tracing::error!(
+                    error = &error as &dyn std::error::Error,
+                    "What is too old could not be removed; it is tried again in an hour."
+                );
+            }
         }
         Ok(())
     }
@@ -114,6 +133,26 @@ impl Desk {
         self.books.changes.checkpoint =
             Some(CheckpointRow { number, recorded_at: now, content: text, signature, public_key });
         self.books.checkpoint = Some((number, now));
+    }
+
+    /// Empties old values and removes old entries, a bounded number at a time.
+    async fn retain(&mut self, now: DateTime) -> Result<(), StoreError> {
+        let before = |days: u32| DateTime::from_unix_micros(now.unix_micros() - i64::from(days) * 86_400_000_000);
+        let RetentionLimits { value_days, entry_days } = self.config.retention;
+        let mut is_done = true;
+        if value_days > 0 {
+            let last = self.store.empty_values(before(value_days), self.housekeeping.emptied_through).await?;
+            is_done &= last.is_none();
+            if let Some(last) = last {
+                self.housekeeping.emptied_through = last;
+            }
+        }
+        if entry_days > 0 {
+            let factory = &self.config.books.factory_id;
+            is_done &= self.store.prune_ledger(before(entry_days), factory, &self.key, now).await? == 0;
+        }
+        self.housekeeping.next_retention = Instant::now() + if is_done { RETENTION_INTERVAL } else { INTERVAL };
+        Ok(())
     }
 
     /// Age, size and missing receipts.

@@ -1,6 +1,6 @@
 //! Taking commands into the books.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use asi_model::{
     DateTime, MessageId,
@@ -15,10 +15,11 @@ use messaging::{
 use super::{
     Desk, Instant, Taken,
     handle::{Command, Reply},
-    now,
+    moved, now,
 };
 use crate::{
     books::new_message_id,
+    outbox::Departure,
     store::{DeadLetterRow, ReportMove, StoreError},
 };
 
@@ -37,8 +38,8 @@ impl Desk {
                 let settlements = self.deliver(deliveries, now).await?;
                 self.replies.push(Reply::Settle(settlements, reply));
             }
-            Command::Outcomes(outcomes, reply) => {
-                self.outcomes(&outcomes, now).await?;
+            Command::Outcomes(outcomes, departures, reply) => {
+                self.outcomes(&outcomes, departures, now).await?;
                 self.replies.push(Reply::Done(reply));
             }
             Command::Value(field, source, value, reply) => {
@@ -59,6 +60,13 @@ impl Desk {
             Command::Decide(command, reply) => {
                 match self.books.decide(&command.field, command.verdict, command.reason, &command.decided_by, now) {
                     Ok(()) => self.replies.push(Reply::Decided(reply)),
+                    Err(error) => drop(reply.send(Err(error.into()))),
+                }
+            }
+            Command::Revoke(command, reply) => {
+                let reason = command.reason.as_deref();
+                match self.books.revoke(&command.fields, &command.verdict, reason, &command.revoked_by, now) {
+                    Ok(id) => self.replies.push(Reply::Revoked(id, reply)),
                     Err(error) => drop(reply.send(Err(error.into()))),
                 }
             }
@@ -188,7 +196,7 @@ impl Desk {
     async fn receipt(&mut self, receipt: Receipt, now: DateTime) -> Result<(), StoreError> {
         let sent_before = time::OffsetDateTime::from(now) - ON_ITS_WAY;
         for writer in receipt.receipt_list {
-            let rows = self.store.kept_reports(writer.data_set_writer_id, Some(writer.epoch)).await?;
+            let rows = self.kept_reports(writer.data_set_writer_id, Some(writer.epoch)).await?;
             let decided: Vec<ReportRow> = rows.iter().map(|kept| kept.row).collect();
             let effect = apply_receipt(&writer, &decided, sent_before);
             self.books.receipted(&effect, &rows, now);
@@ -197,7 +205,12 @@ impl Desk {
     }
 
     /// A number is either a control message's or a message of reports'; what concerns the other kind finds nothing.
-    async fn outcomes(&mut self, outcomes: &[RowOutcome], now: DateTime) -> Result<(), StoreError> {
+    async fn outcomes(
+        &mut self,
+        outcomes: &[RowOutcome],
+        departures: Vec<Departure>,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
         let (mut accepted, mut attempted, mut parked) = (Vec::new(), Vec::new(), Vec::new());
         for outcome in outcomes {
             let id = outcome.id.0;
@@ -221,10 +234,20 @@ impl Desk {
             }
         }
         if !accepted.is_empty() {
-            let reports = self.store.waiting_in(&accepted).await?;
+            let departed: HashMap<i64, Departure> = departures.into_iter().map(|left| (left.message, left)).collect();
+            let unsent = moved(self.store.unsent_in(&accepted).await?, &self.books.changes.report_moves);
+            let left: Vec<_> = unsent
+                .into_iter()
+                .filter(|kept| kept.row.sent_at.is_none())
+                .filter_map(|kept| match departed.get(&kept.message) {
+                    Some(left) if left.reports.contains(&kept.row.id.0) => Some((kept, Some(left.message_id.clone()))),
+                    Some(_) => None,
+                    None => (!kept.is_done).then_some((kept, None)),
+                })
+                .collect();
             self.books.changes.controls_done.extend(&accepted);
-            if !reports.is_empty() {
-                self.books.sent(accepted, &reports, now);
+            if !left.is_empty() {
+                self.books.sent(&left, now);
             }
         }
         let changes = &mut self.books.changes;

@@ -14,7 +14,6 @@ use crate::{
     },
     disclosure::DisclosurePolicy,
     operator::{Action, EntryId, OperationKey, OperatorEntry},
-    store::ledger_page,
     twin_side::DeskWriter,
 };
 
@@ -77,14 +76,21 @@ async fn start(directory: &Path) -> Running {
     let (_, twin) = Twin::new(factory_id.clone(), config, writer, Arc::new(Nobody)).expect("a twin");
     let (mappings, mapping_work) = mpsc::channel(64);
     let (candidates, candidate_work) = mpsc::channel(64);
-    let rooms =
-        Rooms { twin, mappings, link: None, ephemerals: Arc::new(Ephemerals::default()), events: EventLog::new(64, 1) };
+    let rooms = Rooms {
+        twin,
+        mappings,
+        link: None,
+        ephemerals: Arc::default(),
+        departures: Arc::default(),
+        events: EventLog::new(64, 1),
+    };
     let key = LedgerKey::open(&directory.join("key.pem")).expect("a key");
     let readers = store.readers();
     let config = DeskConfig {
         books: BooksConfig { factory_id, encoding: asi_model::pubsub::json::Encoding::Digicor },
         publishing_interval: Duration::from_millis(1),
         spool: SpoolLimits::default(),
+        retention: RetentionLimits::default(),
     };
     let desk = Desk::new(config, store, rooms, key, commands, candidate_work).await.expect("a desk");
     let shutdown = CancellationToken::new();
@@ -160,9 +166,11 @@ impl Running {
 
     /// Every value of the field that ever left, as the ledger keeps it.
     async fn left(&self) -> Vec<serde_json::Value> {
-        let recipient = "acme".parse().expect("an id");
-        let page = ledger_page(&self.readers, Some(&recipient), u64::MAX, 1000).await.expect("a ledger");
-        let reports = page.entries.into_iter().rev().filter_map(|row| row.report);
+        let statement = "SELECT r.body FROM ledger_entry e JOIN report r ON r.id = e.report_id \
+             WHERE e.recipient = 'acme' ORDER BY e.number";
+        let bodies: Vec<String> =
+            sqlx::query_scalar(statement).fetch_all(&self.readers).await.expect("the ledger is read");
+        let reports = bodies.iter().map(|body| serde_json::from_str::<serde_json::Value>(body).expect("JSON"));
         reports.map(|report| report["Payload"]["made"].clone()).filter(|value| !value.is_null()).collect()
     }
 }

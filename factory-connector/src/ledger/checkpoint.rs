@@ -9,7 +9,10 @@ use ed25519_dalek::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::Heads;
+use super::{Hash, Heads};
+
+/// Where the key lies in the data directory.
+pub const LEDGER_KEY_FILE: &str = "ledger-key.pem";
 
 /// What a checkpoint states.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,6 +92,18 @@ impl LedgerKey {
                 Ok(Self(key))
             }
             Err(error) => Err(fail(error)),
+        }
+    }
+
+    /// The public half of the key in a file; none where there is no such file.
+    ///
+    /// # Errors
+    /// [`LedgerKeyError`] when the file cannot be read or is no key.
+    pub fn public_of(path: &Path) -> Result<Option<Hash>, LedgerKeyError> {
+        match path.try_exists() {
+            Ok(true) => Self::open(path).map(|key| Some(key.public())),
+            Ok(false) => Ok(None),
+            Err(source) => Err(LedgerKeyError { path: path.display().to_string(), source }),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use asi_model::{
-    DateTime, FieldKey, FieldName, OrganisationId,
+    DateTime, FieldKey, FieldName, MessageId, OrganisationId,
     messages::{MappingState, ValueSource},
 };
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,7 @@ pub struct SequenceRange {
 /// What happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "SCREAMING_SNAKE_CASE", rename_all_fields = "camelCase")]
+#[expect(clippy::large_enum_variant, reason = "one at a time, moved once")]
 pub enum Event {
     /// The engineer decided about a field.
     Consent {
@@ -59,7 +60,14 @@ pub enum Event {
         consents: BTreeMap<FieldName, u32>,
     },
     /// The broker accepted them.
-    Sent(SequenceRange),
+    Sent {
+        /// Which.
+        #[serde(flatten)]
+        range: SequenceRange,
+        /// The NetworkMessage they left in.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        message_id: Option<MessageId>,
+    },
     /// The platform holds them.
     Receipted(SequenceRange),
     /// The spool was full and only newer values were kept.
@@ -68,6 +76,21 @@ pub enum Event {
     Expired(SequenceRange),
     /// They were taken back because the consent or the request ended; those not sent never left.
     Purged(SequenceRange),
+    /// A consent ended; the receipt with this id says which.
+    Revoked {
+        /// The receipt.
+        revocation_id: String,
+        /// The writer that the fields left with.
+        data_set_writer_id: u16,
+        /// Its epoch up to then.
+        epoch: u32,
+        /// The last number that the broker accepted.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        last_sent_sequence: Option<u32>,
+        /// The last number that the platform said it holds.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        last_delivered_sequence: Option<u32>,
+    },
 }
 
 /// An entry of a chain, as it is hashed.
@@ -112,7 +135,7 @@ mod tests {
             consents: [("progress".parse().expect("a name"), 2)].into(),
         });
         insta::assert_snapshot!(queued.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"QUEUED","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4,"values":"00ff","consents":{"progress":2}}"#);
-        let sent = entry(Event::Sent(range));
+        let sent = entry(Event::Sent { range, message_id: None });
         insta::assert_snapshot!(sent.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"SENT","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4}"#);
         for entry in [queued, sent] {
             assert_eq!(serde_json::from_str::<Entry>(&entry.canonical()).expect("reads back"), entry);

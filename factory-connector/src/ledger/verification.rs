@@ -1,11 +1,21 @@
 //! Verification: finds any change, deletion or reordering.
+//!
+//! Entries are looked at one by one, which may happen on several threads ([`StoredEntry::check`]); the [`Verifier`] then
+//! takes them in their order and compares them with what is signed: anchors at the beginning of pruned chains, heads at
+//! their ends, daily checkpoints over all of them, and receipts of ended consents.
 
-use std::collections::BTreeMap;
+mod row;
+#[cfg(test)]
+mod tests;
 
-use asi_model::OrganisationId;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
 use serde::Serialize;
 
-use super::{Checkpoint, Entry, Event, Hash, Head, chain_hash, checkpoint::is_signed, values_root};
+use row::Values;
+pub use row::{CheckedEntry, StoredEntry, StoredReport};
+
+use super::{Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, checkpoint::is_signed, head::is_signed_head};
 
 /// Most faults that are listed; more are counted only.
 const FAULTS_MAX: usize = 100;
@@ -14,7 +24,7 @@ const FAULTS_MAX: usize = 100;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct LedgerFault {
-    /// Whose chain; empty where a checkpoint itself is wrong.
+    /// Whose chain; empty where no single chain is concerned.
     pub recipient: String,
     /// The entry or checkpoint.
     pub number: u64,
@@ -32,8 +42,14 @@ pub struct Verification {
     pub values_compared: u64,
     /// Values that retention has emptied.
     pub values_emptied: u64,
+    /// Entries that retention has removed, by the signed anchors in their place.
+    pub entries_pruned: u64,
     /// Checkpoints verified.
     pub checkpoints: u64,
+    /// Receipts of ended consents verified.
+    pub revocations: u64,
+    /// The key that everything signed was signed with, hexadecimal: compare it with the one you noted.
+    pub public_key: Option<String>,
     /// How many faults there are.
     pub fault_count: u64,
     /// The first hundred of them.
@@ -48,107 +64,270 @@ impl Verification {
     }
 }
 
-/// Takes the entries of all chains, each chain in its order, then the checkpoints.
-#[derive(Default)]
+/// A signed text as stored.
+#[derive(Debug, Clone, Default)]
+pub struct StoredStatement {
+    /// The columns beside it that repeat what it says: a name or number, and a time in microseconds.
+    pub name: String,
+    /// When, as the column says.
+    pub recorded_at: i64,
+    /// The signed text.
+    pub content: Vec<u8>,
+    /// The signature.
+    pub signature: Vec<u8>,
+    /// The public key.
+    pub public_key: Vec<u8>,
+}
+
+/// A chain's signed end as stored.
+#[derive(Debug, Clone, Default)]
+pub struct StoredHead {
+    /// Whose chain.
+    pub recipient: String,
+    /// The number of its last entry.
+    pub number: i64,
+    /// The hash of its last entry.
+    pub hash: Vec<u8>,
+    /// The signature.
+    pub signature: Vec<u8>,
+    /// The public key.
+    pub public_key: Vec<u8>,
+}
+
+/// A consent as its own table has it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredConsent {
+    /// `PENDING`, `MAPPED` or `REFUSED`.
+    pub mapping_state: String,
+    /// Where values come from.
+    pub value_source: Option<String>,
+    /// The policy as JSON.
+    pub policy: String,
+    /// Who.
+    pub decided_by: Option<String>,
+    /// When, in microseconds.
+    pub decided_at: i64,
+}
+
+/// Everything beside the entries.
+#[derive(Debug, Default)]
+pub struct Surroundings {
+    /// Whose ledger.
+    pub factory_id: String,
+    /// The key that must have signed everything; any single key without it.
+    pub trusted_key: Option<Hash>,
+    /// What stands in the place of pruned entries.
+    pub anchors: Vec<StoredStatement>,
+    /// The daily checkpoints, in order.
+    pub checkpoints: Vec<StoredStatement>,
+    /// Receipts of ended consents.
+    pub revocations: Vec<StoredStatement>,
+    /// The signed ends.
+    pub heads: Vec<StoredHead>,
+    /// The consents by field and number.
+    pub consents: HashMap<(String, u32), StoredConsent>,
+}
+
+/// Takes the entries of all chains, each chain in its order.
 pub struct Verifier {
     heads: BTreeMap<String, Head>,
+    starts: BTreeMap<String, Head>,
     /// Hashes that checkpoints refer to.
     wanted: BTreeMap<(String, u64), String>,
+    factory_id: String,
+    key: Option<Hash>,
+    signed_heads: Vec<StoredHead>,
+    consents: HashMap<(String, u32), StoredConsent>,
+    /// Receipts by id, with those that no entry has spoken of yet.
+    revocations: BTreeSet<String>,
+    unmentioned: BTreeSet<String>,
     outcome: Verification,
 }
 
-/// A stored entry.
-pub struct StoredEntry<'a> {
-    /// Whose chain.
-    pub recipient: &'a str,
-    /// Its place.
-    pub number: u64,
-    /// The hashed text.
-    pub content: &'a str,
-    /// The stored hash.
-    pub hash: &'a [u8],
-    /// For a QUEUED entry: the report's text and salt, unless emptied; `None` where there is no such report.
-    pub report: Option<(Option<&'a str>, Option<&'a [u8]>)>,
-}
-
 impl Verifier {
-    /// A verification that will also compare the chains with signed checkpoints: their text, signature and public key
-    /// as stored, in order.
-    pub fn new<'a>(checkpoints: impl IntoIterator<Item = (&'a str, &'a [u8], &'a [u8])>) -> Self {
-        let mut verifier = Self::default();
-        for (place, (text, signature, public_key)) in (1..).zip(checkpoints) {
-            verifier.outcome.checkpoints += 1;
-            match serde_json::from_str::<Checkpoint>(text) {
-                Ok(checkpoint) if is_signed(text, signature, public_key) && checkpoint.number == place => {
-                    for head in checkpoint.heads.into_iter().filter(|head| head.number > 0) {
-                        verifier.wanted.insert((head.recipient.to_string(), head.number), head.hash);
-                    }
-                }
-                Ok(_) => verifier.fault("", place, "the checkpoint is out of place or its signature is wrong"),
-                Err(_) => verifier.fault("", place, "the checkpoint cannot be read"),
-            }
+    /// A verification against what is signed.
+    #[must_use]
+    pub fn new(surroundings: Surroundings) -> Self {
+        let mut verifier = Self {
+            heads: BTreeMap::new(),
+            starts: BTreeMap::new(),
+            wanted: BTreeMap::new(),
+            factory_id: surroundings.factory_id,
+            key: surroundings.trusted_key,
+            signed_heads: surroundings.heads,
+            consents: surroundings.consents,
+            revocations: BTreeSet::new(),
+            unmentioned: BTreeSet::new(),
+            outcome: Verification::default(),
+        };
+        for anchor in &surroundings.anchors {
+            verifier.anchor(anchor);
+        }
+        for (place, checkpoint) in (1..).zip(&surroundings.checkpoints) {
+            verifier.checkpoint(place, checkpoint);
+        }
+        for revocation in &surroundings.revocations {
+            verifier.revocation(revocation);
         }
         verifier
     }
 
-    /// Verifies the next entry.
-    pub fn entry(&mut self, stored: &StoredEntry<'_>) {
-        self.outcome.entries += 1;
-        let head = self.heads.get(stored.recipient).copied().unwrap_or_default();
-        if stored.number != head.number + 1 {
-            self.fault(stored.recipient, head.number + 1, "entries are missing from here on");
-        }
-        let hash = chain_hash(&head.hash, stored.content);
-        if hash != stored.hash {
-            self.fault(stored.recipient, stored.number, "the entry or one before it was changed");
-        }
-        match serde_json::from_str::<Entry>(stored.content) {
-            Ok(entry) if entry.recipient.as_str() == stored.recipient && entry.number == stored.number => {
-                if let Event::Queued { values, .. } = entry.event {
-                    self.values(stored, &values);
-                }
-            }
-            Ok(_) => self.fault(stored.recipient, stored.number, "the entry stands in another's place"),
-            Err(_) => self.fault(stored.recipient, stored.number, "the entry cannot be read"),
-        }
-        // Go on from what is stored, so that one change yields one fault and not as many as entries follow.
-        let stored_hash: Hash = stored.hash.try_into().unwrap_or(hash);
-        if let Some(wanted) = self.wanted.remove(&(stored.recipient.to_owned(), stored.number))
-            && wanted != hex::encode(stored_hash)
-        {
-            self.fault(stored.recipient, stored.number, "a signed checkpoint states another hash for this entry");
-        }
-        self.heads.insert(stored.recipient.to_owned(), Head { number: stored.number, hash: stored_hash });
+    /// The hash that a chain's first stored entry follows.
+    #[must_use]
+    pub fn start_of(&self, recipient: &[u8]) -> Hash {
+        std::str::from_utf8(recipient)
+            .ok()
+            .and_then(|name| self.starts.get(name))
+            .map(|head| head.hash)
+            .unwrap_or_default()
     }
 
-    /// Ends the verification with the heads that the store believes in.
-    #[must_use]
-    pub fn finish(mut self, believed: impl IntoIterator<Item = (OrganisationId, u64)>) -> Verification {
-        for (recipient, number) in believed {
-            let found = self.heads.get(recipient.as_str()).map_or(0, |head| head.number);
-            if found < number {
-                self.fault(recipient.as_str(), found + 1, "entries are missing at the end");
+    /// Takes the next entry.
+    pub fn take(&mut self, entry: CheckedEntry) {
+        let CheckedEntry { recipient, number, hash, faults, values, consent, revocation } = entry;
+        self.outcome.entries += 1;
+        match values {
+            Values::None => {}
+            Values::Compared => self.outcome.values_compared += 1,
+            Values::Emptied => self.outcome.values_emptied += 1,
+        }
+        for fault in faults {
+            self.fault(&recipient, number, fault);
+        }
+        let last = self.heads.get(&recipient).or_else(|| self.starts.get(&recipient)).map_or(0, |head| head.number);
+        if number != last + 1 {
+            self.fault(&recipient, last + 1, "entries are missing from here on");
+        }
+        if let Some((field, version, event, at)) = consent {
+            let is_same = self
+                .consents
+                .get(&(field, version))
+                .is_some_and(|stored| stored.decided_at == at && is_consent(&event, stored));
+            if !is_same {
+                self.fault(&recipient, number, "the consent beside the ledger is not the one that was given");
             }
         }
-        for (recipient, number) in std::mem::take(&mut self.wanted).into_keys() {
-            self.fault(&recipient, number, "a signed checkpoint states this entry, but it is missing");
+        if let Some(id) = revocation {
+            self.unmentioned.remove(&id);
+            if !self.revocations.contains(&id) {
+                self.fault(&recipient, number, "the receipt of this revocation was deleted");
+            }
         }
+        if !self.wanted.is_empty()
+            && let Some(wanted) = self.wanted.remove(&(recipient.clone(), number))
+            && wanted != hex::encode(hash)
+        {
+            self.fault(&recipient, number, "a signed checkpoint states another hash for this entry");
+        }
+        match self.heads.get_mut(&recipient) {
+            Some(head) => *head = Head { number, hash },
+            None => drop(self.heads.insert(recipient, Head { number, hash })),
+        }
+    }
+
+    /// Ends the verification: compares the chains' ends with what was signed of them.
+    #[must_use]
+    pub fn finish(mut self) -> Verification {
+        for stored in std::mem::take(&mut self.signed_heads) {
+            let number = u64::try_from(stored.number).unwrap_or_default();
+            let is_signed = is_signed_head(
+                &self.factory_id,
+                &stored.recipient,
+                number,
+                &stored.hash,
+                &stored.signature,
+                &stored.public_key,
+            );
+            if !(is_signed && self.is_known(&stored.public_key)) {
+                self.fault(&stored.recipient, number, "the signature of the chain's end is wrong");
+            }
+            let end = self.heads.remove(&stored.recipient).or_else(|| self.starts.get(&stored.recipient).copied());
+            let end = end.unwrap_or_default();
+            if end.number < number {
+                self.fault(&stored.recipient, end.number + 1, "entries are missing at the end");
+            } else if end.number > number || end.hash[..] != stored.hash[..] {
+                self.fault(&stored.recipient, end.number, "the chain's end is not the one that was signed");
+            }
+        }
+        for (recipient, head) in std::mem::take(&mut self.heads) {
+            self.fault(&recipient, head.number, "the signed end of the chain was deleted");
+        }
+        for (recipient, number) in std::mem::take(&mut self.wanted).into_keys() {
+            let is_pruned = self.starts.get(&recipient).is_some_and(|start| number <= start.number);
+            if !is_pruned {
+                self.fault(&recipient, number, "a signed checkpoint states this entry, but it is missing");
+            }
+        }
+        // Entries about old receipts may have been pruned.
+        if self.starts.is_empty() {
+            for id in std::mem::take(&mut self.unmentioned) {
+                self.fault("", 0, &format!("no entry speaks of the revocation {id}"));
+            }
+        }
+        self.outcome.public_key = self.key.map(hex::encode);
         self.outcome
     }
 
-    fn values(&mut self, stored: &StoredEntry<'_>, committed: &str) {
-        match stored.report {
-            Some((Some(report), Some(salt))) => {
-                self.outcome.values_compared += 1;
-                let root = values_root(report, salt).map(hex::encode);
-                if root.ok().as_deref() != Some(committed) {
-                    self.fault(stored.recipient, stored.number, "the values are not those that were reported");
-                }
-            }
-            Some((None, None)) => self.outcome.values_emptied += 1,
-            Some(_) => self.fault(stored.recipient, stored.number, "the values were removed in part"),
-            None => self.fault(stored.recipient, stored.number, "the report with the values was deleted"),
+    fn anchor(&mut self, stored: &StoredStatement) {
+        let anchor =
+            std::str::from_utf8(&stored.content).ok().and_then(|text| serde_json::from_str::<Anchor>(text).ok());
+        let hash = anchor.as_ref().and_then(|anchor| hex::decode(&anchor.hash).ok()?.try_into().ok());
+        let (Some(anchor), Some(hash)) = (anchor, hash) else {
+            return self.fault(&stored.name, 0, "the anchor in the place of pruned entries cannot be read");
+        };
+        let fits = anchor.recipient.as_str() == stored.name
+            && anchor.recorded_at.unix_micros() == stored.recorded_at
+            && anchor.factory_id.as_str() == self.factory_id;
+        if !(fits && self.is_stated(stored)) {
+            self.fault(&stored.name, anchor.number, "the anchor in the place of pruned entries was changed");
         }
+        self.outcome.entries_pruned += anchor.number;
+        self.starts.insert(stored.name.clone(), Head { number: anchor.number, hash });
+    }
+
+    fn checkpoint(&mut self, place: u64, stored: &StoredStatement) {
+        self.outcome.checkpoints += 1;
+        let text = std::str::from_utf8(&stored.content).ok();
+        let Some(checkpoint) = text.and_then(|text| serde_json::from_str::<Checkpoint>(text).ok()) else {
+            return self.fault("", place, "the checkpoint cannot be read");
+        };
+        let fits = checkpoint.number == place
+            && stored.name == place.to_string()
+            && checkpoint.recorded_at.unix_micros() == stored.recorded_at
+            && checkpoint.factory_id.as_str() == self.factory_id;
+        if !(fits && self.is_stated(stored)) {
+            return self.fault("", place, "the checkpoint is out of place or its signature is wrong");
+        }
+        for head in checkpoint.heads.into_iter().filter(|head| head.number > 0) {
+            self.wanted.insert((head.recipient.to_string(), head.number), head.hash);
+        }
+    }
+
+    fn revocation(&mut self, stored: &StoredStatement) {
+        self.outcome.revocations += 1;
+        let text = std::str::from_utf8(&stored.content).ok();
+        let receipt = text.and_then(|text| serde_json::from_str::<RevocationReceipt>(text).ok());
+        let fits = receipt.as_ref().is_some_and(|receipt| {
+            receipt.revocation_id == stored.name && receipt.revoked_at.unix_micros() == stored.recorded_at
+        });
+        if !(fits && self.is_stated(stored)) {
+            self.fault("", 0, &format!("the receipt of the revocation {} was changed", stored.name));
+        }
+        self.revocations.insert(stored.name.clone());
+        if receipt.is_some_and(|receipt| receipt.writers.iter().any(|writer| !writer.recipient_list.is_empty())) {
+            self.unmentioned.insert(stored.name.clone());
+        }
+    }
+
+    fn is_stated(&mut self, stored: &StoredStatement) -> bool {
+        std::str::from_utf8(&stored.content).is_ok_and(|text| is_signed(text, &stored.signature, &stored.public_key))
+            && self.is_known(&stored.public_key)
+    }
+
+    /// One key signs everything: the trusted one, or else the first that is met.
+    fn is_known(&mut self, public_key: &[u8]) -> bool {
+        let Ok(key) = Hash::try_from(public_key) else { return false };
+        *self.key.get_or_insert(key) == key
     }
 
     fn fault(&mut self, recipient: &str, number: u64, message: &str) {
@@ -160,111 +339,12 @@ impl Verifier {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use asi_model::DateTime;
-
-    use super::*;
-    use crate::ledger::{Heads, LinkedEntry, SequenceRange};
-
-    const REPORT: &str = r#"{"SequenceNumber":1,"Payload":{"a":1}}"#;
-    const SALT: [u8; 16] = [3; 16];
-
-    fn entries(count: u32) -> (Vec<LinkedEntry>, Heads) {
-        let mut heads = Heads::default();
-        let acme = "acme".parse().expect("an id");
-        let values = hex::encode(values_root(REPORT, &SALT).expect("a report"));
-        let entry = |sequence| {
-            let range =
-                SequenceRange { data_set_writer_id: 1, epoch: 1, first_sequence: sequence, last_sequence: sequence };
-            let event = if sequence % 2 == 0 {
-                Event::Queued { range, values: values.clone(), consents: BTreeMap::new() }
-            } else {
-                Event::Sent(range)
-            };
-            heads.append(&acme, DateTime::from_unix_micros(i64::from(sequence)), event)
-        };
-        let entries = (0..count).map(entry).collect();
-        (entries, heads)
-    }
-
-    fn verify(entries: &[LinkedEntry], report: &str, heads: &Heads) -> Verification {
-        let mut verifier = Verifier::default();
-        for entry in entries {
-            verifier.entry(&StoredEntry {
-                recipient: entry.recipient.as_str(),
-                number: entry.number,
-                content: &entry.content,
-                hash: &entry.hash,
-                report: Some((Some(report), Some(&SALT))),
-            });
-        }
-        verifier.finish(heads.iter().map(|(recipient, head)| (recipient.clone(), head.number)))
-    }
-
-    #[test]
-    fn an_intact_ledger_is_intact() {
-        let (entries, heads) = entries(20);
-        let outcome = verify(&entries, REPORT, &heads);
-        assert!(outcome.is_intact(), "{outcome:?}");
-        assert_eq!((outcome.entries, outcome.values_compared), (20, 10));
-    }
-
-    #[test]
-    fn every_single_bit_of_an_entry_is_guarded() {
-        let (intact, heads) = entries(3);
-        for bit in 0..intact[1].content.len() * 8 {
-            let mut entries = intact.clone();
-            let mut bytes = entries[1].content.clone().into_bytes();
-            bytes[bit / 8] ^= 1 << (bit % 8);
-            let Ok(content) = String::from_utf8(bytes) else { continue };
-            entries[1].content = content;
-            assert!(!verify(&entries, REPORT, &heads).is_intact(), "bit {bit}");
-        }
-        for bit in 0..256 {
-            let mut entries = intact.clone();
-            entries[1].hash[bit / 8] ^= 1 << (bit % 8);
-            assert!(!verify(&entries, REPORT, &heads).is_intact(), "bit {bit} of the hash");
-        }
-    }
-
-    #[test]
-    fn deletion_reordering_and_other_values_are_found() {
-        let (intact, heads) = entries(5);
-        for place in 0..intact.len() {
-            let mut entries = intact.clone();
-            entries.remove(place);
-            assert!(!verify(&entries, REPORT, &heads).is_intact(), "without {place}");
-        }
-        let mut entries = intact.clone();
-        entries.swap(1, 2);
-        assert!(!verify(&entries, REPORT, &heads).is_intact());
-        let other = REPORT.replace("\"a\":1", "\"a\":2");
-        assert!(!verify(&intact, &other, &heads).is_intact());
-    }
-
-    #[test]
-    fn a_rewritten_chain_contradicts_its_checkpoint() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let key = crate::ledger::LedgerKey::open(&folder.path().join("key")).expect("a key");
-        let (intact, heads) = entries(4);
-        let text = Checkpoint::new("F".parse().expect("an id"), 1, DateTime::MIN, &heads).canonical();
-        let (signature, public) = (key.sign(&text), key.public());
-        let check = |entries: &[LinkedEntry], text: &str| {
-            let mut verifier = Verifier::new([(text, &signature[..], &public[..])]);
-            for entry in entries {
-                verifier.entry(&StoredEntry {
-                    recipient: entry.recipient.as_str(),
-                    number: entry.number,
-                    content: &entry.content,
-                    hash: &entry.hash,
-                    report: Some((None, None)),
-                });
-            }
-            verifier.finish([]).is_intact()
-        };
-        assert!(check(&intact, &text));
-        assert!(!check(&intact[..3], &text), "a chain cut short and its heads rewritten");
-        assert!(!check(&intact, &text.replace("\"number\":4", "\"number\":3")));
-    }
+fn is_consent(event: &Event, stored: &StoredConsent) -> bool {
+    let Event::Consent { mapping_state, value_source, policy, decided_by, .. } = event else { return false };
+    let name = |value: serde_json::Value| value.as_str().map(str::to_owned);
+    let stored_policy = serde_json::from_str::<crate::disclosure::DisclosurePolicy>(&stored.policy).ok();
+    serde_json::to_value(mapping_state).ok().and_then(name).as_deref() == Some(&stored.mapping_state)
+        && value_source.map(serde_json::to_value).and_then(Result::ok).and_then(name) == stored.value_source
+        && stored_policy.as_ref() == Some(policy)
+        && *decided_by == stored.decided_by
 }

@@ -9,7 +9,7 @@ use asi_model::{
 
 use super::{DocumentRow, MappingChanges, RecipientPolicyRow, RuleDecisionRow};
 use crate::{
-    ledger::{LinkedEntry, SALT_BYTES},
+    ledger::{LinkedEntry, SALT_BYTES, SignedHead},
     operator::OperatorEntry,
 };
 
@@ -42,6 +42,10 @@ pub struct Changes {
     pub controls_attempted: Vec<i64>,
     /// Ledger entries with the report they are about.
     pub ledger: Vec<(LinkedEntry, Option<i64>)>,
+    /// The signed ends of the chains that grew.
+    pub heads: Vec<SignedHead>,
+    /// Receipts of consents that ended.
+    pub revocations: Vec<RevocationRow>,
     /// A signed checkpoint.
     pub checkpoint: Option<CheckpointRow>,
     /// Messages whose effect this is.
@@ -87,6 +91,8 @@ impl Changes {
             && self.controls_parked.is_empty()
             && self.controls_attempted.is_empty()
             && self.ledger.is_empty()
+            && self.heads.is_empty()
+            && self.revocations.is_empty()
             && self.checkpoint.is_none()
             && self.seen.is_empty()
             && self.comments.is_empty()
@@ -110,6 +116,21 @@ pub struct CheckpointRow {
     pub number: u64,
     /// When it was made.
     pub recorded_at: DateTime,
+    /// The signed text.
+    pub content: String,
+    /// The Ed25519 signature.
+    pub signature: [u8; 64],
+    /// The key it is verified with.
+    pub public_key: [u8; 32],
+}
+
+/// A signed receipt of consents that ended.
+#[derive(Debug, Clone)]
+pub struct RevocationRow {
+    /// Its id.
+    pub revocation_id: String,
+    /// When.
+    pub revoked_at: DateTime,
     /// The signed text.
     pub content: String,
     /// The Ed25519 signature.
@@ -235,11 +256,18 @@ pub struct NewReport {
 /// A change of reports in the spool.
 #[derive(Debug, Clone)]
 pub enum ReportMove {
-    /// The broker accepted these messages.
+    /// The broker accepted these reports, in these messages.
     Sent {
-        /// The messages' numbers.
-        messages: Vec<i64>,
+        /// The reports' numbers, with the id of the message each left in.
+        reports: Vec<(i64, Option<MessageId>)>,
         /// When.
+        at: DateTime,
+    },
+    /// The platform holds these reports: the spool is done with them.
+    Receipted {
+        /// The reports' numbers.
+        reports: Vec<i64>,
+        /// When it was said.
         at: DateTime,
     },
     /// They are sent again.

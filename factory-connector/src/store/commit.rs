@@ -1,6 +1,9 @@
 //! The one transaction.
 
-use asi_model::messages::{MappingState, ValueSource};
+use asi_model::{
+    DateTime, MessageId,
+    messages::{MappingState, ValueSource},
+};
 use sqlx::{Connection as _, SqliteConnection};
 
 use super::{
@@ -257,10 +260,10 @@ async fn write_reports(connection: &mut SqliteConnection, changes: &Changes) -> 
 
 async fn move_reports(connection: &mut SqliteConnection, change: &ReportMove) -> Result<(), StoreError> {
     let (statement, ids) = match change {
-        ReportMove::Sent { messages, .. } => (
-            "UPDATE report SET state = 'SENT', sent_at = ?2, sent_count = sent_count + 1 \
-             WHERE state = 'WAITING' AND message IN (SELECT value FROM json_each(?1))",
-            messages,
+        ReportMove::Sent { reports, at } => return sent(connection, reports, *at).await,
+        ReportMove::Receipted { reports, .. } => (
+            "UPDATE report SET state = 'DONE', receipted_at = ?2 WHERE id IN (SELECT value FROM json_each(?1))",
+            reports,
         ),
         ReportMove::Waiting(ids) => (
             "UPDATE report SET state = 'WAITING' WHERE state IN ('SENT', 'PARKED') \
@@ -285,10 +288,32 @@ async fn move_reports(connection: &mut SqliteConnection, change: &ReportMove) ->
         }
     };
     let mut query = sqlx::query(statement).bind(id_list(ids));
-    if let ReportMove::Sent { at, .. } = change {
+    if let ReportMove::Receipted { at, .. } = change {
         query = query.bind(at.unix_micros());
     }
     query.execute(connection).await.map_err(StoreError::while_doing("move reports in the spool"))?;
+    Ok(())
+}
+
+/// What was taken back while it was leaving has left all the same: its receipt is waited for, and it is not sent again.
+async fn sent(
+    connection: &mut SqliteConnection,
+    reports: &[(i64, Option<MessageId>)],
+    at: DateTime,
+) -> Result<(), StoreError> {
+    let reports: Vec<_> = reports.iter().map(|(id, message)| (id, message.as_ref().map(ToString::to_string))).collect();
+    sqlx::query(
+        "UPDATE report SET is_revoked = iif(state = 'DONE', 1, is_revoked), state = 'SENT', sent_at = ?2, \
+         sent_count = sent_count + 1, message_id = coalesce(left.message_id, report.message_id) \
+         FROM (SELECT json_extract(value, '$[0]') AS id, json_extract(value, '$[1]') AS message_id \
+         FROM json_each(?1)) AS left \
+         WHERE report.id = left.id AND (state = 'WAITING' OR (state = 'DONE' AND sent_at IS NULL))",
+    )
+    .bind(serde_json::to_string(&reports).expect("numbers and texts serialise"))
+    .bind(at.unix_micros())
+    .execute(connection)
+    .await
+    .map_err(StoreError::while_doing("move reports in the spool"))?;
     Ok(())
 }
 
@@ -344,6 +369,37 @@ async fn write_ledger(connection: &mut SqliteConnection, changes: &Changes) -> R
             values.push_bind(*report_id);
             values.push_bind(entry.content.clone());
             values.push_bind(entry.hash.to_vec());
+        },
+    )
+    .await?;
+    insert(
+        connection,
+        "sign the ends of the ledger's chains",
+        "INSERT INTO ledger_head (recipient, number, hash, signature, public_key)",
+        " ON CONFLICT (recipient) DO UPDATE SET number = excluded.number, hash = excluded.hash, \
+         signature = excluded.signature, public_key = excluded.public_key",
+        &changes.heads,
+        |values, head| {
+            values.push_bind(head.recipient.to_string());
+            values.push_bind(i64::try_from(head.number).unwrap_or(i64::MAX));
+            values.push_bind(head.hash.to_vec());
+            values.push_bind(head.signature.to_vec());
+            values.push_bind(head.public_key.to_vec());
+        },
+    )
+    .await?;
+    insert(
+        connection,
+        "keep a revocation's receipt",
+        "INSERT INTO revocation (revocation_id, revoked_at, content, signature, public_key)",
+        "",
+        &changes.revocations,
+        |values, row| {
+            values.push_bind(row.revocation_id.clone());
+            values.push_bind(row.revoked_at.unix_micros());
+            values.push_bind(row.content.clone());
+            values.push_bind(row.signature.to_vec());
+            values.push_bind(row.public_key.to_vec());
         },
     )
     .await?;

@@ -1,142 +1,206 @@
-//! Reading the ledger.
+//! Reading the ledger for people: pages of a chain, and everything in its order for an export.
 
-use asi_model::OrganisationId;
-use sqlx::{SqliteConnection, SqlitePool};
+use std::collections::{BTreeMap, HashMap};
+
+use asi_model::{DateTime, OrganisationId};
+use serde_json::Value;
+use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use super::{StoreError, load::get};
-use crate::ledger::{StoredEntry, Verification, Verifier};
+use crate::{disclosure::DisclosurePolicy, ledger::ExportedEntry};
 
-/// Entries read at once.
-const BLOCK: i64 = 2000;
+/// Entries read at once for an export.
+const BLOCK: i64 = 1000;
+/// Consents whose wording is remembered while reading.
+const WORDINGS_MAX: usize = 100_000;
 
 /// An entry with the values it commits to.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LedgerRow {
     /// Its place in the recipient's chain.
     pub number: u64,
-    /// The hashed text as JSON: what happened, when.
-    #[schema(value_type = Object)]
-    pub entry: serde_json::Value,
-    /// Its hash, hexadecimal.
-    pub hash: String,
-    /// The DataSetMessage that left, while it is kept.
-    #[schema(value_type = Option<Object>)]
-    pub report: Option<serde_json::Value>,
+    /// The hashed text with everything that explains it.
+    pub entry: ExportedEntry,
 }
 
-/// Entries of one chain, newest first.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct LedgerPage {
-    /// Every recipient that has a chain.
-    pub recipients: Vec<String>,
-    /// The entries.
-    pub entries: Vec<LedgerRow>,
+/// Which entries.
+#[derive(Debug, Clone, Default)]
+pub struct LedgerFilter {
+    /// Of this chain only.
+    pub recipient: Option<OrganisationId>,
+    /// Recorded at this time or later.
+    pub from: Option<DateTime>,
+    /// Recorded before this time.
+    pub until: Option<DateTime>,
+    /// Newest first instead of in the order of the chain, before this number.
+    pub before: Option<u64>,
 }
 
-/// Every recipient that has a chain, and the entries of one chain before a number.
+/// Reads entries and explains them.
+#[derive(Default)]
+pub struct LedgerReader {
+    wordings: HashMap<(String, u64), String>,
+    last: (String, i64),
+}
+
+const SELECT: &str = "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.message_id, r.sent_at, r.receipted_at \
+    FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id";
+
+/// Every recipient that has a chain.
 ///
 /// # Errors
-/// [`StoreError`] where the tables cannot be read.
-pub async fn ledger_page(
-    readers: &SqlitePool,
-    recipient: Option<&OrganisationId>,
-    before: u64,
-    limit: u32,
-) -> Result<LedgerPage, StoreError> {
-    let action = "read the ledger";
-    let recipients = sqlx::query("SELECT DISTINCT recipient FROM ledger_entry ORDER BY recipient")
-        .fetch_all(readers)
-        .await
-        .map_err(StoreError::while_doing(action))?;
-    let recipients: Vec<String> = recipients.iter().map(|row| get(row, 0)).collect::<Result<_, _>>()?;
-    let Some(chosen) = recipient.map(ToString::to_string).or_else(|| recipients.first().cloned()) else {
-        return Ok(LedgerPage { recipients, entries: Vec::new() });
-    };
-    let rows = sqlx::query(
-        "SELECT e.number, e.content, e.hash, r.body FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id \
-         WHERE e.recipient = ? AND e.number < ? ORDER BY e.number DESC LIMIT ?",
-    )
-    .bind(chosen)
-    .bind(i64::try_from(before).unwrap_or(i64::MAX))
-    .bind(i64::from(limit))
-    .fetch_all(readers)
-    .await
-    .map_err(StoreError::while_doing(action))?;
-    let entries = rows
-        .iter()
-        .map(|row| {
-            let number: i64 = get(row, 0)?;
-            let content: String = get(row, 1)?;
-            let hash: Vec<u8> = get(row, 2)?;
-            let report: Option<String> = get(row, 3)?;
-            Ok(LedgerRow {
-                number: u64::try_from(number).unwrap_or_default(),
-                entry: serde_json::from_str(&content).map_err(StoreError::unreadable("ledger entry"))?,
-                hash: hex::encode(hash),
-                report: report
-                    .map(|text| serde_json::from_str(&text).map_err(StoreError::unreadable("report")))
-                    .transpose()?,
-            })
-        })
-        .collect::<Result<_, StoreError>>()?;
-    Ok(LedgerPage { recipients, entries })
+/// [`StoreError`] where the table cannot be read.
+pub async fn ledger_recipients(connection: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
+    super::load::all(connection, "SELECT recipient FROM ledger_head ORDER BY recipient", |row| get(row, 0)).await
 }
 
-/// Reads every chain from its beginning and looks for any change, deletion or reordering.
-///
-/// # Errors
-/// [`StoreError`] where the tables cannot be read.
-pub async fn verify_ledger(connection: &mut SqliteConnection) -> Result<Verification, StoreError> {
-    let action = "read the ledger";
-    let checkpoints = sqlx::query("SELECT content, signature, public_key FROM ledger_checkpoint ORDER BY number")
-        .fetch_all(&mut *connection)
-        .await
-        .map_err(StoreError::while_doing(action))?;
-    let checkpoints: Vec<(String, Vec<u8>, Vec<u8>)> = checkpoints
-        .iter()
-        .map(|row| Ok((get(row, 0)?, get(row, 1)?, get(row, 2)?)))
-        .collect::<Result<_, StoreError>>()?;
-    let mut verifier = verifier(&checkpoints);
-    let (mut recipient, mut number) = (String::new(), 0_i64);
-    loop {
-        let rows = sqlx::query(
-            "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.salt, r.id IS NOT NULL FROM ledger_entry e \
-             LEFT JOIN report r ON r.id = e.report_id WHERE (e.recipient, e.number) > (?, ?) \
-             ORDER BY e.recipient, e.number LIMIT ?",
-        )
-        .bind(&recipient)
-        .bind(number)
-        .bind(BLOCK)
-        .fetch_all(&mut *connection)
-        .await
-        .map_err(StoreError::while_doing(action))?;
-        if rows.is_empty() {
-            break;
+impl LedgerReader {
+    /// Entries of one chain, newest first.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be read.
+    pub async fn page(
+        &mut self,
+        connection: &mut SqliteConnection,
+        recipient: &str,
+        filter: &LedgerFilter,
+        limit: u32,
+    ) -> Result<Vec<LedgerRow>, StoreError> {
+        let sql = format!(
+            "{SELECT} WHERE e.recipient = ? AND e.number < ? AND e.recorded_at >= ? AND e.recorded_at < ? \
+             ORDER BY e.number DESC LIMIT ?"
+        );
+        let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
+            .bind(recipient)
+            .bind(filter.before.map_or(i64::MAX, |number| i64::try_from(number).unwrap_or(i64::MAX)))
+            .bind(filter.from.map_or(i64::MIN, DateTime::unix_micros))
+            .bind(filter.until.map_or(i64::MAX, DateTime::unix_micros))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *connection)
+            .await
+            .map_err(StoreError::while_doing("read the ledger"))?;
+        self.explain(connection, &rows).await
+    }
+
+    /// The next entries in the order of the chains; empty at the end.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be read.
+    pub async fn next(
+        &mut self,
+        connection: &mut SqliteConnection,
+        filter: &LedgerFilter,
+    ) -> Result<Vec<LedgerRow>, StoreError> {
+        let wanted = filter.recipient.as_ref().map(ToString::to_string);
+        if let Some(recipient) = wanted.as_ref().filter(|_| self.last.0.is_empty()) {
+            self.last = (recipient.clone(), 0);
         }
-        for row in &rows {
-            recipient = get(row, 0)?;
-            number = get(row, 1)?;
+        let sql = format!(
+            "{SELECT} WHERE (e.recipient, e.number) > (?, ?) AND e.recipient <= coalesce(?, e.recipient) \
+             AND e.recorded_at >= ? AND e.recorded_at < ? ORDER BY e.recipient, e.number LIMIT ?"
+        );
+        let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
+            .bind(self.last.0.clone())
+            .bind(self.last.1)
+            .bind(wanted)
+            .bind(filter.from.map_or(i64::MIN, DateTime::unix_micros))
+            .bind(filter.until.map_or(i64::MAX, DateTime::unix_micros))
+            .bind(BLOCK)
+            .fetch_all(&mut *connection)
+            .await
+            .map_err(StoreError::while_doing("read the ledger"))?;
+        if let Some(row) = rows.last() {
+            self.last = (get(row, 0)?, get(row, 1)?);
+        }
+        self.explain(connection, &rows).await
+    }
+
+    async fn explain(
+        &mut self,
+        connection: &mut SqliteConnection,
+        rows: &[SqliteRow],
+    ) -> Result<Vec<LedgerRow>, StoreError> {
+        let mut explained = Vec::with_capacity(rows.len());
+        for row in rows {
             let content: String = get(row, 2)?;
             let hash: Vec<u8> = get(row, 3)?;
-            let body: Option<String> = get(row, 4)?;
-            let salt: Option<Vec<u8>> = get(row, 5)?;
-            let is_kept: i64 = get(row, 6)?;
-            verifier.entry(&StoredEntry {
-                recipient: &recipient,
-                number: u64::try_from(number).unwrap_or_default(),
-                content: &content,
-                hash: &hash,
-                report: (is_kept != 0).then_some((body.as_deref(), salt.as_deref())),
-            });
+            let report: Option<String> = get(row, 4)?;
+            let time = |column| -> Result<Option<String>, StoreError> {
+                Ok(get::<Option<i64>>(row, column)?.map(|micros| DateTime::from_unix_micros(micros).to_string()))
+            };
+            let mut precision = BTreeMap::new();
+            for (name, field, version) in consents(&content, report.as_deref()) {
+                if let Some(wording) = self.wording(connection, field, version).await? {
+                    precision.insert(name, wording);
+                }
+            }
+            let entry = ExportedEntry {
+                hash: hex::encode(hash),
+                message_id: get(row, 5)?,
+                sent_at: time(6)?,
+                delivered_at: time(7)?,
+                content,
+                report,
+                precision,
+            };
+            explained.push(LedgerRow { number: get::<i64>(row, 1)?.unsigned_abs(), entry });
         }
+        Ok(explained)
     }
-    Ok(verifier.finish(std::iter::empty()))
+
+    /// What the partner was told of the precision under a consent.
+    async fn wording(
+        &mut self,
+        connection: &mut SqliteConnection,
+        field: String,
+        version: u64,
+    ) -> Result<Option<String>, StoreError> {
+        let key = (field, version);
+        if let Some(known) = self.wordings.get(&key) {
+            return Ok(Some(known.clone()));
+        }
+        let policy: Option<String> = sqlx::query_scalar("SELECT policy FROM consent WHERE field = ? AND version = ?")
+            .bind(key.0.clone())
+            .bind(i64::try_from(version).unwrap_or(i64::MAX))
+            .fetch_optional(connection)
+            .await
+            .map_err(StoreError::while_doing("read a consent"))?;
+        let policy = policy.and_then(|policy| serde_json::from_str::<DisclosurePolicy>(&policy).ok());
+        let wording = policy.map(|policy| policy.statement(None).description);
+        if let Some(wording) = wording.clone().filter(|_| self.wordings.len() < WORDINGS_MAX) {
+            self.wordings.insert(key, wording);
+        }
+        Ok(wording)
+    }
 }
 
-fn verifier(checkpoints: &[(String, Vec<u8>, Vec<u8>)]) -> Verifier {
-    Verifier::new(
-        checkpoints.iter().map(|(text, signature, key)| (text.as_str(), signature.as_slice(), key.as_slice())),
-    )
+/// The consents that an entry names: field name, field's key as text, number.
+fn consents(content: &str, report: Option<&str>) -> Vec<(String, String, u64)> {
+    let entry: Value = serde_json::from_str(content).unwrap_or_default();
+    let key = |of: &Value, name: &str| -> Option<String> {
+        let part = |member: &str| {
+            let value = &of[member];
+            value.as_str().or_else(|| value["Body"].as_str()).or_else(|| value["Value"].as_str()).map(str::to_owned)
+        };
+        Some(format!(
+            "{}/{}/{}/{name}",
+            part("operationNetworkId")?,
+            part("operationId")?,
+            part("dynamicDataRequestId")?
+        ))
+    };
+    if let Some(name) = entry["field"]["fieldName"].as_str() {
+        let field = key(&entry["field"], name);
+        return field
+            .zip(entry["version"].as_u64())
+            .map(|(field, version)| (name.to_owned(), field, version))
+            .into_iter()
+            .collect();
+    }
+    let Some(named) = entry["consents"].as_object() else { return Vec::new() };
+    let report: Value = report.and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
+    named
+        .iter()
+        .filter_map(|(name, version)| Some((name.clone(), key(&report["Payload"], name)?, version.as_u64()?)))
+        .collect()
 }

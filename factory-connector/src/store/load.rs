@@ -1,5 +1,7 @@
 //! Reading everything back: first start, restart and recovery from a failed transaction take this one way.
 
+use std::collections::HashMap;
+
 use asi_model::{
     DateTime, FieldKey, FieldName, OperationNetworkId, OrganisationId, RequestKey,
     messages::{MappingState, OperationNetworkMessage, ValueSource},
@@ -88,18 +90,7 @@ impl Store {
                 writer,
             )
             .await?,
-            heads: Heads::new(
-                all(connection, "SELECT recipient, max(number), hash FROM ledger_entry GROUP BY recipient", |row| {
-                    let hash: Vec<u8> = get(row, 2)?;
-                    let hash = hash.try_into().map_err(|_| "a hash has 32 bytes");
-                    let head = Head {
-                        number: unsigned(get(row, 1)?),
-                        hash: hash.map_err(StoreError::unreadable("ledger entry"))?,
-                    };
-                    Ok((id::<OrganisationId>(row, 0)?, head))
-                })
-                .await?,
-            ),
+            heads: heads(connection).await?,
             last_checkpoint: all(
                 connection,
                 "SELECT number, recorded_at FROM ledger_checkpoint ORDER BY number DESC LIMIT 1",
@@ -120,6 +111,34 @@ impl Store {
             last_rule_decision: policies::last_rule_decision(connection).await?,
         })
     }
+}
+
+/// The ends of the chains as signed; as found where none is signed yet, as after an update from a version without.
+async fn heads(connection: &mut SqliteConnection) -> Result<Heads, StoreError> {
+    let found = all(
+        connection,
+        "WITH RECURSIVE chain (recipient) AS (SELECT min(recipient) FROM ledger_entry UNION ALL \
+         SELECT (SELECT min(recipient) FROM ledger_entry WHERE recipient > chain.recipient) FROM chain \
+         WHERE chain.recipient IS NOT NULL) \
+         SELECT e.recipient, e.number, e.hash FROM chain JOIN ledger_entry e ON e.recipient = chain.recipient \
+         AND e.number = (SELECT max(number) FROM ledger_entry WHERE recipient = chain.recipient)",
+        head,
+    )
+    .await?;
+    let signed = all(connection, "SELECT recipient, number, hash FROM ledger_head", head).await?;
+    let known: HashMap<OrganisationId, Head> = found.iter().cloned().collect();
+    for (recipient, head) in &signed {
+        if known.get(recipient).is_some_and(|found| found != head) {
+            tracing::error!(%recipient, "The ledger does not end as was signed; run `factory-connector ledger verify`.");
+        }
+    }
+    Ok(Heads::new(found.into_iter().chain(signed)))
+}
+
+fn head(row: &SqliteRow) -> Result<(OrganisationId, Head), StoreError> {
+    let hash: Vec<u8> = get(row, 2)?;
+    let hash = hash.try_into().map_err(|_| "a hash has 32 bytes").map_err(StoreError::unreadable("ledger entry"))?;
+    Ok((id::<OrganisationId>(row, 0)?, Head { number: unsigned(get(row, 1)?), hash }))
 }
 
 /// The greatest number of control messages and reports; numbers of deleted control messages may come again only if

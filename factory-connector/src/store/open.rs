@@ -23,6 +23,8 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (20, "policies", include_str!("../../migrations/0020_policies.sql")),
     (21, "previous revision", include_str!("../../migrations/0021_previous_revision.sql")),
     (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
+    (31, "revocations", include_str!("../../migrations/0031_revocations.sql")),
+    (32, "ledger ends", include_str!("../../migrations/0032_ledger_ends.sql")),
 ];
 
 const DATABASE_FILE: &str = "connector.sqlite";

@@ -57,6 +57,10 @@ pub struct WaitingRow {
     pub recipients: Vec<OrganisationId>,
     /// The consent ended after it was sent.
     pub is_revoked: bool,
+    /// The number of the message it travels in.
+    pub message: i64,
+    /// It was taken back before it was known to have left.
+    pub is_done: bool,
 }
 
 /// Reads the spool through connections of its own.
@@ -183,7 +187,7 @@ impl Store {
     pub async fn kept_reports(&mut self, writer: u16, epoch: Option<u32>) -> Result<Vec<WaitingRow>, StoreError> {
         let rows = sqlx::query(
             "SELECT id, writer_id, epoch, sequence, bytes, created_at, sent_at, sent_count, state, recipients, \
-             is_revoked FROM report WHERE state IN ('WAITING', 'SENT') AND writer_id = ?1 \
+             is_revoked, message FROM report WHERE state IN ('WAITING', 'SENT') AND writer_id = ?1 \
              AND (?2 IS NULL OR epoch = ?2) ORDER BY id",
         )
         .bind(i64::from(writer))
@@ -201,7 +205,7 @@ impl Store {
     pub async fn oldest_reports(&mut self, limit: u32) -> Result<Vec<WaitingRow>, StoreError> {
         let rows = sqlx::query(
             "SELECT id, writer_id, epoch, sequence, bytes, created_at, sent_at, sent_count, state, recipients, \
-             is_revoked FROM report WHERE state IN ('WAITING', 'SENT') ORDER BY created_at LIMIT ?",
+             is_revoked, message FROM report WHERE state IN ('WAITING', 'SENT') ORDER BY created_at LIMIT ?",
         )
         .bind(i64::from(limit))
         .fetch_all(&mut self.writer)
@@ -234,20 +238,41 @@ impl Store {
         rows.iter().map(|row| Ok(RowId(get(row, 0)?))).collect()
     }
 
-    /// The reports that travel in these messages and still wait.
+    /// The reports that travel in these messages and were not known to have left: those that wait, and those that were
+    /// taken back meanwhile.
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
-    pub async fn waiting_in(&mut self, messages: &[i64]) -> Result<Vec<WaitingRow>, StoreError> {
+    pub async fn unsent_in(&mut self, messages: &[i64]) -> Result<Vec<WaitingRow>, StoreError> {
         let rows = sqlx::query(
             "SELECT id, writer_id, epoch, sequence, bytes, created_at, sent_at, sent_count, state, recipients, \
-             is_revoked FROM report WHERE state = 'WAITING' AND message IN (SELECT value FROM json_each(?))",
+             is_revoked, message FROM report WHERE (state = 'WAITING' OR (state = 'DONE' AND sent_at IS NULL)) \
+             AND message IN (SELECT value FROM json_each(?)) ORDER BY id",
         )
         .bind(super::rows::id_list(messages))
         .fetch_all(&mut self.writer)
         .await
         .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(kept).collect()
+    }
+
+    /// The last sequence numbers of a writer's epoch that were sent and receipted.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be read.
+    pub async fn last_sequences(&mut self, writer: u16, epoch: u32) -> Result<(Option<u32>, Option<u32>), StoreError> {
+        let row = sqlx::query(
+            "SELECT (SELECT sequence FROM report WHERE writer_id = ?1 AND epoch = ?2 AND sent_at IS NOT NULL \
+             ORDER BY sequence DESC LIMIT 1), (SELECT sequence FROM report WHERE writer_id = ?1 AND epoch = ?2 \
+             AND receipted_at IS NOT NULL ORDER BY sequence DESC LIMIT 1)",
+        )
+        .bind(i64::from(writer))
+        .bind(i64::from(epoch))
+        .fetch_one(&mut self.writer)
+        .await
+        .map_err(StoreError::while_doing("read the spool"))?;
+        let number = |column| get::<Option<i64>>(&row, column).map(|number| number.map(unsigned));
+        Ok((number(0)?, number(1)?))
     }
 
     /// Which of these messages' effects are stored.
@@ -297,5 +322,7 @@ fn kept(row: &SqliteRow) -> Result<WaitingRow, StoreError> {
         },
         recipients: serde_json::from_str(&recipients).map_err(StoreError::unreadable("recipients"))?,
         is_revoked: row.try_get::<i64, _>(10).map_err(StoreError::while_doing("read a column"))? != 0,
+        message: get(row, 11)?,
+        is_done: state == "DONE",
     })
 }

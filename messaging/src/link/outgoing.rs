@@ -219,7 +219,8 @@ impl Pump {
         let lane = address.lane.get_or_insert_with(|| {
             let terminus = self.profile.produce(&row.address);
             let connection = Arc::clone(&self.connection);
-            Lane::open(&mut self.lanes, connection, row.address.clone(), terminus, window, self.events.clone())
+            let store = Arc::clone(&self.store);
+            Lane::open(&mut self.lanes, connection, row.address.clone(), terminus, window, store, self.events.clone())
         });
         let (id, attempts, of) = (row.id, row.attempts, row.address.clone());
         match lane.send(row) {
@@ -238,6 +239,12 @@ impl Pump {
     fn on_event(&mut self, event: LaneEvent, outcomes: &mpsc::UnboundedSender<RowOutcome>) {
         match event {
             LaneEvent::Outcome { id, outcome } => self.on_outcome(id, outcome, outcomes),
+            LaneEvent::Recalled { id } => {
+                self.settled(id);
+                self.cursor.close(id);
+                // What else was in the message waits in another form.
+                self.cursor.on_rewind();
+            }
             LaneEvent::Ended { address, fault, unsent } => {
                 for id in unsent {
                     self.settled(id);
@@ -393,6 +400,7 @@ impl Pump {
                     let unsent: HashSet<_> = unsent.into_iter().collect();
                     self.under_way.retain(|id, _| !unsent.contains(id));
                 }
+                Ok(Some(LaneEvent::Recalled { id })) => drop(self.under_way.remove(&id)),
                 Ok(None) | Err(_) => break,
             }
         }

@@ -1,6 +1,7 @@
 import { download, path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
 import type { Entry } from '../operator/entries'
+import { PATHS } from './generated'
 import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answers'
 import type {
   BrowsedNode,
@@ -49,6 +50,11 @@ import type {
 } from './types'
 
 const fieldPath = (key: FieldKey): string => path('fields', key.operationNetworkId, key.operationId, key.dynamicDataRequestId, key.fieldName)
+
+/** Whether the connector of this build answers a path. */
+export function offers(resourcePath: string): boolean {
+  return PATHS.includes(`/api/v1${resourcePath}`)
+}
 
 /** The connector's API. */
 export const connector = {

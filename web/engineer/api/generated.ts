@@ -499,8 +499,8 @@ export interface paths {
         };
         /**
          * Server-sent events: `field` with the field's key, its state and its newest disclosed value, `inbox` and `comment`
-         *     with the network's id, `operator` with the operation's key, `policies`, `status`, and `reset` where events were
-         *     missed and the page must load afresh.
+         *     with the network's id, `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `status`, and `reset`
+         *     where events were missed and the page must load afresh.
          */
         get: {
             parameters: {
@@ -2570,6 +2570,10 @@ export interface paths {
                 query?: {
                     /** @description Whose chain; the first by name without it. */
                     recipient?: string;
+                    /** @description Recorded at this time or later. */
+                    from?: string;
+                    /** @description Recorded before this time. */
+                    until?: string;
                     /** @description `nextCursor` of the page before. */
                     after?: number;
                     /** @description Entries on the page, 1 to 500; 100 without it. */
@@ -2587,6 +2591,115 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["LedgerView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ledger/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Everything that left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains. */
+        get: {
+            parameters: {
+                query: {
+                    /** @description `jsonl`, `csv` or `html`. */
+                    format: string;
+                    /** @description Of this chain only. */
+                    recipient?: string;
+                    /** @description Recorded at this time or later. */
+                    from?: string;
+                    /** @description Recorded before this time. */
+                    until?: string;
+                    /** @description Of a page to print: `en` or `de`. */
+                    language?: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "text/csv": string;
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -4753,6 +4866,396 @@ export interface paths {
                 };
             };
         };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/revocations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the receipts of ended consents, newest first. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_StoredRevocation"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        /** Ends consents: values stop at once, what waits is taken back, the partner is told, and the receipt says what had left. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["RevocationBody"];
+                };
+            };
+            responses: {
+                201: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["StoredRevocation"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/revocations/{revocationId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows one receipt. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    revocationId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["StoredRevocation"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/revocations/{revocationId}/print": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** A receipt as a page to print. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `en` or `de`. */
+                    language?: string;
+                };
+                header?: never;
+                path: {
+                    revocationId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "text/html": string;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
         post?: never;
         delete?: never;
         options?: never;
@@ -7123,12 +7626,28 @@ export interface components {
         EntryView: Record<string, never> & {
             /** @description When it was recorded. */
             at: string;
+            /**
+             * Format: date-time
+             * @description For a report: when the platform said that it holds it.
+             */
+            deliveredAt?: string | null;
             /** @description Its hash, hexadecimal. */
             hash: string;
-            /** @description `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED` or `PURGED`. */
+            /** @description `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
             kind: string;
+            /** @description For a report: the message it left in last. */
+            leftInMessage?: string | null;
+            /** @description The precision under each consent that the entry names, by field, in the words that the partner was told. */
+            precision: {
+                [key: string]: string;
+            };
             /** @description Whose chain. */
             recipientId: string;
+            /**
+             * Format: date-time
+             * @description For a report: when the broker accepted it last.
+             */
+            sentAt?: string | null;
             /**
              * Format: int64
              * @description Its place in the chain.
@@ -7481,7 +8000,7 @@ export interface components {
              * @description The entry or checkpoint.
              */
             number: number;
-            /** @description Whose chain; empty where a checkpoint itself is wrong. */
+            /** @description Whose chain; empty where no single chain is concerned. */
             recipient: string;
         };
         /** @description Entries of one chain, newest first. */
@@ -8232,6 +8751,30 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_StoredRevocation: {
+            /** @description The items. */
+            items: (components["schemas"]["RevocationReceipt"] & {
+                /**
+                 * Format: int32
+                 * @description Reports that were on their way when the consent ended, of which the platform has said since that it holds them.
+                 */
+                arrivedSince: number;
+                /**
+                 * Format: int32
+                 * @description Reports of which it is still not known whether they arrived.
+                 */
+                open: number;
+                /** @description The key it is verified with, hexadecimal. */
+                publicKey: string;
+                /** @description The Ed25519 signature over that text, hexadecimal. */
+                signature: string;
+                /** @description The exact text that was signed. */
+                signedText: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_TemplateView: {
             /** @description The items. */
             items: (components["schemas"]["MappingTemplate"] & {
@@ -8602,6 +9145,91 @@ export interface components {
              */
             validUntil?: string | null;
         };
+        /** @description Whose consent ends: single fields, or everything that the other members name together. */
+        RevocationBody: {
+            /** @description Of it, only those of this request. */
+            dynamicDataRequestId?: string | null;
+            /** @description These fields. */
+            fields?: Record<string, never>[];
+            /** @description How the fields are decided from now on: `PENDING` (without it) or `REFUSED`. */
+            mappingState?: string | null;
+            /** @description Of it, only those about this operation. */
+            operationId?: string | null;
+            /** @description All fields of this network. */
+            operationNetworkId?: string | null;
+            /** @description Told to the partner; needed with `REFUSED`. */
+            reason?: string | null;
+            /** @description All fields that this organisation may see. */
+            recipientId?: string | null;
+        };
+        /** @description A statement of what had left when a consent ended. It is signed with the ledger's key and kept for ever. */
+        RevocationReceipt: {
+            /** @description `REVOKED`, or `WITHDRAWN` by the partner. */
+            cause: string;
+            /** @description Whose. */
+            factoryId: string;
+            /** @description The fields that no longer leave, with the consent that ended. */
+            fields: components["schemas"]["RevokedField"][];
+            /** @description Why. */
+            reason?: string | null;
+            /** @description Its id. */
+            revocationId: string;
+            /**
+             * Format: date-time
+             * @description When: nothing of these fields left afterwards.
+             */
+            revokedAt: string;
+            /** @description Who ended the consent; none where the partner withdrew or changed the request. */
+            revokedBy?: string | null;
+            /** @description The data sets they left in. */
+            writers: components["schemas"]["RevokedWriter"][];
+        };
+        /** @description A field whose consent ended. */
+        RevokedField: {
+            /**
+             * Format: int32
+             * @description The number of the consent that ended.
+             */
+            consentVersion: number;
+            /** @description The field. */
+            field: Record<string, never>;
+        };
+        /** @description What had left of a data set. */
+        RevokedWriter: {
+            /**
+             * Format: int32
+             * @description The writer.
+             */
+            dataSetWriterId: number;
+            /**
+             * Format: int32
+             * @description Its epoch up to now.
+             */
+            epoch: number;
+            /** @description Sent, but not yet said to be held: they may have arrived, and are not sent again. */
+            inFlight: components["schemas"]["Sequences"][];
+            /**
+             * Format: int32
+             * @description The last that the platform said it holds.
+             */
+            lastDeliveredSequence?: number | null;
+            /**
+             * Format: int32
+             * @description The last number given to a report; none where there was none.
+             */
+            lastQueuedSequence?: number | null;
+            /**
+             * Format: int32
+             * @description The last that the broker accepted.
+             */
+            lastSentSequence?: number | null;
+            /** @description Who could see it. */
+            recipientList: string[];
+            /** @description What it reported about. */
+            request: Record<string, never>;
+            /** @description Queued and taken back: they never left. */
+            takenBack: components["schemas"]["Sequences"][];
+        };
         /**
          * @description What a person may do.
          * @enum {string}
@@ -8801,6 +9429,19 @@ export interface components {
         Select: {
             /** @description Field names and 0-based indexes, as `Axes[2].Position` or `[0]`. */
             path: string;
+        };
+        /** @description Neighbouring sequence numbers. */
+        Sequences: {
+            /**
+             * Format: int32
+             * @description The first.
+             */
+            firstSequence: number;
+            /**
+             * Format: int32
+             * @description The last.
+             */
+            lastSequence: number;
         };
         /** @description The members of a series. */
         Series: {
@@ -9152,6 +9793,25 @@ export interface components {
              */
             writtenAt: string;
         };
+        /** @description A receipt with its signature, and what is known today of what was on its way. */
+        StoredRevocation: components["schemas"]["RevocationReceipt"] & {
+            /**
+             * Format: int32
+             * @description Reports that were on their way when the consent ended, of which the platform has said since that it holds them.
+             */
+            arrivedSince: number;
+            /**
+             * Format: int32
+             * @description Reports of which it is still not known whether they arrived.
+             */
+            open: number;
+            /** @description The key it is verified with, hexadecimal. */
+            publicKey: string;
+            /** @description The Ed25519 signature over that text, hexadecimal. */
+            signature: string;
+            /** @description The exact text that was signed. */
+            signedText: string;
+        };
         /** @description A variable that might be meant. */
         SuggestedVariable: components["schemas"]["Suggestion"] & {
             /** @description What the server says about it. */
@@ -9388,11 +10048,23 @@ export interface components {
             entries: number;
             /**
              * Format: int64
+             * @description Entries that retention has removed, by the signed anchors in their place.
+             */
+            entriesPruned: number;
+            /**
+             * Format: int64
              * @description How many faults there are.
              */
             faultCount: number;
             /** @description The first hundred of them. */
             faultList: components["schemas"]["LedgerFault"][];
+            /** @description The key that everything signed was signed with, hexadecimal: compare it with the one you noted. */
+            publicKey?: string | null;
+            /**
+             * Format: int64
+             * @description Receipts of ended consents verified.
+             */
+            revocations: number;
             /**
              * Format: int64
              * @description Of these, how many could be compared with the values they commit to.
@@ -9525,3 +10197,69 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export type operations = Record<string, never>;
+
+/** The paths that the daemon of this build answers: a page offers nothing else. */
+export const PATHS: readonly string[] = [
+  "/api/v1/client-certificates",
+  "/api/v1/client-certificates/{thumbprint}",
+  "/api/v1/configuration",
+  "/api/v1/dead-letters",
+  "/api/v1/events",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions",
+  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback",
+  "/api/v1/inbox",
+  "/api/v1/leak-budgets",
+  "/api/v1/ledger",
+  "/api/v1/ledger/export",
+  "/api/v1/ledger/verification",
+  "/api/v1/mapping-templates",
+  "/api/v1/mapping-templates/{templateId}",
+  "/api/v1/mapping-templates/{templateId}/fill",
+  "/api/v1/mappings/export",
+  "/api/v1/mappings/import",
+  "/api/v1/operation-networks",
+  "/api/v1/operation-networks/{operationNetworkId}",
+  "/api/v1/operation-networks/{operationNetworkId}/comments",
+  "/api/v1/operation-networks/{operationNetworkId}/news",
+  "/api/v1/operator/entries",
+  "/api/v1/operator/operations",
+  "/api/v1/policies",
+  "/api/v1/policies/{policyId}",
+  "/api/v1/policies/{policyId}/preview",
+  "/api/v1/policies/{policyId}/versions",
+  "/api/v1/recipients",
+  "/api/v1/recipients/{recipient}/policy",
+  "/api/v1/revocations",
+  "/api/v1/revocations/{revocationId}",
+  "/api/v1/revocations/{revocationId}/print",
+  "/api/v1/rule-decisions",
+  "/api/v1/rule-decisions/{id}/undo",
+  "/api/v1/rules",
+  "/api/v1/rules/apply",
+  "/api/v1/rules/preview",
+  "/api/v1/rules/{ruleId}",
+  "/api/v1/rules/{ruleId}/versions",
+  "/api/v1/session",
+  "/api/v1/source-certificates",
+  "/api/v1/source-certificates/{thumbprint}",
+  "/api/v1/sources",
+  "/api/v1/sources/{sourceId}",
+  "/api/v1/sources/{sourceId}/nodes",
+  "/api/v1/sources/{sourceId}/search",
+  "/api/v1/sources/{sourceId}/value",
+  "/api/v1/spool",
+  "/api/v1/status"
+]

@@ -3520,3 +3520,30 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export type operations = Record<string, never>;
+
+/** The paths that the daemon of this build answers: a page offers nothing else. */
+export const PATHS: readonly string[] = [
+  "/api/v1/collaborations",
+  "/api/v1/collaborations/{collaborationId}/factories/{factoryId}",
+  "/api/v1/collaborations/{collaborationId}/members/{organisationId}",
+  "/api/v1/dead-letters",
+  "/api/v1/dead-letters/{deadLetterId}/replay",
+  "/api/v1/enrolments",
+  "/api/v1/factories",
+  "/api/v1/factories/{factoryId}/credentials",
+  "/api/v1/factories/{factoryId}/enrolment-tokens",
+  "/api/v1/factories/{factoryId}/writers",
+  "/api/v1/live",
+  "/api/v1/operation-networks",
+  "/api/v1/operation-networks/{operationNetworkId}",
+  "/api/v1/operation-networks/{operationNetworkId}/comments",
+  "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests",
+  "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}",
+  "/api/v1/organisations",
+  "/api/v1/reports",
+  "/api/v1/session",
+  "/api/v1/status",
+  "/api/v1/tools",
+  "/api/v1/tools/{toolId}/credentials",
+  "/api/v1/users/{userName}"
+]

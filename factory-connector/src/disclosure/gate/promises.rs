@@ -175,7 +175,7 @@ fn significant(number: i128) -> usize {
 /// Monday and Wednesday from 05:00 to 13:30 UTC, as the only hours that are tested.
 fn is_working(ms: u64) -> bool {
     let (day, of_day) = (ms / (24 * HOUR_MS) % 7, ms % (24 * HOUR_MS));
-    (day == 0 || day == 2) && of_day >= 5 * HOUR_MS && of_day < 13 * HOUR_MS + HOUR_MS / 2
+    (day == 0 || day == 2) && (5 * HOUR_MS..13 * HOUR_MS + HOUR_MS / 2).contains(&of_day)
 }
 
 /// When candidates came and whether they came in a withheld state, told from the steps alone.

@@ -8,7 +8,7 @@ use tokio::{sync::mpsc, task::JoinSet};
 use crate::{
     address::LogicalAddress,
     profile::Terminus,
-    spool::{RowId, SpoolRow},
+    spool::{RowId, SpoolRow, SpoolStore},
     transport::{Connection, LaneFault, Outcome, Outgoing},
 };
 
@@ -19,6 +19,8 @@ const IDLE_MAX: Duration = Duration::from_secs(300);
 pub(super) enum LaneEvent {
     /// A message has its outcome.
     Outcome { id: RowId, outcome: Outcome },
+    /// The store does not let the message leave any more.
+    Recalled { id: RowId },
     /// The lane has ended; these rows have no outcome and must be taken as not sent.
     Ended { address: LogicalAddress, fault: Option<LaneFault>, unsent: Vec<RowId> },
 }
@@ -35,10 +37,11 @@ impl Lane {
         address: LogicalAddress,
         terminus: Terminus,
         window: usize,
+        store: Arc<dyn SpoolStore>,
         events: mpsc::Sender<LaneEvent>,
     ) -> Self {
         let (rows, waiting) = mpsc::channel(window);
-        let worker = Worker { waiting, events, unsettled: HashSet::new(), outcomes: FuturesUnordered::new() };
+        let worker = Worker { waiting, store, events, unsettled: HashSet::new(), outcomes: FuturesUnordered::new() };
         tasks.spawn(worker.run(connection, address, terminus));
         Self { rows }
     }
@@ -51,6 +54,7 @@ impl Lane {
 
 struct Worker {
     waiting: mpsc::Receiver<SpoolRow>,
+    store: Arc<dyn SpoolStore>,
     events: mpsc::Sender<LaneEvent>,
     unsettled: HashSet<RowId>,
     outcomes: FuturesUnordered<BoxFuture<'static, (RowId, Result<Outcome, LaneFault>)>>,
@@ -88,6 +92,10 @@ impl Worker {
     }
 
     async fn send(&mut self, lane: &mut dyn Outgoing, row: SpoolRow) -> Result<(), LaneFault> {
+        if !self.store.may_leave(&row) {
+            let _ = self.events.send(LaneEvent::Recalled { id: row.id }).await;
+            return Ok(());
+        }
         self.unsettled.insert(row.id);
         let mut sending = lane.send(&row.envelope);
         // Outcomes make room, so they are taken in while the broker gives none.

@@ -1,0 +1,164 @@
+//! Ending consents, and the receipts of it.
+
+mod receipt_page;
+
+use asi_model::{
+    DateTime, DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId, messages::MappingState,
+};
+use axum::{
+    Json,
+    extract::State,
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use serde::Deserialize;
+use utoipa::{IntoParams, ToSchema};
+
+use receipt_page::receipt_page;
+
+use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use crate::{
+    books::{Books, Verdict},
+    print::Language,
+    store::{StoredRevocation, revocation_by_id, revocations},
+};
+
+/// Receipts per page.
+const PAGE: u32 = 50;
+
+/// Whose consent ends: single fields, or everything that the other members name together.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RevocationBody {
+    /// These fields.
+    #[serde(default)]
+    #[schema(value_type = Vec<Object>)]
+    fields: Vec<FieldKey>,
+    /// All fields of this network.
+    #[schema(value_type = Option<String>)]
+    operation_network_id: Option<OperationNetworkId>,
+    /// Of it, only those about this operation.
+    #[schema(value_type = Option<String>)]
+    operation_id: Option<OperationId>,
+    /// Of it, only those of this request.
+    #[schema(value_type = Option<String>)]
+    dynamic_data_request_id: Option<DynamicDataRequestId>,
+    /// All fields that this organisation may see.
+    #[schema(value_type = Option<String>)]
+    recipient_id: Option<OrganisationId>,
+    /// How the fields are decided from now on: `PENDING` (without it) or `REFUSED`.
+    #[schema(value_type = Option<String>)]
+    mapping_state: Option<MappingState>,
+    /// Told to the partner; needed with `REFUSED`.
+    reason: Option<String>,
+}
+
+/// Ends consents: values stop at once, what waits is taken back, the partner is told, and the receipt says what had left.
+#[utoipa::path(post, path = "/revocations", tag = "revocations", security(("session" = [])),
+    request_body = RevocationBody, responses((status = 201, body = StoredRevocation), Problems))]
+pub async fn revoke(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiJson(body): ApiJson<RevocationBody>,
+) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {
+    engineer_only(&who)?;
+    let verdict = match body.mapping_state {
+        None | Some(MappingState::Pending) => Verdict::LeavePending,
+        Some(MappingState::Refused) => Verdict::Refuse,
+        Some(MappingState::Mapped) => {
+            return Err(Problem::bad_request("INVALID_DECISION", "A consent ends as PENDING or REFUSED."));
+        }
+    };
+    let is_wide = body.operation_network_id.is_some() || body.recipient_id.is_some();
+    if body.fields.is_empty() && !is_wide {
+        return Err(Problem::bad_request(
+            "NOTHING_NAMED",
+            "Name the fields, or the network or recipient whose fields are meant.",
+        ));
+    }
+    let reason = body.reason.clone();
+    let fields =
+        if body.fields.is_empty() { api.desk.read(move |books| meant(books, &body)).await? } else { body.fields };
+    let id = api.desk.revoke(fields, verdict, reason, &who.principal.user_name).await?;
+    let receipt = revocation_by_id(&api.readers, &id.to_string()).await?;
+    receipt.map(|receipt| (StatusCode::CREATED, Json(receipt))).ok_or_else(|| Problem::not_found("such revocation"))
+}
+
+/// The mapped fields that a wide revocation means.
+fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
+    let is_meant = |key: &FieldKey| {
+        let request = &key.request;
+        body.operation_network_id.as_ref().is_none_or(|id| *id == request.operation_network_id)
+            && body.operation_id.as_ref().is_none_or(|id| *id == request.operation_id)
+            && body.dynamic_data_request_id.as_ref().is_none_or(|id| *id == request.dynamic_data_request_id)
+            && body.recipient_id.as_ref().is_none_or(|id| books.recipients(request).contains(id))
+    };
+    let mut keys: Vec<FieldKey> = books
+        .fields
+        .iter()
+        .filter(|(key, field)| field.decision.is_mapped() && is_meant(key))
+        .map(|(key, _)| key.clone())
+        .collect();
+    keys.sort();
+    keys
+}
+
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct RevocationsQuery {
+    /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
+    cursor: Option<DateTime>,
+}
+
+/// Lists the receipts of ended consents, newest first.
+#[utoipa::path(get, path = "/revocations", tag = "revocations", security(("session" = [])), params(RevocationsQuery),
+    responses((status = 200, body = Page<StoredRevocation>), Problems))]
+pub async fn list(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<RevocationsQuery>,
+) -> Result<Json<Page<StoredRevocation>>, Problem> {
+    let before = query.cursor.unwrap_or(DateTime::from_unix_micros(i64::MAX));
+    let items = revocations(&api.readers, before, PAGE).await?;
+    let next_cursor =
+        items.last().filter(|_| items.len() == PAGE as usize).map(|last| last.receipt.revoked_at.to_string());
+    Ok(Json(Page { items, next_cursor }))
+}
+
+/// Shows one receipt.
+#[utoipa::path(get, path = "/revocations/{revocationId}", tag = "revocations", security(("session" = [])),
+    params(("revocationId" = String, Path)), responses((status = 200, body = StoredRevocation), Problems))]
+pub async fn show(State(api): State<Api>, ApiPath(id): ApiPath<String>) -> Result<Json<StoredRevocation>, Problem> {
+    find(&api, &id).await.map(Json)
+}
+
+async fn find(api: &Api, id: &str) -> Result<StoredRevocation, Problem> {
+    revocation_by_id(&api.readers, id).await?.ok_or_else(|| Problem::not_found("such revocation"))
+}
+
+/// In which language to print.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct PrintQuery {
+    /// `en` or `de`.
+    #[param(value_type = Option<String>)]
+    language: Option<Language>,
+}
+
+/// A receipt as a page to print.
+#[utoipa::path(get, path = "/revocations/{revocationId}/print", tag = "revocations", security(("session" = [])),
+    params(("revocationId" = String, Path), PrintQuery),
+    responses((status = 200, content_type = "text/html", body = String), Problems))]
+pub async fn print(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<String>,
+    ApiQuery(query): ApiQuery<PrintQuery>,
+) -> Result<Response, Problem> {
+    let found = find(&api, &id).await?;
+    let page = receipt_page(&found, query.language.unwrap_or_default());
+    let name = format!("attachment; filename=\"revocation-{}.html\"", found.receipt.revocation_id);
+    let headers = [(header::CONTENT_TYPE, "text/html; charset=utf-8".to_owned()), (header::CONTENT_DISPOSITION, name)];
+    Ok((headers, page).into_response())
+}

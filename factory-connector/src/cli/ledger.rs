@@ -1,0 +1,136 @@
+//! `factory-connector ledger`.
+
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::PathBuf,
+};
+
+use anyhow::Context as _;
+use asi_model::{DateTime, OrganisationId};
+use clap::{Subcommand, ValueEnum};
+use factory_connector::{
+    config::ConnectorConfig,
+    ledger::{ExportFormat, Exporter, Hash, LEDGER_KEY_FILE, LedgerKey},
+    print::Language,
+    store::{LedgerFilter, LedgerReader, Store, enrolment, verify_ledger},
+};
+
+#[derive(Debug, Subcommand)]
+pub(super) enum LedgerCommand {
+    /// Find any change, deletion or reordering; exit status 1 where there is one.
+    Verify {
+        /// The public key that everything must be signed with, hexadecimal, as an earlier verification named it. Without
+        /// it, that of the key beside the ledger.
+        #[arg(long, value_parser = public_key)]
+        public_key: Option<Hash>,
+    },
+    /// Write out everything that left.
+    Export {
+        /// The form.
+        #[arg(long, value_enum, default_value = "jsonl")]
+        format: Format,
+        /// Of this recipient's chain only.
+        #[arg(long)]
+        recipient: Option<OrganisationId>,
+        /// Recorded at this time or later (RFC 3339).
+        #[arg(long, value_parser = time)]
+        from: Option<DateTime>,
+        /// Recorded before this time (RFC 3339).
+        #[arg(long, value_parser = time)]
+        until: Option<DateTime>,
+        /// The language of a page to print.
+        #[arg(long, value_enum, default_value = "en")]
+        language: PageLanguage,
+        /// The file to write; standard output without it.
+        #[arg(long, short)]
+        output: Option<PathBuf>,
+    },
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum Format {
+    /// One JSON object per line, with the exact hashed text.
+    Jsonl,
+    /// A table for spreadsheets.
+    Csv,
+    /// A page to print.
+    Html,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum PageLanguage {
+    En,
+    De,
+}
+
+fn public_key(text: &str) -> Result<Hash, String> {
+    let bytes = hex::decode(text.trim()).ok().and_then(|bytes| bytes.try_into().ok());
+    bytes.ok_or_else(|| "a public key has 64 hexadecimal digits".to_owned())
+}
+
+fn time(text: &str) -> Result<DateTime, String> {
+    text.parse().map_err(|_| "a time looks like 2026-11-22T06:00:00Z".to_owned())
+}
+
+pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
+    match command {
+        LedgerCommand::Verify { public_key } => verify(config, public_key).await,
+        LedgerCommand::Export { format, recipient, from, until, language, output } => {
+            let format = match format {
+                Format::Jsonl => ExportFormat::Jsonl,
+                Format::Csv => ExportFormat::Csv,
+                Format::Html => ExportFormat::Html,
+            };
+            let language = match language {
+                PageLanguage::En => Language::En,
+                PageLanguage::De => Language::De,
+            };
+            let filter = LedgerFilter { recipient, from, until, before: None };
+            let mut output: Box<dyn Write> = match output {
+                Some(path) => {
+                    let file = File::create(&path).with_context(|| format!("making {}", path.display()))?;
+                    Box::new(BufWriter::new(file))
+                }
+                None => Box::new(BufWriter::new(std::io::stdout())),
+            };
+            export(config, &filter, Exporter::new(format, language), &mut output).await
+        }
+    }
+}
+
+async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::Result<()> {
+    let mut connection = Store::connect(&config.data_directory).await?;
+    let trusted = match public_key {
+        Some(key) => Some(key),
+        None => LedgerKey::public_of(&config.data_directory.join(LEDGER_KEY_FILE))?,
+    };
+    let outcome = verify_ledger(&mut connection, trusted).await?;
+    super::print(&serde_json::to_string_pretty(&outcome)?)?;
+    anyhow::ensure!(outcome.is_intact(), "the ledger was changed: {} fault(s)", outcome.fault_count);
+    Ok(())
+}
+
+async fn export(
+    config: &ConnectorConfig,
+    filter: &LedgerFilter,
+    exporter: Exporter,
+    output: &mut dyn Write,
+) -> anyhow::Result<()> {
+    let writing = "writing the export";
+    let mut connection = Store::connect(&config.data_directory).await?;
+    let factory = enrolment(&mut connection).await?.map(|enrolment| enrolment.factory_id).unwrap_or_default();
+    output.write_all(exporter.begin(&factory).as_bytes()).context(writing)?;
+    let mut reader = LedgerReader::default();
+    loop {
+        let rows = reader.next(&mut connection, filter).await?;
+        if rows.is_empty() {
+            break;
+        }
+        for row in rows {
+            output.write_all(exporter.entry(&row.entry).as_bytes()).context(writing)?;
+        }
+    }
+    output.write_all(exporter.end().as_bytes()).context(writing)?;
+    output.flush().context(writing)
+}

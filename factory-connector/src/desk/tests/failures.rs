@@ -1,0 +1,59 @@
+use super::*;
+
+/// The disk fails at any statement of the transaction: who asked is told, nothing of it happened, and the next attempt
+/// goes on without a hole.
+#[tokio::test]
+async fn a_failure_of_any_statement_leaves_chain_and_spool_consistent() {
+    let office = Office::with_two_open_fields().await;
+    let mut beside = connect(&office.folder).await;
+    for (number, table) in
+        (1..).zip(["operator_entry", "writer", "report", "field_value", "ledger_entry", "ledger_head"])
+    {
+        for event in ["INSERT", "UPDATE"] {
+            let sql = format!(
+                "CREATE TRIGGER broken_{event} BEFORE {event} ON {table} BEGIN SELECT RAISE(ABORT, 'disk full'); END"
+            );
+            sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut beside).await.expect("made");
+        }
+        let value = json!(number * 10);
+        let refused = office.desk.enter(vec![entry("made", value.clone())]).await;
+        assert_eq!(refused, Err(DeskError::NotWritten), "{table}");
+        for event in ["INSERT", "UPDATE"] {
+            let sql = format!("DROP TRIGGER broken_{event}");
+            sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut beside).await.expect("dropped");
+        }
+        office.desk.enter(vec![entry("made", value)]).await.expect("written");
+        consistent(&mut beside).await;
+    }
+    office.close().await;
+}
+
+/// The ledger is intact; each report has its entry in each recipient's chain; sequence numbers have no hole.
+pub(super) async fn consistent(connection: &mut SqliteConnection) {
+    let outcome = crate::store::verify_ledger(connection, None).await.expect("read");
+    assert!(outcome.is_intact(), "{outcome:?}");
+    let unmatched: i64 = sqlx::query_scalar(
+        "SELECT count(*) FROM report r WHERE (SELECT count(*) FROM ledger_entry e WHERE e.report_id = r.id) \
+         <> json_array_length(r.recipients)",
+    )
+    .fetch_one(&mut *connection)
+    .await
+    .expect("counted");
+    assert_eq!(unmatched, 0, "every report is in the chain of each of its recipients");
+    let holes: i64 = sqlx::query_scalar(
+        "SELECT count(*) FROM (SELECT max(sequence) + 1 - count(*) AS missing FROM report GROUP BY writer_id, epoch) \
+         WHERE missing <> 0",
+    )
+    .fetch_one(&mut *connection)
+    .await
+    .expect("counted");
+    assert_eq!(holes, 0, "sequence numbers have no hole");
+    let behind: i64 = sqlx::query_scalar(
+        "SELECT count(*) FROM writer w WHERE w.next_sequence <> coalesce((SELECT max(sequence) + 1 FROM report r \
+         WHERE r.writer_id = w.id AND r.epoch = w.epoch), 0)",
+    )
+    .fetch_one(connection)
+    .await
+    .expect("counted");
+    assert_eq!(behind, 0, "the next number follows the last report");
+}

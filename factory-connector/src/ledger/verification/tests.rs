@@ -1,0 +1,179 @@
+use std::collections::BTreeMap;
+
+use asi_model::{DateTime, FactoryId, OrganisationId};
+
+use super::*;
+use crate::ledger::{Heads, LedgerKey, LinkedEntry, SequenceRange, SignedHead, values_root};
+
+const REPORT: &str = r#"{"SequenceNumber":1,"Payload":{"a":1}}"#;
+const SALT: [u8; 16] = [3; 16];
+
+fn factory() -> FactoryId {
+    "F".parse().expect("an id")
+}
+
+fn key() -> LedgerKey {
+    let folder = tempfile::tempdir().expect("a folder");
+    LedgerKey::open(&folder.path().join("key")).expect("a key")
+}
+
+fn entries(count: u32) -> (Vec<StoredEntry>, Heads, Vec<LinkedEntry>) {
+    let mut heads = Heads::default();
+    let acme: OrganisationId = "acme".parse().expect("an id");
+    let values = hex::encode(values_root(REPORT, &SALT).expect("a report"));
+    let mut linked = Vec::new();
+    let stored = (0..count).map(|sequence| {
+        let range =
+            SequenceRange { data_set_writer_id: 1, epoch: 1, first_sequence: sequence, last_sequence: sequence };
+        let is_queued = sequence % 2 == 0;
+        let event = if is_queued {
+            Event::Queued { range, values: values.clone(), consents: BTreeMap::new() }
+        } else {
+            Event::Sent { range, message_id: None }
+        };
+        let recorded_at = i64::from(sequence);
+        let entry = heads.append(&acme, DateTime::from_unix_micros(recorded_at), event);
+        linked.push(entry.clone());
+        StoredEntry {
+            recipient: b"acme".to_vec(),
+            number: i64::try_from(entry.number).expect("small"),
+            recorded_at,
+            report_id: is_queued.then_some(7),
+            content: entry.content.into_bytes(),
+            hash: entry.hash.to_vec(),
+            report: is_queued.then(|| StoredReport {
+                data_set_writer_id: 1,
+                epoch: 1,
+                sequence: recorded_at,
+                created_at: recorded_at,
+                recipients: br#"["acme"]"#.to_vec(),
+                body: Some(REPORT.as_bytes().to_vec()),
+                salt: Some(SALT.to_vec()),
+            }),
+        }
+    });
+    (stored.collect(), heads.clone(), linked)
+}
+
+fn verify(entries: &[StoredEntry], surroundings: Surroundings) -> Verification {
+    let mut verifier = Verifier::new(surroundings);
+    let mut previous = verifier.start_of(b"acme");
+    for entry in entries {
+        verifier.take(entry.check(&previous));
+        previous = entry.stored_hash();
+    }
+    verifier.finish()
+}
+
+fn signed(linked: &[LinkedEntry], key: &LedgerKey) -> Surroundings {
+    let heads = SignedHead::of(&factory(), linked, key).into_iter().map(|head| StoredHead {
+        recipient: head.recipient.to_string(),
+        number: i64::try_from(head.number).expect("small"),
+        hash: head.hash.to_vec(),
+        signature: head.signature.to_vec(),
+        public_key: head.public_key.to_vec(),
+    });
+    Surroundings { factory_id: "F".to_owned(), heads: heads.collect(), ..Surroundings::default() }
+}
+
+#[test]
+fn an_intact_ledger_is_intact() {
+    let (entries, _, linked) = entries(20);
+    let outcome = verify(&entries, signed(&linked, &key()));
+    assert!(outcome.is_intact(), "{outcome:?}");
+    assert_eq!((outcome.entries, outcome.values_compared), (20, 10));
+}
+
+#[test]
+fn every_single_bit_of_an_entry_is_guarded() {
+    let (intact, _, linked) = entries(3);
+    let key = key();
+    for bit in 0..intact[1].content.len() * 8 {
+        let mut entries = intact.clone();
+        entries[1].content[bit / 8] ^= 1 << (bit % 8);
+        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit}");
+    }
+    for bit in 0..256 {
+        let mut entries = intact.clone();
+        entries[1].hash[bit / 8] ^= 1 << (bit % 8);
+        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit} of the hash");
+    }
+    for bit in 0..REPORT.len() * 8 {
+        let mut entries = intact.clone();
+        if let Some(body) = entries[0].report.as_mut().and_then(|report| report.body.as_mut()) {
+            body[bit / 8] ^= 1 << (bit % 8);
+        }
+        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit} of the values");
+    }
+}
+
+#[test]
+fn deletion_and_reordering_are_found() {
+    let (intact, _, linked) = entries(5);
+    let key = key();
+    for place in 0..intact.len() {
+        let mut entries = intact.clone();
+        entries.remove(place);
+        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "without {place}");
+        assert!(!verify(&intact[..place], signed(&linked, &key)).is_intact(), "cut at {place}");
+    }
+    let mut entries = intact;
+    entries.swap(1, 2);
+    assert!(!verify(&entries, signed(&linked, &key)).is_intact());
+}
+
+#[test]
+fn a_rewritten_chain_contradicts_its_checkpoint() {
+    let key = key();
+    let (intact, heads, linked) = entries(4);
+    let text = Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical();
+    let check = |entries: &[StoredEntry], linked: &[LinkedEntry], text: &str| {
+        let statement = StoredStatement {
+            name: "1".to_owned(),
+            recorded_at: 9,
+            content: text.as_bytes().to_vec(),
+            signature: key
+                .sign(&Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical())
+                .to_vec(),
+            public_key: key.public().to_vec(),
+        };
+        verify(entries, Surroundings { checkpoints: vec![statement], ..signed(linked, &key) }).is_intact()
+    };
+    assert!(check(&intact, &linked, &text));
+    assert!(!check(&intact[..3], &linked[..3], &text), "a chain cut short and its end signed anew");
+    assert!(!check(&intact, &linked, &text.replace("\"number\":4", "\"number\":3")));
+}
+
+#[test]
+fn a_chain_goes_on_from_its_anchor() {
+    let key = key();
+    let (intact, _, linked) = entries(6);
+    let anchor = |number: usize| {
+        let text = Anchor {
+            factory_id: factory(),
+            recipient: "acme".parse().expect("an id"),
+            number: linked[number - 1].number,
+            hash: hex::encode(linked[number - 1].hash),
+            last_entry_at: DateTime::from_unix_micros(3),
+            recorded_at: DateTime::from_unix_micros(9),
+        }
+        .canonical();
+        StoredStatement {
+            name: "acme".to_owned(),
+            recorded_at: 9,
+            signature: key.sign(&text).to_vec(),
+            public_key: key.public().to_vec(),
+            content: text.into_bytes(),
+        }
+    };
+    let check = |entries: &[StoredEntry], anchors| verify(entries, Surroundings { anchors, ..signed(&linked, &key) });
+    let outcome = check(&intact[3..], vec![anchor(3)]);
+    assert!(outcome.is_intact(), "{outcome:?}");
+    assert_eq!((outcome.entries, outcome.entries_pruned), (3, 3));
+    assert!(check(&[], vec![anchor(6)]).is_intact(), "everything was removed");
+    assert!(!check(&intact[4..], vec![anchor(3)]).is_intact(), "more is missing than the anchor states");
+    assert!(!check(&intact[3..], Vec::new()).is_intact(), "the anchor is missing");
+    let mut changed = anchor(3);
+    changed.content = String::from_utf8_lossy(&changed.content).replace("\"number\":3", "\"number\":4").into_bytes();
+    assert!(!check(&intact[4..], vec![changed]).is_intact(), "the anchor was changed");
+}
