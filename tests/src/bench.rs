@@ -2,6 +2,7 @@
 //! so distributions are printed with a description of the machine.
 
 mod browsable;
+mod mappings;
 mod throughput;
 pub mod twin;
 
@@ -38,6 +39,7 @@ pub async fn run() -> anyhow::Result<()> {
     results.extend(throughput::measure(&world, &cast).await?);
     world.stop()?;
     results.extend(twin::measure().await?);
+    results.extend(mappings::measure().await?);
     let file = repository()?.join("target/bench/results.json");
     std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
     std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
@@ -65,6 +67,15 @@ pub async fn run_twin_part(part: twin::Part) -> anyhow::Result<()> {
         say(&serde_json::to_string(&found)?);
     }
     Ok(())
+}
+
+/// Measures the mappings of one connector alone.
+///
+/// # Errors
+/// When something does not start or stays away.
+pub async fn run_mappings() -> anyhow::Result<()> {
+    say(&format!("{}\n", machine()));
+    mappings::measure().await.map(drop)
 }
 
 fn result(name: &str, value: f64, unit: &str) -> Value {

@@ -20,6 +20,8 @@ struct Arguments {
 enum Command {
     /// The OPC UA server alone, and beside one written with node-opcua.
     Twin,
+    /// Mappings of one connector alone, and beside the same job done with node-opcua.
+    Mappings,
     /// One part of the server's figures, in a process of its own; prints them as JSON.
     #[command(hide = true)]
     Part {
@@ -35,6 +37,7 @@ async fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         None => bench::run().await,
         Some(Command::Twin) => bench::run_twin().await,
+        Some(Command::Mappings) => bench::run_mappings().await,
         Some(Command::Part { part }) => bench::run_twin_part(part).await,
     };
     match outcome {

@@ -69,6 +69,16 @@ impl Api {
         self.call(Method::GET, path, None::<&()>).await
     }
 
+    /// GET of what is not JSON, as `/metrics`.
+    ///
+    /// # Errors
+    /// Transport errors, and an answer that is not a success.
+    pub async fn text(&self, path: &str) -> anyhow::Result<String> {
+        let answer =
+            self.http.get(format!("{}{path}", self.base)).send().await.with_context(|| format!("GET {path}"))?;
+        Ok(answer.error_for_status()?.text().await?)
+    }
+
     /// POST.
     ///
     /// # Errors

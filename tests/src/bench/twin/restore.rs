@@ -11,9 +11,8 @@ use asi_model::{FactoryId, pubsub::json::Encoding};
 use daemon::web::events::EventLog;
 use factory_connector::{
     books::BooksConfig,
-    desk::{self, Desk, DeskConfig, DeskHandle, Rooms, SpoolLimits},
+    desk::{self, Desk, DeskConfig, DeskHandle, RetentionLimits, Rooms, SpoolLimits},
     ledger::LedgerKey,
-    outbox::Ephemerals,
     store::Store,
 };
 use messaging::{Delivery, Envelope, Settlement};
@@ -78,13 +77,15 @@ impl Connector {
                 books: BooksConfig { factory_id, encoding: Encoding::default() },
                 publishing_interval: Duration::from_millis(20),
                 spool: SpoolLimits::default(),
+                retention: RetentionLimits::default(),
             },
             store,
             Rooms {
                 twin: handle.clone(),
                 mappings,
                 link: None,
-                ephemerals: Arc::new(Ephemerals::default()),
+                ephemerals: Arc::default(),
+                departures: Arc::default(),
                 events: EventLog::new(1000, 1),
             },
             LedgerKey::open(&folder.join("ledger-key.pem"))?,

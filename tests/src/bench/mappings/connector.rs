@@ -1,0 +1,195 @@
+//! A connector whose store is filled beforehand: enrolled, one network, one field per counter of a bank, each mapped.
+
+use std::{fs, time::Duration};
+
+use anyhow::Context as _;
+use asi_model::{
+    DateTime, FactoryId,
+    messages::{OperationNetworkMessage, ValueSource},
+    pubsub::json::Encoding,
+};
+use factory_connector::{
+    books::{Books, BooksConfig, Verdict},
+    disclosure::DisclosurePolicy,
+    store::{Enrolment, SourceRow, Store, put_enrolment},
+};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::bank::{Bank, node};
+use crate::harness::{Api, Daemon, DaemonCommand, binary, eventually, free_ports};
+
+const FACTORY: &str = "BENCH";
+const PASSWORD: &str = "a long password for benchmarks";
+/// Fields of each request.
+const FIELDS: u32 = 500;
+
+/// A running connector; it ends when this is dropped.
+pub(super) struct Connector {
+    daemon: Daemon,
+    api: Api,
+    _folder: TempDir,
+}
+
+/// What processes have used.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Usage {
+    /// User and system time.
+    pub cpu_seconds: f64,
+    /// Resident memory.
+    pub resident_bytes: u64,
+}
+
+impl Usage {
+    /// Of a process and those it started.
+    pub fn of(process: u32) -> anyhow::Result<Self> {
+        let own = Self::of_one(process)?;
+        let mut sum = own;
+        let tasks = fs::read_dir(format!("/proc/{process}/task")).context("listing the tasks of a process")?;
+        for task in tasks.flatten() {
+            let children = fs::read_to_string(task.path().join("children")).unwrap_or_default();
+            for child in children.split_whitespace().filter_map(|child| child.parse().ok()) {
+                let Ok(child) = Self::of_one(child) else { continue };
+                sum.cpu_seconds += child.cpu_seconds;
+                sum.resident_bytes += child.resident_bytes;
+            }
+        }
+        Ok(sum)
+    }
+
+    fn of_one(process: u32) -> anyhow::Result<Self> {
+        let stat = fs::read_to_string(format!("/proc/{process}/stat")).context("reading the times of a process")?;
+        // The name may contain anything; what follows its closing parenthesis is numbers.
+        let (_, rest) = stat.rsplit_once(')').context("a process has a name")?;
+        let numbers: Vec<&str> = rest.split_whitespace().collect();
+        let number = |place: usize| numbers.get(place).and_then(|text| text.parse::<u64>().ok()).unwrap_or_default();
+        // Linux counts user and system time in hundredths of seconds, and memory in pages of 4096 bytes.
+        let ticks = number(11) + number(12);
+        Ok(Self { cpu_seconds: ticks as f64 / 100.0, resident_bytes: number(21) * 4096 })
+    }
+}
+
+impl Connector {
+    /// Fills a store with one field per counter, mapped through these steps (undecided where they are null), and starts
+    /// a connector on it.
+    pub async fn start(bank: &Bank, steps: &Value) -> anyhow::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("verbund-connector-").tempdir()?;
+        let data = folder.path().join("data");
+        fill(&data, bank, steps).await?;
+        let [web, twin] = free_ports()?;
+        let config = folder.path().join("connector.toml");
+        let text = format!(
+            "data_directory = {data:?}\n\n[web]\nlisten = \"127.0.0.1:{web}\"\n\n[twin]\nlisten = \"127.0.0.1:{twin}\"\n\n\
+             [reports]\npublishing_interval_ms = 1000\n\n[admin]\nuser_name = \"engineer\"\npassword = \"{PASSWORD}\"\n"
+        );
+        fs::write(&config, text)?;
+        let mut daemon = Daemon::start(DaemonCommand {
+            name: "connector".to_owned(),
+            program: binary("factory-connector")?,
+            arguments: vec!["run".to_owned(), "--config".to_owned(), config.display().to_string()],
+            environment: Vec::new(),
+            log: folder.path().join("connector.log"),
+        })?;
+        let base = format!("http://127.0.0.1:{web}");
+        let answers = eventually("the connector answers", Duration::from_secs(60), || async {
+            let mut api = Api::new(&base).map_err(|error| format!("{error:#}"))?;
+            api.sign_in("engineer", PASSWORD).await.map_err(|error| format!("{error:#}"))?;
+            Ok(api)
+        })
+        .await;
+        match answers {
+            Ok(api) => Ok(Self { daemon, api, _folder: folder }),
+            Err(error) => {
+                daemon.kill().ok();
+                anyhow::bail!("{error:#}\n{}", daemon.log_tail(20));
+            }
+        }
+    }
+
+    /// Waits until the server monitors so many inputs.
+    pub async fn until_live(&self, inputs: u32, patience: Duration) -> anyhow::Result<()> {
+        eventually("all inputs are live", patience, || async {
+            let status: Value = self.api.get("/api/v1/status").await.map_err(|error| format!("{error:#}"))?;
+            let live = status["sources"][0]["live"].as_u64().unwrap_or_default();
+            if live >= u64::from(inputs) { Ok(()) } else { Err(format!("{live} of {inputs}")) }
+        })
+        .await
+    }
+
+    /// Candidates that were taken into the books since the start.
+    pub async fn candidates(&self) -> anyhow::Result<f64> {
+        let metrics = self.api.text("/metrics").await?;
+        let line = metrics.lines().find_map(|line| line.strip_prefix("verbund_candidates_total "));
+        Ok(line.and_then(|value| value.trim().parse().ok()).unwrap_or_default())
+    }
+
+    /// What it and its workers have used.
+    pub fn usage(&self) -> anyhow::Result<Usage> {
+        Usage::of(self.daemon.pid())
+    }
+
+    pub fn resident_bytes(&self) -> anyhow::Result<u64> {
+        Ok(self.usage()?.resident_bytes)
+    }
+
+    pub fn stop(&mut self) -> anyhow::Result<()> {
+        self.daemon.stop(Duration::from_secs(20)).map(drop)
+    }
+}
+
+async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Result<()> {
+    fs::create_dir_all(data)?;
+    let now = DateTime::from(std::time::SystemTime::now());
+    let factory_id: FactoryId = FACTORY.parse()?;
+    let mut connection = Store::connect(data).await?;
+    // Nothing listens there: what is measured ends at the spool.
+    let enrolment = Enrolment {
+        factory_id: FACTORY.to_owned(),
+        broker_url: "amqp://127.0.0.1:1".to_owned(),
+        profile: r#""embedded""#.to_owned(),
+        user_name: FACTORY.to_owned(),
+        password: "none".to_owned(),
+        root_certificate_pem: None,
+    };
+    put_enrolment(&mut connection, &enrolment, now).await?;
+    drop(connection);
+    let mut store = Store::open(data, &factory_id, now).await?;
+    let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
+    let mut books = Books::new(config, store.load().await?, false, now)?;
+    let message: OperationNetworkMessage = serde_json::from_value(network(bank.variables))?;
+    let raw = serde_json::to_string(&message)?;
+    let fields: Vec<_> = message.operation_network.fields().map(|(key, ..)| key).collect();
+    books.network_arrived(message, raw, now);
+    for (index, key) in (0..).zip(fields).filter(|_| !steps.is_null()) {
+        let mapping = json!({ "mappingId": format!("field-{}", index + 1), "target": key, "targetType": "Double",
+            "inputs": [{ "name": "input", "sourceId": "bank", "nodeId": node(index), "valueType": "Int64",
+                         "monitor": { "samplingIntervalMs": 0.0 } }],
+            "steps": steps });
+        let verdict = Verdict::Map {
+            value_source: ValueSource::Mapping,
+            mapping: Some(serde_json::from_value(mapping)?),
+            policy: DisclosurePolicy::default(),
+        };
+        books.decide(&key, verdict, None, "engineer", now)?;
+    }
+    let (mut changes, _) = books.take();
+    let source = bank.source()?;
+    let config = serde_json::to_string(&source)?;
+    changes.sources.push(SourceRow { source_id: source.source_id.to_string(), config, password: None });
+    store.commit(changes).await?;
+    store.close().await;
+    Ok(())
+}
+
+fn network(fields: u32) -> Value {
+    let requests = (0..fields.div_ceil(FIELDS)).map(|request| {
+        let fields = (request * FIELDS..fields.min((request + 1) * FIELDS))
+            .map(|field| json!({ "name": format!("f{field}"), "type": 11 }));
+        json!({ "dynamicDataRequestId": format!("R{request}"), "requesterId": "acme", "recipientList": ["acme"],
+            "purpose": "Benchmark", "updateFrequency": 1, "updateFrequencyUnit": "SECOND",
+            "reportDataFormat": { "reportName": "Load", "reportFieldList": fields.collect::<Vec<_>>() } })
+    });
+    json!({ "messageId": "m1", "factoryId": FACTORY, "collaborationId": "bench", "revision": 1,
+        "operationNetwork": { "operationNetworkId": "bench", "operationList": [ { "operationId": "op",
+            "operationType": "PRODUCTION", "dynamicDataRequestList": requests.collect::<Vec<_>>() } ] } })
+}
