@@ -8,7 +8,7 @@
 //! - [`disclosure`]: the one gate through which values leave.
 //! - [`ledger`]: everything that left, provable.
 //! - [`operator`]: what people enter about operations without a machine.
-//! - [`print`]: pages to print.
+//! - [`mod@print`]: pages to print.
 //! - [`values`]: values as stored and as shown.
 
 pub mod api;
