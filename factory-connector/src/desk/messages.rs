@@ -15,7 +15,8 @@ use messaging::{
 use super::{
     Desk, Instant, Taken,
     handle::{Command, Reply},
-    moved, now,
+    now,
+    standing::moved,
 };
 use crate::{
     books::new_message_id,

@@ -250,8 +250,8 @@ fn check(policy: &DisclosurePolicy, steps: &[(u64, Step)], left: &Left) -> Resul
         }
         // The last thing that is known of the states when it left.
         if let Some((came, _, true)) = arrivals.iter().rev().find(|(came, ..)| came < when) {
-            let is_later = arrivals.iter().any(|(later, ..)| later > came && later < when);
-            prop_assert!(is_later || policy.withhold_while.iter().any(|c| c.field.is_some()), "left in its own state");
+            let is_over = arrivals.iter().any(|(later, _, is_withheld)| came < later && later <= when && !is_withheld);
+            prop_assert!(is_over || policy.withhold_while.iter().any(|c| c.field.is_some()), "left in its own state");
         }
     }
     for pair in left.windows(2) {

@@ -1,0 +1,69 @@
+//! The ledger: entries, the signed ends of its chains, receipts of revocations, checkpoints.
+
+use sqlx::SqliteConnection;
+
+use crate::store::{Changes, StoreError, rows::insert};
+
+pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+    insert(
+        connection,
+        "write the ledger",
+        "INSERT INTO ledger_entry (recipient, number, recorded_at, report_id, content, hash)",
+        "",
+        &changes.ledger,
+        |values, (entry, report_id)| {
+            values.push_bind(entry.recipient.to_string());
+            values.push_bind(i64::try_from(entry.number).unwrap_or(i64::MAX));
+            values.push_bind(entry.recorded_at.unix_micros());
+            values.push_bind(*report_id);
+            values.push_bind(entry.content.clone());
+            values.push_bind(entry.hash.to_vec());
+        },
+    )
+    .await?;
+    insert(
+        connection,
+        "sign the ends of the ledger's chains",
+        "INSERT INTO ledger_head (recipient, number, hash, signature, public_key)",
+        " ON CONFLICT (recipient) DO UPDATE SET number = excluded.number, hash = excluded.hash, \
+         signature = excluded.signature, public_key = excluded.public_key",
+        &changes.heads,
+        |values, head| {
+            values.push_bind(head.recipient.to_string());
+            values.push_bind(i64::try_from(head.number).unwrap_or(i64::MAX));
+            values.push_bind(head.hash.to_vec());
+            values.push_bind(head.signature.to_vec());
+            values.push_bind(head.public_key.to_vec());
+        },
+    )
+    .await?;
+    insert(
+        connection,
+        "keep a revocation's receipt",
+        "INSERT INTO revocation (revocation_id, revoked_at, content, signature, public_key)",
+        "",
+        &changes.revocations,
+        |values, row| {
+            values.push_bind(row.revocation_id.clone());
+            values.push_bind(row.revoked_at.unix_micros());
+            values.push_bind(row.content.clone());
+            values.push_bind(row.signature.to_vec());
+            values.push_bind(row.public_key.to_vec());
+        },
+    )
+    .await?;
+    if let Some(checkpoint) = &changes.checkpoint {
+        sqlx::query(
+            "INSERT INTO ledger_checkpoint (number, recorded_at, content, signature, public_key) VALUES (?, ?, ?, ?, ?)",
+        )
+        .bind(i64::try_from(checkpoint.number).unwrap_or(i64::MAX))
+        .bind(checkpoint.recorded_at.unix_micros())
+        .bind(checkpoint.content.clone())
+        .bind(checkpoint.signature.to_vec())
+        .bind(checkpoint.public_key.to_vec())
+        .execute(connection)
+        .await
+        .map_err(StoreError::while_doing("write a checkpoint"))?;
+    }
+    Ok(())
+}
