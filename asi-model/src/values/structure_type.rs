@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use super::{BuiltInType, NodeId};
+use super::{BuiltInType, LocalizedText, NodeId};
 
 /// A structure's description.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +41,14 @@ pub struct StructureField {
     pub built_in_type: BuiltInType,
     /// Its data type; for a structure its description's `type_id`, or `i=22` where any structure may stand.
     pub data_type: NodeId,
+    /// What it means.
+    pub description: Option<LocalizedText>,
     /// -1 scalar, 1 array, n matrix.
     pub value_rank: i32,
+    /// The most elements of each dimension, 0 where there is no bound; empty where nothing is said.
+    pub array_dimensions: Vec<u32>,
+    /// The most bytes of a text or ByteString; 0 where there is no bound.
+    pub max_string_length: u32,
     /// True where the field may be absent.
     pub is_optional: bool,
 }
@@ -58,7 +64,10 @@ impl StructureField {
             name: name.into(),
             built_in_type,
             data_type: NodeId::ua(u32::from(built_in_type.id())),
+            description: None,
             value_rank: -1,
+            array_dimensions: Vec::new(),
+            max_string_length: 0,
             is_optional: false,
         }
     }

@@ -114,6 +114,14 @@ fn description<'t, 'a>(node: Node<'t, 'a>) -> Result<Option<LocalizedText>, Mism
     Ok(text.filter(|text| text.text.is_some() || text.locale.is_some()))
 }
 
+fn array_dimensions<'t, 'a>(node: Node<'t, 'a>) -> Result<Vec<u32>, Mismatch<'t, 'a>> {
+    list(node, "ArrayDimensions", FIELDS_MAX)?.map(|length| integer(length, "a length")).collect()
+}
+
+fn max_string_length<'t, 'a>(node: Node<'t, 'a>) -> Result<u32, Mismatch<'t, 'a>> {
+    node.get("MaxStringLength").map_or(Ok(0), |length| integer(length, "a length"))
+}
+
 fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldMetaData, Mismatch<'t, 'a>> {
     let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
     let built_in = node.get("BuiltInType").ok_or_else(|| Mismatch::new(node, "BuiltInType is missing"))?;
@@ -139,12 +147,8 @@ fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldM
     if let Some(rank) = node.get("ValueRank") {
         field.value_rank = integer(rank, "a ValueRank")?;
     }
-    field.array_dimensions = list(node, "ArrayDimensions", FIELDS_MAX)?
-        .map(|length| integer(length, "a length"))
-        .collect::<Result<_, _>>()?;
-    if let Some(length) = node.get("MaxStringLength") {
-        field.max_string_length = integer(length, "a length")?;
-    }
+    field.array_dimensions = array_dimensions(node)?;
+    field.max_string_length = max_string_length(node)?;
     for property in list(node, "Properties", FIELDS_MAX)? {
         let key = property.get("Key").ok_or_else(|| Mismatch::new(property, "Key is missing"))?;
         let value = property.get("Value").map(|value| decoder.variant(value)).transpose()?;
@@ -251,7 +255,10 @@ fn structure_field<'t, 'a>(
         name: text(name)?.into(),
         built_in_type,
         data_type,
+        description: description(node)?,
         value_rank: node.get("ValueRank").map_or(Ok(-1), |rank| integer(rank, "a ValueRank"))?,
+        array_dimensions: array_dimensions(node)?,
+        max_string_length: max_string_length(node)?,
         is_optional: node.get("IsOptional").and_then(Node::boolean).unwrap_or(false),
     })
 }

@@ -102,16 +102,7 @@ fn field(out: &mut Vec<u8>, field: &FieldMetaData, encoder: Encoder<'_>) {
     write::unsigned(out, u64::from(field.built_in_type.id()));
     write_name(out, "DataType");
     encoder.node_id(out, &field.data_type);
-    write_name(out, "ValueRank");
-    write::signed(out, i64::from(field.value_rank));
-    if !field.array_dimensions.is_empty() {
-        write_name(out, "ArrayDimensions");
-        list(out, &field.array_dimensions, |out, length| write::unsigned(out, u64::from(*length)));
-    }
-    if field.max_string_length != 0 {
-        write_name(out, "MaxStringLength");
-        write::unsigned(out, u64::from(field.max_string_length));
-    }
+    shape(out, field.value_rank, &field.array_dimensions, field.max_string_length);
     write_name(out, "DataSetFieldId");
     write::string(out, field.data_set_field_id.hyphenated().encode_lower(&mut uuid::Uuid::encode_buffer()));
     if !field.properties.is_empty() {
@@ -125,6 +116,20 @@ fn field(out: &mut Vec<u8>, field: &FieldMetaData, encoder: Encoder<'_>) {
         });
     }
     out.push(b'}');
+}
+
+/// What fields of data sets and of structures say about their extent.
+fn shape(out: &mut Vec<u8>, value_rank: i32, array_dimensions: &[u32], max_string_length: u32) {
+    write_name(out, "ValueRank");
+    write::signed(out, i64::from(value_rank));
+    if !array_dimensions.is_empty() {
+        write_name(out, "ArrayDimensions");
+        list(out, array_dimensions, |out, length| write::unsigned(out, u64::from(*length)));
+    }
+    if max_string_length != 0 {
+        write_name(out, "MaxStringLength");
+        write::unsigned(out, u64::from(max_string_length));
+    }
 }
 
 fn structure(out: &mut Vec<u8>, known: &StructureType, encoder: Encoder<'_>) {
@@ -146,10 +151,13 @@ fn structure(out: &mut Vec<u8>, known: &StructureType, encoder: Encoder<'_>) {
     list(out, &known.fields, |out, field| {
         out.extend_from_slice(b"{\"Name\":");
         write::string(out, &field.name);
+        if let Some(description) = &field.description {
+            write_name(out, "Description");
+            encoder.localized_text(out, description);
+        }
         out.extend_from_slice(b",\"DataType\":");
         encoder.node_id(out, &field.data_type);
-        out.extend_from_slice(b",\"ValueRank\":");
-        write::signed(out, i64::from(field.value_rank));
+        shape(out, field.value_rank, &field.array_dimensions, field.max_string_length);
         if field.is_optional {
             out.extend_from_slice(b",\"IsOptional\":true");
         }

@@ -124,6 +124,10 @@ fn structure_types(enum_types: &[EnumType], simple_types: &[SimpleType]) -> Vec<
     let named = named.chain(simple_types.iter().map(|known| (&known.type_id, known.built_in_type)));
     let fields = named.enumerate().map(|(number, (id, built_in_type))| crate::values::StructureField {
         data_type: id.clone(),
+        description: (number % 2 == 0)
+            .then(|| LocalizedText { locale: Some("en".into()), text: Some(format!("what f{number} means").into()) }),
+        array_dimensions: vec![0; number % 3],
+        max_string_length: u32::try_from(number).expect("few"),
         ..crate::values::StructureField::scalar(&format!("f{number}"), built_in_type)
     });
     types.push(StructureType {
