@@ -158,13 +158,6 @@ impl TwinConfig {
         if !(1..=600).contains(&self.discovery.registration_interval_s) {
             faults.push("discovery.registration_interval_s must lie between 1 and 600".to_owned());
         }
-        if self.discovery.announce_by_multicast_dns && self.listen.is_ipv6() && !self.listen.ip().is_unspecified() {
-            faults.push(format!(
-                "discovery.announce_by_multicast_dns announces over IPv4, but listen is {}: listen on an IPv4 address \
-                 or on [::], or leave the announcement to a discovery server",
-                self.listen
-            ));
-        }
         let SecurityConfig { certificate_renewal_days: renewal, certificate_validity_days: validity, .. } =
             self.security;
         if renewal >= validity {

@@ -1,9 +1,7 @@
 //! How clients find the twin: at a local discovery server, and by multicast DNS.
 
 mod announcement;
-mod dns;
 mod registration;
-mod zone;
 
 use std::{net::SocketAddr, sync::Arc};
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use opcua_stack::opcua::{
     crypto::X509,
-    server::{ChannelDescription, SessionEvent, SessionObserver},
+    server::{ChannelDescription, SessionEvent, SessionObserver, authenticator::UserToken},
     types::{
         ByteString, ExtensionObject, NodeId, ObjectTypeId, SecurityTokenRequestType, StatusCode, UAString,
         UserNameIdentityToken, Variant,
@@ -35,6 +35,13 @@ impl SessionObserver for SessionAudit {
             events.send(&events.session_event(channel, event, outcome));
         }
     }
+
+    fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>) {
+        if let Some(events) = self.events.get().filter(|events| events.is_listened_to()) {
+            let message = "A session ended, for its client was silent for too long.".to_owned();
+            events.send(&events.session_ended("Session/Timeout", session_id, user_token, StatusCode::Good, message));
+        }
+    }
 }
 
 impl EventReporter {
@@ -57,15 +64,27 @@ impl EventReporter {
                 self.session_activated(channel, session_id, &user_identity_token, outcome)
             }
             SessionEvent::SessionClosed { session_id, user_token } => {
-                let user = user_token.map(|token| user_of(&token).name);
-                let user = user.as_deref().unwrap_or_default();
                 let message = "A client closed its session.".to_owned();
-                let mut event = self.audit(ObjectTypeId::AuditSessionEventType, user, outcome, message);
-                event.set("SourceName", "Session/CloseSession");
-                event.set("SessionId", session_id);
-                event
+                self.session_ended("Session/CloseSession", session_id, user_token, outcome, message)
             }
         }
+    }
+
+    /// AuditSessionEventType (OPC 10000-5 §6.4.7) with the sources of OPC 10000-4 §6.5.5.
+    fn session_ended(
+        &self,
+        source: &str,
+        session_id: NodeId,
+        user_token: Option<UserToken>,
+        outcome: StatusCode,
+        message: String,
+    ) -> ServerEvent {
+        let user = user_token.map(|token| user_of(&token).name);
+        let user = user.as_deref().unwrap_or_default();
+        let mut event = self.audit(ObjectTypeId::AuditSessionEventType, user, outcome, message);
+        event.set("SourceName", source);
+        event.set("SessionId", session_id);
+        event
     }
 
     /// AuditOpenSecureChannelEventType (OPC 10000-5 §6.4.6).

@@ -49,6 +49,13 @@ async fn coming_and_going_is_audited() {
     let refused = next_of(&mut heard, ObjectTypeId::AuditActivateSessionEventType).await;
     assert_eq!((&refused[2], &refused[3]), (&"otto".into(), &false.into()));
     assert_eq!(refused[4], StatusCode::BadIdentityTokenRejected.into());
+
+    let (identity, pki) = (IdentityToken::new_user_name("otto", "otto-secret"), twin.folder.path().join("client-otto"));
+    let silence = Duration::from_secs(1);
+    let silent = Client::connect_for(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256, silence).await.unwrap();
+    silent.vanish();
+    let expired = next_of(&mut heard, ObjectTypeId::AuditSessionEventType).await;
+    assert_eq!((&expired[1], &expired[2]), (&"Session/Timeout".into(), &"otto".into()));
     client.close().await;
     twin.stop().await;
 }

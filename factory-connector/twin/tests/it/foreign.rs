@@ -177,9 +177,21 @@ async fn works_with(peer: Peer) {
     assert_eq!(values, [&json!(5), &json!(8), &json!(9)], "{changes}");
 
     let decided = engineer
-        .batch(&[&["call", &object, &method, refusal], &["read", &format!("{undecided}#DecisionReason")]])
+        .batch(&[
+            &["call", &object, &method, refusal],
+            &["read", &format!("{undecided}#DecisionReason")],
+            &["call", &nsu("net"), &nsu("net#ExportNodeSet"), "[]"],
+        ])
         .await;
     assert_eq!((&decided[0]["status"], &decided[1]["value"]), (&json!("Good"), &json!("not ours to tell")));
+    let exported = decided[2]["outputs"][0].as_str().unwrap_or_else(|| panic!("{:?}", decided[2]));
+    let exported = asi_model::node_set::read(&hex::decode(exported).unwrap()).unwrap();
+    let json = asi_model::instance::to_json(&exported, "again").unwrap();
+    let again = asi_model::validation::parse_platform_message(json.to_string().as_bytes(), &"FOR_MUC".parse().unwrap());
+    let Ok(asi_model::messages::PlatformMessage::OperationNetwork(again)) = again else {
+        panic!("what was exported can be read: {again:?}")
+    };
+    assert_eq!(again.operation_network, message("net", 1).operation_network);
 
     let changed = viewer
         .listen(&["events", "1", "GeneralModelChangeEvent"], async || {

@@ -162,7 +162,19 @@ impl Client {
         identity: IdentityToken,
         policy: SecurityPolicy,
     ) -> Result<Self, StackStatus> {
+        Self::connect_for(url, pki, identity, policy, DEADLINE).await
+    }
+
+    /// With a session that may be silent for so long.
+    pub async fn connect_for(
+        url: &str,
+        pki: std::path::PathBuf,
+        identity: IdentityToken,
+        policy: SecurityPolicy,
+        silence: Duration,
+    ) -> Result<Self, StackStatus> {
         let builder = ClientBuilder::new()
+            .session_timeout(silence.as_millis() as u32)
             .application_name("test client")
             .application_uri("urn:verbund:test:client")
             .pki_dir(pki)
@@ -189,6 +201,11 @@ impl Client {
     pub async fn close(self) {
         self.session.disconnect().await.unwrap();
         tokio::time::timeout(DEADLINE, self.events).await.unwrap().unwrap();
+    }
+
+    /// Goes without a word: the connection ends, the session stays.
+    pub fn vanish(self) {
+        self.events.abort();
     }
 
     pub async fn attribute(&self, node_id: &NodeId, attribute: AttributeId) -> StackValue {

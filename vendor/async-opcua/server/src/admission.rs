@@ -84,4 +84,8 @@ pub enum SessionEvent {
 pub trait SessionObserver: Send + Sync + 'static {
     /// Called after each attempt with its outcome. Must not block.
     fn observe(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode);
+
+    /// Called when the server ends a session, because its client was silent for longer than the session's timeout or
+    /// because it makes room for another one. There may be no channel any more, and no user where it was never activated.
+    fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>);
 }

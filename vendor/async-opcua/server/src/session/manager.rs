@@ -263,6 +263,9 @@ impl SessionManager {
 
         let mut session = trace_write_lock!(session);
         session.close();
+        if let Some(observer) = &self.info.session_observer {
+            observer.session_expired(id.clone(), session.user_token().cloned());
+        }
     }
 
     pub(crate) fn check_session_expiry(&self) -> (Instant, Vec<NodeId>) {
