@@ -1,5 +1,6 @@
 //! The web side of a daemon: one way to answer, to sign in, to show pages and to tell news.
 
+pub mod api;
 pub mod assets;
 pub mod events;
 pub mod extract;

@@ -25,23 +25,24 @@ mod status;
 mod suggestions;
 mod templates;
 mod trials;
+mod users;
 mod versions;
 mod view;
 
 use std::{path::PathBuf, sync::Arc};
 
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
-use axum::{Json, Router, extract::DefaultBodyLimit, middleware, routing::get};
+use axum::{Router, extract::DefaultBodyLimit};
 use daemon::{
     configuration::Setting,
     telemetry::Metrics,
     web::{
-        assets::with_app,
+        self,
+        api::{Operations, Shell},
         events::EventLog,
-        headers::secured,
-        health::{self, Readiness},
-        problem::{Problem, ProblemFault, unknown_method, unknown_route},
-        session::{SessionConfig, Sessions, require_session},
+        health::Readiness,
+        problem::{Problem, ProblemFault},
+        session::{SessionConfig, Sessions},
     },
 };
 use mapping_engine::MappingEngineHandle;
@@ -49,12 +50,8 @@ use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
 use sqlx::{Sqlite, SqlitePool, pool::PoolConnection};
 use tokio_util::sync::CancellationToken;
-use tower_http::{catch_panic::CatchPanicLayer, compression::CompressionLayer, trace::TraceLayer};
 use twin::TwinHandle;
-use utoipa::{
-    Modify, OpenApi,
-    openapi::security::{ApiKey, ApiKeyValue, SecurityScheme},
-};
+use utoipa::OpenApi;
 use utoipa_axum::{
     router::{OpenApiRouter, UtoipaMethodRouterExt as _},
     routes,
@@ -111,6 +108,7 @@ pub struct Parts {
 pub struct Api {
     parts: Arc<Parts>,
     sessions: Sessions<StoredAccounts>,
+    accounts: StoredAccounts,
 }
 
 impl Api {
@@ -118,8 +116,8 @@ impl Api {
     #[must_use]
     pub fn new(parts: Parts) -> Self {
         let accounts = StoredAccounts::new(parts.readers.clone());
-        let sessions = Sessions::new(SessionConfig::new(COOKIE, parts.has_tls), accounts);
-        Self { parts: Arc::new(parts), sessions }
+        let sessions = Sessions::new(SessionConfig::new(COOKIE, parts.has_tls), accounts.clone());
+        Self { parts: Arc::new(parts), sessions, accounts }
     }
 }
 
@@ -143,63 +141,36 @@ struct EngineerPages;
 
 #[derive(OpenApi)]
 #[openapi(
-    info(title = "Verbund factory connector", description = "Inbox, decisions, sources, ledger and state of a factory's \
-        connector. Errors are problem documents (RFC 9457). Changes need the session's token in `x-csrf-token`."),
-    components(schemas(Problem, ProblemFault)),
-    modifiers(&Security),
+    info(
+        title = "Verbund factory connector",
+        description = "Inbox, decisions, sources, ledger and state of a factory's \
+        connector. Errors are problem documents (RFC 9457). Changes need the session's token in `x-csrf-token`."
+    ),
+    components(schemas(Problem, ProblemFault))
 )]
 struct Description;
 
-struct Security;
-
-impl Modify for Security {
-    fn modify(&self, openapi: &mut utoipa::openapi::OpenApi) {
-        let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(COOKIE)));
-        openapi.components.get_or_insert_default().add_security_scheme("session", scheme);
-    }
-}
-
 /// Pages, API and health in one router.
 pub fn router(api: Api, has_tls: bool) -> Router {
-    let (guarded, _) = guarded().split_for_parts();
-    let (open, _) = open().split_for_parts();
-    let guarded =
-        guarded.layer(middleware::from_fn_with_state(api.sessions.clone(), require_session::<StoredAccounts>));
-    let description = openapi();
-    let routes = guarded
-        .merge(open)
-        .route("/openapi.json", get(move || async move { Json(description) }))
-        .fallback(unknown_route)
-        .method_not_allowed_fallback(unknown_method)
-        .layer(DefaultBodyLimit::max(BODY_BYTES_MAX));
-    let router = Router::new()
-        .nest("/api/v1", routes)
-        .with_state(api.clone())
-        .merge(health::routes(api.readiness.clone(), api.metrics.clone()));
-    secured(with_app::<EngineerPages, ()>(router), has_tls)
-        .layer(CompressionLayer::new())
-        .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| {
-            metrics::counter!("verbund_handler_panics_total").increment(1);
-            axum::response::IntoResponse::into_response(Problem::new(
-                axum::http::StatusCode::INTERNAL_SERVER_ERROR,
-                "INTERNAL",
-                "Something went wrong here; the log of the connector says what.",
-            ))
-        }))
-        .layer(TraceLayer::new_for_http())
+    let shell = Shell {
+        sessions: api.sessions.clone(),
+        readiness: api.readiness.clone(),
+        metrics: api.metrics.clone(),
+        state: api,
+        body_bytes_max: BODY_BYTES_MAX,
+        has_tls,
+    };
+    web::api::router::<EngineerPages, _, _>(operations(), openapi(), shell)
 }
 
 /// The description of the whole API.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    let mut description = Description::openapi();
-    for router in [guarded(), open()] {
-        let (_, part) = router.split_for_parts();
-        let part: utoipa::openapi::OpenApi = part;
-        description = description.nest("/api/v1", part);
-    }
-    description.info.version = env!("CARGO_PKG_VERSION").to_owned();
-    description
+    web::api::described(Description::openapi(), operations(), env!("CARGO_PKG_VERSION"), COOKIE)
+}
+
+fn operations() -> Operations<Api> {
+    Operations { guarded: guarded(), open: open() }
 }
 
 fn guarded() -> OpenApiRouter<Api> {
@@ -207,6 +178,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(session::show, session::sign_out))
         .routes(routes!(status::show))
         .routes(routes!(configuration::show))
+        .routes(routes!(users::list))
+        .routes(routes!(users::put, users::remove))
         .routes(routes!(inbox::list))
         .routes(routes!(inbox::networks))
         .routes(routes!(inbox::network))

@@ -53,6 +53,11 @@ impl StoredAccounts {
     pub fn new(readers: SqlitePool) -> Self {
         Self { readers, sessions: Arc::default() }
     }
+
+    /// Ends a person's sessions, except the one from which it is done.
+    pub(super) fn end_sessions_of(&self, user_name: &str, except: Option<&SessionId>) {
+        self.sessions.lock().retain(|id, session| session.user_name != user_name || Some(id) == except);
+    }
 }
 
 #[async_trait]

@@ -26,6 +26,9 @@ pub struct RuleOffer {
     pub rules: Vec<(DocumentVersion, String)>,
     /// The precision.
     pub disclosure: Arc<DisclosurePolicy>,
+    /// The named policy of the rules, where they name one: when it becomes stricter, so does what was accepted. Where it
+    /// becomes less strict, an engineer has to decide anew, for the consent was for the precision of then.
+    pub policy_id: Option<DocumentId>,
     /// Where values would come from.
     pub value_source: Option<ValueSource>,
     /// The mapping, with the source `MAPPING`.
@@ -116,8 +119,11 @@ impl Books {
         } else {
             found.action
         };
+        let mut named = found.rules.iter().filter_map(|(_, rule)| rule.policy_id.as_ref());
+        let policy_id = named.next().filter(|first| action != RuleAction::Refuse && named.all(|next| next == *first));
         Some(RuleOffer {
             action,
+            policy_id: policy_id.cloned(),
             rules: found.rules.iter().map(|(key, rule)| ((*key).clone(), rule.name.clone())).collect(),
             disclosure: found.disclosure,
             value_source,
@@ -176,7 +182,7 @@ impl Books {
     fn apply_offer(&mut self, key: &FieldKey, now: DateTime) -> bool {
         let Some(offer) = self.rule_offer(key) else { return false };
         let grounds = Grounds {
-            policy_id: None,
+            policy_id: offer.policy_id,
             rules: offer.rules.iter().map(|(rule, _)| rule.clone()).collect(),
             policies: Vec::new(),
         };

@@ -22,13 +22,11 @@ use tempfile::TempDir;
 use tokio_util::sync::{CancellationToken, DropGuard};
 
 const FACTORY: &str = "FOR_MUC";
-const PASSWORD: &str = "a long password for tests";
+pub const PASSWORD: &str = "a long password for tests";
 
 /// A running connector; it stops when this is dropped.
 pub struct Plant {
-    base: String,
-    http: reqwest::Client,
-    csrf: String,
+    engineer: SignedIn,
     lifecycle: Lifecycle,
     pub machines: SimulatorHandle,
     _directory: TempDir,
@@ -39,6 +37,21 @@ impl Drop for Plant {
     fn drop(&mut self) {
         self.lifecycle.stop();
     }
+}
+
+/// Without further ado a plant's API is the engineer's.
+impl std::ops::Deref for Plant {
+    type Target = SignedIn;
+    fn deref(&self) -> &SignedIn {
+        &self.engineer
+    }
+}
+
+/// A person's session.
+pub struct SignedIn {
+    base: String,
+    http: reqwest::Client,
+    csrf: String,
 }
 
 /// The network with one operation and these fields requested about it.
@@ -83,19 +96,10 @@ impl Plant {
         (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
         config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));
         let handle = service::start(config, &lifecycle).await.expect("the connector starts");
-        let http = reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
         let base = format!("http://{}/api/v1", handle.web_address);
-        let mut plant = Self {
-            base,
-            http,
-            csrf: String::new(),
-            lifecycle,
-            machines,
-            _directory: directory,
-            _machines_stop: machines_stop.drop_guard(),
-        };
-        let session = plant.post("/session", json!({ "userName": "engineer", "password": PASSWORD })).await;
-        plant.csrf = session["csrfToken"].as_str().expect("a token").to_owned();
+        let engineer = SignedIn::new(base, "engineer", PASSWORD).await.expect("the engineer comes in");
+        let plant =
+            Self { engineer, lifecycle, machines, _directory: directory, _machines_stop: machines_stop.drop_guard() };
         for name in ["Mill1", "Belt1"] {
             let endpoint = plant.machines.machine(name).expect("a machine").endpoint_url().to_owned();
             let source = json!({ "sourceId": name, "endpointUrl": endpoint, "security": { "choice": "none" } });
@@ -108,6 +112,32 @@ impl Plant {
             })
             .await;
         plant
+    }
+
+    /// A machine's variable as text.
+    pub fn node(&self, machine: &str, key: &str) -> String {
+        let machine = self.machines.machine(machine).expect("a machine");
+        machine.node_id(key).expect("a variable").to_string()
+    }
+}
+
+impl SignedIn {
+    async fn new(base: String, user_name: &str, password: &str) -> Result<Self, String> {
+        let http = reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
+        let mut session = Self { base, http, csrf: String::new() };
+        let body = json!({ "userName": user_name, "password": password }).to_string();
+        let (status, text) = session.call(Method::POST, "/session", Some(body)).await;
+        if !status.is_success() {
+            return Err(text);
+        }
+        let answer: Value = serde_json::from_str(&text).expect("JSON");
+        session.csrf = answer["csrfToken"].as_str().expect("a token").to_owned();
+        Ok(session)
+    }
+
+    /// Somebody else's session; why not, where there is none.
+    pub async fn signed_in(&self, user_name: &str, password: &str) -> Result<Self, String> {
+        Self::new(self.base.clone(), user_name, password).await
     }
 
     pub async fn get(&self, path: &str) -> Value {
@@ -130,10 +160,23 @@ impl Plant {
 
     /// Any call; the answer as text.
     pub async fn call(&self, method: Method, path: &str, body: Option<String>) -> (StatusCode, String) {
-        let mut request = self.http.request(method, format!("{}{path}", self.base)).header("x-csrf-token", &self.csrf);
-        if let Some(body) = body {
-            request = request.header("content-type", "application/json").body(body);
+        Self::answer(self.request(method, path, body)).await
+    }
+
+    /// A call that holds for this version only.
+    pub async fn call_if_match(&self, method: Method, path: &str, version: &str, body: Value) -> (StatusCode, String) {
+        Self::answer(self.request(method, path, Some(body.to_string())).header("if-match", version)).await
+    }
+
+    fn request(&self, method: Method, path: &str, body: Option<String>) -> reqwest::RequestBuilder {
+        let request = self.http.request(method, format!("{}{path}", self.base)).header("x-csrf-token", &self.csrf);
+        match body {
+            Some(body) => request.header("content-type", "application/json").body(body),
+            None => request,
         }
+    }
+
+    async fn answer(request: reqwest::RequestBuilder) -> (StatusCode, String) {
         let answer = request.send().await.expect("an answer");
         (answer.status(), answer.text().await.expect("a text"))
     }
@@ -172,12 +215,6 @@ impl Plant {
             assert!(begun.elapsed() < Duration::from_secs(60), "not within a minute: {what}; last {answer}");
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
-    }
-
-    /// A machine's variable as text.
-    pub fn node(&self, machine: &str, key: &str) -> String {
-        let machine = self.machines.machine(machine).expect("a machine");
-        machine.node_id(key).expect("a variable").to_string()
     }
 }
 

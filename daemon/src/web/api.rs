@@ -1,0 +1,100 @@
+//! The web side as a whole: the API under `/api/v1` with its own description, pages, health, and what guards them.
+
+use axum::{
+    Json, Router,
+    extract::DefaultBodyLimit,
+    http::StatusCode,
+    middleware,
+    response::{IntoResponse, Response},
+    routing::get,
+};
+use rust_embed::RustEmbed;
+use tower_http::{catch_panic::CatchPanicLayer, compression::CompressionLayer, trace::TraceLayer};
+use utoipa::openapi::{
+    OpenApi,
+    security::{ApiKey, ApiKeyValue, SecurityScheme},
+};
+use utoipa_axum::router::OpenApiRouter;
+
+use super::{
+    assets::with_app,
+    headers::secured,
+    health::{self, Readiness},
+    problem::{Problem, unknown_method, unknown_route},
+    session::{Accounts, Sessions, require_session},
+};
+use crate::telemetry::Metrics;
+
+/// Where the API is.
+const API: &str = "/api/v1";
+
+/// The operations of an API.
+pub struct Operations<S> {
+    /// Those that need a session.
+    pub guarded: OpenApiRouter<S>,
+    /// Those that do not.
+    pub open: OpenApiRouter<S>,
+}
+
+/// What stands around the operations.
+pub struct Shell<S, A: Accounts> {
+    /// What the operations speak to.
+    pub state: S,
+    /// Who is signed in.
+    pub sessions: Sessions<A>,
+    /// What the daemon waits for.
+    pub readiness: Readiness,
+    /// Metrics.
+    pub metrics: Metrics,
+    /// Largest body of any request, in bytes, unless an operation says otherwise.
+    pub body_bytes_max: usize,
+    /// Cookies and pages are for TLS only.
+    pub has_tls: bool,
+}
+
+/// Pages `P`, operations and health in one router.
+pub fn router<P, S, A>(operations: Operations<S>, description: OpenApi, shell: Shell<S, A>) -> Router
+where
+    P: RustEmbed + 'static,
+    S: Clone + Send + Sync + 'static,
+    A: Accounts,
+{
+    let (guarded, _) = operations.guarded.split_for_parts();
+    let (open, _) = operations.open.split_for_parts();
+    let guarded = guarded.layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
+    let api = guarded
+        .merge(open)
+        .route("/openapi.json", get(move || async move { Json(description) }))
+        .fallback(unknown_route)
+        .method_not_allowed_fallback(unknown_method)
+        .layer(DefaultBodyLimit::max(shell.body_bytes_max));
+    let router =
+        Router::new().nest(API, api).with_state(shell.state).merge(health::routes(shell.readiness, shell.metrics));
+    secured(with_app::<P, ()>(router), shell.has_tls)
+        .layer(CompressionLayer::new())
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(TraceLayer::new_for_http())
+}
+
+/// The description of all operations, beside what `description` says of the API as a whole; `cookie` is the session's.
+#[must_use]
+pub fn described<S>(mut description: OpenApi, operations: Operations<S>, version: &str, cookie: &str) -> OpenApi
+where
+    S: Clone + Send + Sync + 'static,
+{
+    let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(cookie)));
+    description.components.get_or_insert_default().add_security_scheme("session", scheme);
+    for router in [operations.guarded, operations.open] {
+        let (_, part): (Router<S>, OpenApi) = router.split_for_parts();
+        description = description.nest(API, part);
+    }
+    version.clone_into(&mut description.info.version);
+    description
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "the layer hands it over")]
+fn panicked(_: Box<dyn std::any::Any + Send>) -> Response {
+    metrics::counter!("verbund_handler_panics_total").increment(1);
+    let message = "Something went wrong here; the program's log says what.";
+    Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "INTERNAL", message).into_response()
+}

@@ -1,0 +1,196 @@
+//! People who may sign in, at the pages and at the twin.
+
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::{
+    Confidential,
+    web::{
+        ApiJson, ApiPath, Problem,
+        problem::ProblemFault,
+        session::{PasswordError, PasswordHash, PasswordPolicy, SignedIn},
+    },
+};
+use serde::{Deserialize, Serialize};
+use sqlx::SqliteConnection;
+use utoipa::ToSchema;
+
+use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use crate::{
+    desk::now,
+    store::{Role, Store, StoreError, User, put_user, remove_user, user, users},
+};
+
+/// Longest name, in characters; most people.
+const NAME_CHARS_MAX: usize = 64;
+const USERS_MAX: usize = 1000;
+
+/// A person who may sign in.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct UserView {
+    user_name: String,
+    role: Role,
+}
+
+/// Lists everybody who may sign in.
+#[utoipa::path(get, path = "/users", tag = "users", security(("session" = [])),
+    responses((status = 200, body = Page<UserView>), Problems))]
+pub async fn list(State(api): State<Api>, who: SignedIn<Principal>) -> Result<Json<Page<UserView>>, Problem> {
+    engineer_only(&who)?;
+    Ok(Json(Page::whole(everybody(&api).await?)))
+}
+
+/// What a person may do, and a password.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct UserBody {
+    role: Role,
+    /// At least ten characters; needed for a new person, unchanged without it.
+    #[schema(value_type = Option<String>, format = Password)]
+    password: Option<Confidential<String>>,
+}
+
+/// Adds a person, or changes role or password; with a new password the person's sessions end.
+#[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
+    params(("userName" = String, Path)), request_body = UserBody, responses((status = 200, body = UserView), Problems))]
+pub async fn put(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(user_name): ApiPath<String>,
+    ApiJson(body): ApiJson<UserBody>,
+) -> Result<Json<UserView>, Problem> {
+    engineer_only(&who)?;
+    check_name(&user_name)?;
+    let known = user(&api.readers, &user_name).await?;
+    let everybody = everybody(&api).await?;
+    if known.is_none() && everybody.len() >= USERS_MAX {
+        return Err(Problem::conflict("LIMIT_REACHED", "There are 1000 users already. Remove some first."));
+    }
+    if body.role != Role::Engineer {
+        keep_an_engineer(&everybody, &user_name)?;
+    }
+    let has_new_password = body.password.is_some();
+    let password_hash = match (body.password, known) {
+        (Some(password), _) => hash(password).await?,
+        (None, Some(known)) => known.password_hash,
+        (None, None) => return Err(fault("/password", "A new person needs a password.")),
+    };
+    let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
+    on_store(&api, move |mut connection| async move { put_user(&mut connection, &changed, now()).await }).await?;
+    if has_new_password {
+        api.accounts.end_sessions_of(&user_name, Some(&who.session));
+    }
+    tracing::info!(
+        user.name = user_name,
+        user.role = body.role.name(),
+        by = who.principal.user_name,
+        "A user was changed."
+    );
+    Ok(Json(UserView { user_name, role: body.role }))
+}
+
+/// Removes a person; the person's sessions end.
+#[utoipa::path(delete, path = "/users/{userName}", tag = "users", security(("session" = [])),
+    params(("userName" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+pub async fn remove(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(user_name): ApiPath<String>,
+) -> Result<StatusCode, Problem> {
+    engineer_only(&who)?;
+    keep_an_engineer(&everybody(&api).await?, &user_name)?;
+    let name = user_name.clone();
+    if !on_store(&api, move |mut connection| async move { remove_user(&mut connection, &name).await }).await? {
+        return Err(Problem::not_found(format_args!("user {user_name}")));
+    }
+    api.accounts.end_sessions_of(&user_name, None);
+    tracing::info!(user.name = user_name, by = who.principal.user_name, "A user was removed.");
+    Ok(StatusCode::NO_CONTENT)
+}
+
+async fn everybody(api: &Api) -> Result<Vec<UserView>, Problem> {
+    let found = on_store(api, |mut connection| async move { users(&mut connection).await }).await?;
+    Ok(found
+        .into_iter()
+        .filter_map(|(user_name, role)| Some(UserView { user_name, role: Role::from_name(&role)? }))
+        .collect())
+}
+
+/// Works on a connection of its own, on a thread of its own.
+async fn on_store<T, W, F>(api: &Api, work: W) -> Result<T, Problem>
+where
+    T: Send + 'static,
+    W: FnOnce(SqliteConnection) -> F + Send + 'static,
+    F: Future<Output = Result<T, StoreError>>,
+{
+    let (directory, runtime) = (api.data_directory.clone(), tokio::runtime::Handle::current());
+    let done =
+        tokio::task::spawn_blocking(move || runtime.block_on(async { work(Store::connect(&directory).await?).await }));
+    Ok(done.await.map_err(|error| Problem::internal(&error))??)
+}
+
+/// Argon2 is made to be slow: it has a thread of its own.
+async fn hash(password: Confidential<String>) -> Result<String, Problem> {
+    let hashed = tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default())).await;
+    match hashed.map_err(|error| Problem::internal(&error))? {
+        Ok(hash) => Ok(hash.as_str().to_owned()),
+        Err(error @ (PasswordError::TooShort { .. } | PasswordError::TooLong { .. })) => {
+            Err(fault("/password", &format!("{error}.")))
+        }
+        Err(error) => Err(Problem::internal(&error)),
+    }
+}
+
+/// Without an engineer nobody could change anything any more, users least of all.
+fn keep_an_engineer(everybody: &[UserView], but: &str) -> Result<(), Problem> {
+    let is_left = everybody.iter().any(|user| user.role == Role::Engineer && user.user_name != but);
+    if is_left || !everybody.iter().any(|user| user.user_name == but) {
+        return Ok(());
+    }
+    Err(Problem::conflict("LAST_ENGINEER", "This is the last engineer. Make somebody else one first."))
+}
+
+fn check_name(name: &str) -> Result<(), Problem> {
+    let count = name.chars().count();
+    let is_name = (1..=NAME_CHARS_MAX).contains(&count)
+        && name.trim() == name
+        && !name.chars().any(|letter| letter.is_control() || letter == '/');
+    if is_name {
+        return Ok(());
+    }
+    Err(fault("/userName", "A name has 1 to 64 characters, none of them / and none invisible."))
+}
+
+fn fault(pointer: &str, message: &str) -> Problem {
+    let fault =
+        ProblemFault { pointer: pointer.to_owned(), code: "INVALID_USER".to_owned(), message: message.to_owned() };
+    Problem::unprocessable("INVALID_USER", message, vec![fault])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person(user_name: &str, role: Role) -> UserView {
+        UserView { user_name: user_name.to_owned(), role }
+    }
+
+    #[test]
+    fn the_last_engineer_stays() {
+        let one = [person("eva", Role::Engineer), person("otto", Role::Operator)];
+        assert!(keep_an_engineer(&one, "eva").is_err());
+        assert!(keep_an_engineer(&one, "otto").is_ok());
+        assert!(keep_an_engineer(&one, "nobody").is_ok(), "who is not there takes no engineer away");
+        let two = [person("eva", Role::Engineer), person("ida", Role::Engineer)];
+        assert!(keep_an_engineer(&two, "eva").is_ok());
+    }
+
+    #[test]
+    fn names_are_names() {
+        for name in ["eva", "Eva Müller", "eva@plant"] {
+            assert!(check_name(name).is_ok(), "{name}");
+        }
+        for name in ["", " eva", "a/b", "a\nb", &"x".repeat(65)] {
+            assert!(check_name(name).is_err(), "{name:?}");
+        }
+    }
+}
