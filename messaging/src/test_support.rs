@@ -1,9 +1,15 @@
 //! For the tests of this and other rooms; never part of a daemon.
 
+mod mosquitto;
+mod rabbitmq;
+
 use std::{collections::HashMap, time::Duration};
 
 use async_trait::async_trait;
 use parking_lot::Mutex;
+
+pub use mosquitto::Mosquitto;
+pub use rabbitmq::RabbitMq;
 
 use crate::{
     address::LogicalAddress,

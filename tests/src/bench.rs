@@ -2,13 +2,17 @@
 //! so distributions are printed with a description of the machine.
 
 mod browsable;
+mod ledger;
+mod links;
 mod mappings;
 mod throughput;
 pub mod twin;
+mod usage;
 
 use std::time::Duration;
 
 use anyhow::Context as _;
+use clap::ValueEnum as _;
 use serde_json::{Value, json};
 
 use crate::{
@@ -22,15 +26,52 @@ const CHANGES: u32 = 300;
 /// Requests whose way into the address space is measured.
 const REQUESTS: u32 = 40;
 
-/// Measures everything and writes the results.
+/// What is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Subject {
+    /// The whole path: from the machine to the buyer's page.
+    Path,
+    /// The OPC UA server alone, and beside one written with node-opcua.
+    Twin,
+    /// Mappings of one connector alone, and beside the same job done with node-opcua.
+    Mappings,
+    /// Gate, ledger and spool, and beside bare SQLite.
+    Ledger,
+    /// The link to each kind of broker, and beside bare clients.
+    Links,
+}
+
+/// Measures these subjects, all where there are none; writes the results of all.
 ///
 /// # Errors
 /// When the story does not play or something stays away.
-pub async fn run() -> anyhow::Result<()> {
+pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
+    let is_all = subjects.is_empty();
+    let subjects = if is_all { Subject::value_variants() } else { subjects };
+    say(&format!("{}\n", machine()));
+    let mut results = Vec::new();
+    for subject in subjects {
+        results.extend(match subject {
+            Subject::Path => path().await?,
+            Subject::Twin => twin::measure().await?,
+            Subject::Mappings => mappings::measure().await?,
+            Subject::Ledger => ledger::measure().await?,
+            Subject::Links => links::measure().await?,
+        });
+    }
+    if is_all {
+        let file = repository()?.join("target/bench/results.json");
+        std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
+        std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
+        say(&format!("\nWritten to {}", file.display()));
+    }
+    Ok(())
+}
+
+async fn path() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::Builder::new().prefix("verbund-bench-").tempdir()?;
     let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
     let mut results = Vec::new();
-    say(&format!("{}\n", machine()));
     let cast = play(&mut world, &mut Steps::default()).await?;
     let latencies = latency::measure(&world, &cast.platform, CHANGES).await?;
     results.extend(distribution("value changed on the machine -> on the buyer's live stream", latencies));
@@ -38,23 +79,7 @@ pub async fn run() -> anyhow::Result<()> {
     results.extend(distribution("request sent -> nodes browsable in the twin", latencies));
     results.extend(throughput::measure(&world, &cast).await?);
     world.stop()?;
-    results.extend(twin::measure().await?);
-    results.extend(mappings::measure().await?);
-    let file = repository()?.join("target/bench/results.json");
-    std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
-    std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
-    say(&format!("\nWritten to {}", file.display()));
-    Ok(())
-}
-
-/// Measures the twin alone.
-///
-/// # Errors
-/// When a part of it fails or takes too long.
-pub async fn run_twin() -> anyhow::Result<()> {
-    say(&format!("{}\n", machine()));
-    twin::measure().await?;
-    Ok(())
+    Ok(results)
 }
 
 /// Measures one part of the twin in this process and prints what it finds as JSON.
@@ -69,17 +94,8 @@ pub async fn run_twin_part(part: twin::Part) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Measures the mappings of one connector alone.
-///
-/// # Errors
-/// When something does not start or stays away.
-pub async fn run_mappings() -> anyhow::Result<()> {
-    say(&format!("{}\n", machine()));
-    mappings::measure().await.map(drop)
-}
-
 fn result(name: &str, value: f64, unit: &str) -> Value {
-    say(&format!("  {name}: {value:.1} {unit}"));
+    say(&format!("  {name}: {value:.*} {unit}", if value.abs() < 10.0 { 2 } else { 1 }));
     json!({ "name": name, "value": value, "unit": unit })
 }
 

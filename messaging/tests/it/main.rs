@@ -2,5 +2,4 @@
 
 mod mosquitto;
 mod rabbitmq;
-mod rabbitmq_process;
 mod support;

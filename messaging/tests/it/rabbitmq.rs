@@ -1,11 +1,10 @@
 //! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all, for it starts slowly.
 
-use messaging::{BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions};
-
-use crate::{
-    rabbitmq_process::RabbitMq,
-    support::{TestLink, eventually, plan},
+use messaging::{
+    BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions, test_support::RabbitMq,
 };
+
+use crate::support::{TestLink, eventually, plan};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_promises_on_rabbitmq() {

@@ -14,9 +14,9 @@ use tokio_util::sync::CancellationToken;
 
 use self::{
     bank::{Bank, node},
-    connector::{Connector, Usage},
+    connector::Connector,
 };
-use super::result;
+use super::{result, usage::Usage};
 use crate::harness::repository;
 
 /// How long each rate is measured.

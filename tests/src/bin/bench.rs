@@ -5,23 +5,22 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use verbund_tests::{
-    bench::{self, twin::Part},
+    bench::{self, Subject, twin::Part},
     harness::say,
 };
 
 #[derive(Parser)]
-#[command(about = "Benchmarks; without a subcommand all of them.")]
+#[command(about = "Benchmarks.", args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// What is measured; everything where nothing is named.
+    #[arg(value_enum)]
+    subjects: Vec<Subject>,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// The OPC UA server alone, and beside one written with node-opcua.
-    Twin,
-    /// Mappings of one connector alone, and beside the same job done with node-opcua.
-    Mappings,
     /// One part of the server's figures, in a process of its own; prints them as JSON.
     #[command(hide = true)]
     Part {
@@ -34,10 +33,9 @@ enum Command {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let outcome = match Arguments::parse().command {
-        None => bench::run().await,
-        Some(Command::Twin) => bench::run_twin().await,
-        Some(Command::Mappings) => bench::run_mappings().await,
+    let arguments = Arguments::parse();
+    let outcome = match arguments.command {
+        None => bench::run(&arguments.subjects).await,
         Some(Command::Part { part }) => bench::run_twin_part(part).await,
     };
     match outcome {

@@ -1,6 +1,6 @@
 //! How many changes per second come through bare subscriptions, from a server in the same process to the consumer.
 //!
-//! `cargo run --release -p shop-floor --example throughput -- [inputs] [changes per second] [seconds]`
+//! `cargo run --release -p shop-floor --example subscription_rate -- [inputs] [changes per second] [seconds]`
 
 use std::{
     io::Write as _,

@@ -1,7 +1,7 @@
 //! How many values per second the engine takes from the shop floor's channel to the consumer's, and how much memory a
 //! mapping has. Prints one line of name, value and unit per figure.
 //!
-//! `cargo run --release -p mapping-engine --example throughput` (build `script-quickjs` with the same profile before).
+//! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` with the same profile before).
 
 use std::{
     collections::HashMap,

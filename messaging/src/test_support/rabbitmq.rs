@@ -46,6 +46,9 @@ fn server() -> PathBuf {
 
 impl RabbitMq {
     /// Starts a broker that has loaded the definitions.
+    ///
+    /// # Panics
+    /// Where RabbitMQ is not installed or does not start.
     pub async fn start(definitions: &Value) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("definitions.json"), definitions.to_string()).expect("written");
@@ -56,11 +59,16 @@ impl RabbitMq {
         broker
     }
 
+    /// Where it listens, for [`LinkConfig`](crate::LinkConfig).
+    #[must_use]
     pub fn url(&self) -> String {
         format!("amqp://127.0.0.1:{}", self.ports.amqp)
     }
 
     /// Kills it without warning and starts it again on the same store.
+    ///
+    /// # Panics
+    /// Where it does not start again.
     pub async fn kill_and_restart(&mut self) {
         self.kill();
         self.child = spawn(self.folder.path(), &self.ports);

@@ -1,0 +1,105 @@
+//! Mosquitto in a private folder, on a free port, with a generated access control list.
+
+use std::{
+    fs,
+    net::TcpListener,
+    path::Path,
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use tempfile::TempDir;
+
+use crate::definitions::{Plan, mosquitto_acl};
+
+/// The broker; stopped and removed when dropped.
+pub struct Mosquitto {
+    folder: TempDir,
+    child: Child,
+    port: u16,
+}
+
+impl Mosquitto {
+    /// Starts a broker for the plan's accounts.
+    ///
+    /// # Panics
+    /// Where Mosquitto is not installed or does not start.
+    pub async fn start(plan: &Plan) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let port = listener.local_addr().expect("an address").port();
+        drop(listener);
+        fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
+        fs::write(path("passwords"), "").expect("written");
+        let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
+        for account in accounts {
+            let made = Command::new("mosquitto_passwd")
+                .args(["-b", &path("passwords"), &account.user_name, &account.password])
+                .stderr(Stdio::null())
+                .status();
+            let made = made.expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
+            assert!(made.success(), "mosquitto_passwd failed");
+        }
+        let configuration = format!(
+            "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\nacl_file {}\n\
+             persistence true\npersistence_location {}/\nautosave_interval 1\nautosave_on_changes true\n\
+             max_queued_messages 0\nlog_dest file {}\n",
+            path("passwords"),
+            path("acl"),
+            folder.path().display(),
+            path("log"),
+        );
+        fs::write(path("mosquitto.conf"), configuration).expect("written");
+        let child = spawn(folder.path());
+        let broker = Self { folder, child, port };
+        broker.ready().await;
+        broker
+    }
+
+    /// Where it listens, for [`LinkConfig`](crate::LinkConfig).
+    #[must_use]
+    pub fn url(&self) -> String {
+        format!("mqtt://127.0.0.1:{}", self.port)
+    }
+
+    async fn ready(&self) {
+        let deadline = Instant::now() + Duration::from_secs(30);
+        while tokio::net::TcpStream::connect(("127.0.0.1", self.port)).await.is_err() {
+            let log = || fs::read_to_string(self.folder.path().join("log")).unwrap_or_default();
+            assert!(Instant::now() < deadline, "Mosquitto did not start in time: {}", log());
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+    }
+
+    /// Stops it in order, so that its store is written, and starts it again.
+    ///
+    /// # Panics
+    /// Where it does not stop or start again.
+    pub async fn restart(&mut self) {
+        let pid = self.child.id().to_string();
+        let asked = Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs");
+        assert!(asked.success());
+        self.child.wait().expect("reaped");
+        self.child = spawn(self.folder.path());
+        self.ready().await;
+    }
+}
+
+impl Drop for Mosquitto {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn spawn(folder: &Path) -> Child {
+    Command::new("mosquitto")
+        .arg("-c")
+        .arg(folder.join("mosquitto.conf"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts; tools/prerequisites.sh test installs it")
+}

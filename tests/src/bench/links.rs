@@ -1,0 +1,198 @@
+//! Messages per second through the link to each kind of broker, beside a bare client of the same library with the same
+//! window in the same run: no spool, no lanes, no supervision. And the memory of link and embedded broker over a million
+//! messages.
+
+mod bare_amqp;
+mod bare_mqtt;
+mod broker_under_test;
+mod made_up;
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use async_trait::async_trait;
+use messaging::{Delivery, Inbox, Link, LinkConfig, LogicalAddress, Login, Settlement};
+use serde_json::Value;
+use tokio_util::sync::CancellationToken;
+
+use self::{
+    broker_under_test::{Account, BrokerUnderTest, Protocol},
+    made_up::MadeUpSpool,
+};
+use super::{result, usage::Usage};
+
+/// Messages of each measurement, and bytes of each.
+const MESSAGES: u64 = 30_000;
+const BODY_BYTES: usize = 1024;
+/// Messages under way, of link and bare client alike.
+const WINDOW: u16 = 500;
+/// Times that each is measured; the fastest counts, for disturbances only slow down.
+const ROUNDS: usize = 3;
+/// Messages over which memory must not grow, and when it is looked at first.
+const MANY: u64 = 1_000_000;
+const WARM: u64 = 100_000;
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Measures all brokers, one after the other.
+pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
+    let mut results = Vec::new();
+    for broker in
+        [BrokerUnderTest::embedded().await?, BrokerUnderTest::rabbitmq().await, BrokerUnderTest::mosquitto().await]
+    {
+        results.extend(rates(&broker).await?);
+        broker.stop().await?;
+    }
+    results.extend(memory().await?);
+    Ok(results)
+}
+
+/// Sending and receiving, bare and through the link.
+async fn rates(broker: &BrokerUnderTest) -> anyhow::Result<Vec<Value>> {
+    // MQTT keeps messages only for who has subscribed before.
+    link_receive(broker, 0).await?;
+    let (mut bare, mut link) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
+    for _ in 0..ROUNDS {
+        let round = match broker.protocol {
+            Protocol::Amqp => (bare_amqp::send(broker).await?, bare_amqp::receive(broker).await?),
+            Protocol::Mqtt => (bare_mqtt::send(broker).await?, bare_mqtt::receive(broker).await?),
+        };
+        bare = (bare.0.max(rate(round.0)), bare.1.max(rate(round.1)));
+        let round = (link_send(broker).await?, link_receive(broker, MESSAGES).await?);
+        link = (link.0.max(rate(round.0)), link.1.max(rate(round.1)));
+    }
+    let name = broker.name;
+    let mut results = Vec::new();
+    for (what, bare, link) in [("sent to", bare.0, link.0), ("received from", bare.1, link.1)] {
+        results.push(result(&format!("{what} {name}, bare client"), bare, "messages per second"));
+        results.push(result(&format!("{what} {name}, link"), link, "messages per second"));
+        results.push(result(&format!("{what} {name}, link against bare client"), link / bare, "times"));
+    }
+    Ok(results)
+}
+
+fn rate(took: Duration) -> f64 {
+    MESSAGES as f64 / took.as_secs_f64()
+}
+
+async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
+    let spool = Arc::new(MadeUpSpool::new(MESSAGES, broker.address.clone()));
+    let sender = RunningLink::start(broker, &broker.sender, &[], Arc::clone(&spool), Arc::default())?;
+    let began = Instant::now();
+    until("everything is sent", || spool.accepted() >= MESSAGES).await?;
+    let took = began.elapsed();
+    sender.stop().await?;
+    Ok(took)
+}
+
+async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result<Duration> {
+    let inbox = Arc::new(Counting::default());
+    let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
+    let consumed = [broker.address.clone()];
+    let began = Instant::now();
+    let receiver = RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
+    until("everything is received", || inbox.received() >= messages && receiver.is_up()).await?;
+    let took = began.elapsed();
+    // Settlements are on their way still.
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    receiver.stop().await?;
+    Ok(took)
+}
+
+/// Both ends of the link and the embedded broker are in this process: its memory is theirs.
+async fn memory() -> anyhow::Result<Vec<Value>> {
+    let broker = BrokerUnderTest::embedded().await?;
+    let inbox = Arc::new(Counting::default());
+    let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
+    let spool = Arc::new(MadeUpSpool::new(MANY, broker.address.clone()));
+    let consumed = [broker.address.clone()];
+    let receiver = RunningLink::start(&broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
+    let began = Instant::now();
+    let sender = RunningLink::start(&broker, &broker.sender, &[], spool, Arc::default())?;
+    until("the first messages are received", || inbox.received() >= WARM).await?;
+    let early = Usage::of(std::process::id())?.resident_bytes as f64;
+    until("a million messages are received", || inbox.received() >= MANY).await?;
+    let took = began.elapsed();
+    let late = Usage::of(std::process::id())?.resident_bytes as f64;
+    sender.stop().await?;
+    receiver.stop().await?;
+    broker.stop().await?;
+    let megabyte = 1024.0 * 1024.0;
+    Ok(vec![
+        result(
+            "through the embedded broker, a million messages",
+            MANY as f64 / took.as_secs_f64(),
+            "messages per second",
+        ),
+        result("memory of link and broker after 100 000 messages", early / megabyte, "MiB"),
+        result("memory of link and broker after a million messages", late / megabyte, "MiB"),
+        result("memory after a million messages against 100 000", late / early, "times"),
+    ])
+}
+
+struct RunningLink {
+    handle: messaging::LinkHandle,
+    stop: CancellationToken,
+    running: tokio::task::JoinHandle<()>,
+}
+
+impl RunningLink {
+    fn start(
+        broker: &BrokerUnderTest,
+        account: &Account,
+        consumed: &[LogicalAddress],
+        spool: Arc<MadeUpSpool>,
+        inbox: Arc<Counting>,
+    ) -> anyhow::Result<Self> {
+        let login = Login::new(&account.user_name, &account.password);
+        let mut config = LinkConfig::new(broker.url.parse()?, login, &account.user_name);
+        config.profile = broker.profile.clone();
+        config.consumed = consumed.to_vec();
+        config.limits.window = usize::from(WINDOW);
+        config.limits.credit = u32::from(WINDOW);
+        let (link, handle) = Link::new(config, spool, inbox)?;
+        let stop = CancellationToken::new();
+        let running = tokio::spawn(link.run(stop.clone()));
+        Ok(Self { handle, stop, running })
+    }
+
+    fn is_up(&self) -> bool {
+        self.handle.state().borrow().is_up()
+    }
+
+    async fn stop(self) -> anyhow::Result<()> {
+        self.stop.cancel();
+        Ok(self.running.await?)
+    }
+}
+
+/// Accepts everything.
+#[derive(Default)]
+struct Counting(AtomicU64);
+
+impl Counting {
+    fn received(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+#[async_trait]
+impl Inbox for Counting {
+    async fn receive(&self, _address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        self.0.fetch_add(deliveries.len() as u64, Ordering::Relaxed);
+        vec![Settlement::Accept; deliveries.len()]
+    }
+}
+
+async fn until(what: &str, mut holds: impl FnMut() -> bool) -> anyhow::Result<()> {
+    let deadline = Instant::now() + PATIENCE;
+    while !holds() {
+        anyhow::ensure!(Instant::now() < deadline, "not in time: {what}");
+        tokio::time::sleep(Duration::from_millis(2)).await;
+    }
+    Ok(())
+}

@@ -1,0 +1,86 @@
+//! A spool that makes its messages up when they are asked for, so that it takes no memory of its own.
+
+use std::{
+    collections::BTreeSet,
+    sync::{Mutex, PoisonError},
+};
+
+use async_trait::async_trait;
+use bytes::Bytes;
+use messaging::{
+    Backlog, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+};
+
+use super::BODY_BYTES;
+
+pub(super) struct MadeUpSpool {
+    count: u64,
+    address: LogicalAddress,
+    body: Bytes,
+    accepted: Mutex<Accepted>,
+}
+
+/// Everything through a number, and what is beyond it.
+#[derive(Default)]
+struct Accepted {
+    through: u64,
+    beyond: BTreeSet<u64>,
+}
+
+impl MadeUpSpool {
+    /// So many control messages to an address.
+    pub(super) fn new(count: u64, address: LogicalAddress) -> Self {
+        Self { count, address, body: Bytes::from(vec![b'x'; BODY_BYTES]), accepted: Mutex::default() }
+    }
+
+    /// How many the broker has accepted, without a hole.
+    pub(super) fn accepted(&self) -> u64 {
+        self.lock().through
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Accepted> {
+        self.accepted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[async_trait]
+impl SpoolStore for MadeUpSpool {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+        if fetch.lane != Lane::Control {
+            return Ok(Vec::new());
+        }
+        let accepted = self.lock();
+        let first = u64::try_from(fetch.after.0)?.max(accepted.through) + 1;
+        let last = fetch.through.map_or(Ok(self.count), |through| u64::try_from(through.0))?.min(self.count);
+        let waiting = (first..=last).filter(|number| !accepted.beyond.contains(number)).take(fetch.limit);
+        waiting
+            .map(|number| {
+                let message_id = format!("m{number}").parse()?;
+                let envelope = Envelope::new(message_id, "bench", self.body.clone());
+                Ok(SpoolRow { id: RowId(i64::try_from(number)?), address: self.address.clone(), envelope, attempts: 0 })
+            })
+            .collect()
+    }
+
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+        let mut accepted = self.lock();
+        for outcome in outcomes.into_iter().filter(|outcome| outcome.outcome == SendOutcome::Accepted) {
+            accepted.beyond.insert(u64::try_from(outcome.id.0)?);
+        }
+        let mut next = accepted.through + 1;
+        while accepted.beyond.remove(&next) {
+            next += 1;
+        }
+        accepted.through = next - 1;
+        Ok(())
+    }
+
+    async fn last_row(&self) -> Result<RowId, StoreError> {
+        Ok(RowId(i64::try_from(self.count)?))
+    }
+
+    async fn backlog(&self) -> Result<Backlog, StoreError> {
+        let waiting = self.count - self.lock().through;
+        Ok(Backlog { waiting, bytes: waiting * BODY_BYTES as u64, ..Backlog::default() })
+    }
+}
