@@ -1,7 +1,7 @@
 //! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while values flow: programs
 //! killed, lines cut and stalled, stores lost, clocks set, disks full. In the end the stores of both sides are compared:
 //! every report that left is held once, in its order within each lane, with the values it left with, and the ledger
-//! knows of it.
+//! knows of it; and every remark that one side took is on both sides once.
 
 mod clock;
 mod disk;
@@ -10,6 +10,7 @@ mod load;
 mod plan;
 mod stage;
 mod stores;
+mod talk;
 mod verdict;
 
 use std::time::{Duration, Instant};
@@ -27,6 +28,7 @@ use crate::{
     },
 };
 use stage::Stage;
+use talk::{Remark, Talk};
 use verdict::Verdict;
 
 /// How long a run goes on.
@@ -85,6 +87,7 @@ async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, leng
     steps.run("every writer is kept busy", load::put_on(cast)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
+    let talk = Talk::begin(&stage.world.places)?;
     let mut plan = Plan::new(seed);
     let start = Instant::now();
     let mut number = 0;
@@ -92,10 +95,11 @@ async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, leng
         number += 1;
         round(stage, steps, number, &plan.round()).await?;
     }
+    let said = talk.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
     let took = start.elapsed();
-    steps.run("every report is held once, in order, and in the ledger", judge(stage)).await?;
+    steps.run("every report is held once, in order, and in the ledger", judge(stage, &said)).await?;
     let counts: Vec<_> = stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     say(&format!(
         "\nSeed {seed}: {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
@@ -178,7 +182,7 @@ async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
     Ok(())
 }
 
-async fn judge(stage: &Stage) -> anyhow::Result<String> {
+async fn judge(stage: &Stage, said: &[Remark]) -> anyhow::Result<String> {
     let folder = &stage.world.places.folder;
     let mut verdict = Verdict::default();
     for factory in [MUNICH, HAMBURG] {
@@ -187,6 +191,7 @@ async fn judge(stage: &Stage) -> anyhow::Result<String> {
             verdict.faults.push(format!("{error:#}"));
         }
     }
+    verdict.faults.extend(talk::faults(folder, said, &stage.lost_remarks).await?);
     let (repeats, letters) = stores::repeats_and_dead_letters(folder).await?;
     if letters > 0 {
         verdict.faults.push(format!("{letters} messages could not be used"));
@@ -194,11 +199,14 @@ async fn judge(stage: &Stage) -> anyhow::Result<String> {
     let Verdict { left, arrived, replayed, announced, faults } = verdict;
     let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
     anyhow::ensure!(faults.is_empty(), "{} faults:\n  {}", faults.len(), shown.join("\n  "));
-    anyhow::ensure!(left > 0, "nothing left at all");
+    anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {announced} announced as given up, \
-         {repeats} repeats discarded, {} set back by a lost broker store",
-        stage.set_back.len()
+         {repeats} repeats discarded, {} set back by a lost broker store; {} remarks taken, {} of them on their way to \
+         a broker that lost its store",
+        stage.set_back.len(),
+        said.len(),
+        stage.lost_remarks.len()
     ))
 }
 

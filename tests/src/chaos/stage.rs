@@ -14,7 +14,7 @@ use super::{
     disk::Disk,
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
-    stores,
+    stores, talk,
 };
 use crate::{
     demo::{self, Cast},
@@ -33,6 +33,8 @@ pub(super) struct Stage {
     clocks: BTreeMap<&'static str, Clock>,
     /// Reports that the broker may have had when it lost its store: they arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
+    /// Remarks that the broker may have had when it lost its store.
+    pub lost_remarks: BTreeSet<talk::Remark>,
     /// What was done, by kind.
     pub counts: BTreeMap<&'static str, u32>,
     /// How many programs were killed.
@@ -67,6 +69,7 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
+            lost_remarks: BTreeSet::new(),
             counts: BTreeMap::new(),
             kills: 0,
             ended: 0,
@@ -153,6 +156,7 @@ impl Stage {
                 for factory in [MUNICH, HAMBURG] {
                     self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
+                self.lost_remarks.extend(talk::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {
                     stores::exchange_broker_store(&folder)?;
                 } else {

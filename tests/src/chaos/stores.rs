@@ -7,7 +7,12 @@ use std::{
 
 use anyhow::Context as _;
 use serde_json::Value;
-use sqlx::{ConnectOptions as _, Connection as _, Row as _, SqliteConnection, sqlite::SqliteConnectOptions};
+use sqlx::{
+    ConnectOptions as _, Connection as _, Row as _, SqliteConnection,
+    sqlite::{SqliteConnectOptions, SqliteRow},
+};
+
+use super::talk::Remark;
 
 /// One DataSetMessage of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -191,6 +196,23 @@ pub(super) async fn arrived(folder: &Path, factory: &str) -> anyhow::Result<Vec<
             Ok((key, Arrived { is_replay: row.get::<i64, _>(3) != 0, values: shown_values(&fields) }))
         })
         .collect()
+}
+
+/// The remarks from and to a factory: those its connector holds, and those the platform holds.
+pub(super) async fn remarks(folder: &Path, factory: &str) -> anyhow::Result<(Vec<Remark>, Vec<Remark>)> {
+    let remark = |row: &SqliteRow| Remark {
+        factory: factory.to_owned(),
+        is_from_factory: row.get::<i64, _>(0) != 0,
+        text: row.get(1),
+    };
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let here = sqlx::query("SELECT is_own, text FROM comment").fetch_all(&mut store).await?;
+    let mut store = open(&platform_store(folder)).await?;
+    let there = sqlx::query("SELECT is_from_factory, text FROM comment WHERE factory_id = ?")
+        .bind(factory)
+        .fetch_all(&mut store)
+        .await?;
+    Ok((here.iter().map(remark).collect(), there.iter().map(remark).collect()))
 }
 
 /// How many repeats the platform has discarded, and how many messages it could not use.
