@@ -26,8 +26,12 @@ enum Command {
         #[arg(long)]
         keep: bool,
     },
-    /// Goes a new factory's first steps in a browser, counted, and measures the pages with very much on them.
-    Newcomer,
+    /// Goes a new factory's first steps in a browser, counted.
+    Newcomer {
+        /// Then measures the pages with 20 000 fields and 100 000 nodes on them.
+        #[arg(long)]
+        with_very_much: bool,
+    },
     /// Plays it headless and takes pictures of every page, into target/screenshots.
     Screenshots,
 }
@@ -38,7 +42,7 @@ async fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run { folder } => demo::run(folder).await,
         Command::Check { keep } => demo::check(keep).await,
-        Command::Newcomer => demo::newcomer().await,
+        Command::Newcomer { with_very_much } => demo::newcomer(with_very_much).await,
         Command::Screenshots => demo::screenshots().await,
     };
     match outcome {
