@@ -10,6 +10,13 @@ if (typeof window !== 'undefined') {
     unobserve = (): void => undefined
     disconnect = (): void => undefined
   }
+  // Nor does it put a dialog above everything else.
+  HTMLDialogElement.prototype.showModal = function () {
+    this.open = true
+  }
+  HTMLDialogElement.prototype.close = function () {
+    this.open = false
+  }
   const { language } = await import('@/language/language.svelte')
   beforeEach(() => {
     language.choose('en')

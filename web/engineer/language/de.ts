@@ -403,6 +403,7 @@ export const de: Texts = {
     roles: { ENGINEER: 'entscheiden, zuordnen, einrichten', OPERATOR: 'Werte zu Vorgängen eingeben', VIEWER: 'zusehen' } as Record<string, string>,
     newPassword: 'Neues Passwort',
     passwordHint: 'Mindestens zehn Zeichen. Ein paar Wörter merken sich leichter als Zeichen.',
+    passwordShort: 'Das Passwort hat weniger als zehn Zeichen.',
     sessionsEnd: 'Mindestens zehn Zeichen. Offene Sitzungen der Person enden.',
     changed: (who: string) => `${who} gespeichert.`,
     remove: (who: string) => `${who} entfernen`,

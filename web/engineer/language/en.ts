@@ -401,6 +401,7 @@ export const en = {
     roles: { ENGINEER: 'decide, map, configure', OPERATOR: 'enter values for operations', VIEWER: 'look' } as Record<string, string>,
     newPassword: 'New password',
     passwordHint: 'At least ten characters. A few words are easier to remember than signs.',
+    passwordShort: 'The password has fewer than ten characters.',
     sessionsEnd: 'At least ten characters. The person’s open sessions end.',
     changed: (who: string) => `${who} saved.`,
     remove: (who: string) => `Remove ${who}`,

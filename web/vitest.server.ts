@@ -1,0 +1,31 @@
+import { vi } from 'vitest'
+
+/** A request that a page sent. */
+export interface Asked {
+  method: string
+  /** Behind `/api/v1`, with its query. */
+  path: string
+  body: unknown
+}
+
+type Answer = (asked: Asked) => unknown
+
+/**
+ * Stands in for the daemon: answers by `METHOD /path`, whatever the query; anything else is not found. Returns what was
+ * asked, in its order.
+ */
+export function serve(answers: Record<string, Answer>): Asked[] {
+  const log: Asked[] = []
+  vi.stubGlobal('fetch', (address: string, { method = 'GET', body }: RequestInit = {}) => {
+    const asked: Asked = { method, path: address.replace('/api/v1', ''), body: typeof body === 'string' ? JSON.parse(body) : undefined }
+    log.push(asked)
+    const answer = answers[`${method} ${asked.path.split('?')[0] ?? ''}`]?.(asked) ?? problem(404, 'There is no such thing.')
+    return Promise.resolve(answer instanceof Response ? answer : new Response(JSON.stringify(answer)))
+  })
+  return log
+}
+
+/** A problem document (RFC 9457). */
+export function problem(status: number, detail: string, faultList: { pointer: string; message: string }[] = []): Response {
+  return new Response(JSON.stringify({ title: 'Problem', status, detail, faultList }), { status })
+}
