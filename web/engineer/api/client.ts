@@ -26,6 +26,7 @@ import type {
   NewComment,
   OperatorOperation,
   Page,
+  PartnerLeaks,
   PolicyView,
   Preview,
   RecipientView,
@@ -89,6 +90,8 @@ export const connector = {
   applyRules: () => request<{ decidedCount: number }>('POST', '/rules/apply'),
   ruleDecisions: (cursor?: string, signal?: AbortSignal) => request<Page<RuleDecision>>('GET', `/rule-decisions${query({ cursor })}`, { signal }),
   undoRuleDecision: (id: string) => request<unknown>('POST', path('rule-decisions', id, 'undo')),
+
+  leakBudgets: (signal?: AbortSignal) => request<Page<PartnerLeaks>>('GET', '/leak-budgets', { signal }),
 
   field: (key: FieldKey, signal?: AbortSignal) => request<Field>('GET', fieldPath(key), { signal }),
   users: (signal?: AbortSignal) => request<Page<User>>('GET', '/users', { signal }),

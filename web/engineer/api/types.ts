@@ -169,6 +169,11 @@ export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipi
   lastSequence?: number | null
 }
 
+/** What one partner learns in sum, and what it can conclude. */
+export type PartnerLeaks = Omit<Schemas['PartnerLeaks'], 'fields' | 'warnings'> & { fields: FieldLeak[]; warnings: LeakWarning[] }
+export type FieldLeak = Omit<Schemas['FieldLeak'], 'key'> & { key: FieldKey }
+export type LeakWarning = Omit<Schemas['LeakWarning'], 'fields'> & { fields: FieldKey[] }
+
 export type Setting = Schemas['Setting']
 export type Verification = Schemas['VerificationView']
 export type DeadLetter = Schemas['DeadLetter']

@@ -1,0 +1,56 @@
+import { numberText } from '@/format/value'
+import type { FieldKey, FieldLeak, LeakWarning } from '../api/types'
+import { fieldAddress } from '../inbox/address'
+import { texts } from '../language/texts'
+
+/** Rates are drawn from once a day to ten times a second, in equal steps for equal factors. */
+const RATE_LEAST = 1 / 24
+const RATE_MOST = 36_000
+/** The most that a value of a built-in type with a bound can tell. */
+const BITS_MOST = 64
+/** Up to here people can picture how many values are told apart. */
+const BITS_PICTURED_MAX = 20
+
+export function releasedPerHour({ measured }: Pick<FieldLeak, 'measured'>): number | undefined {
+  return measured.hours > 0 ? measured.released / measured.hours : undefined
+}
+
+/** Where a rate lies on its scale, 0 to 1; none where nothing limits it. */
+export function rateReach(perHour: number | null | undefined): number | undefined {
+  if (perHour == null) return undefined
+  return within(Math.log(perHour / RATE_LEAST) / Math.log(RATE_MOST / RATE_LEAST))
+}
+
+export function bitsReach(bits: number | null | undefined): number | undefined {
+  return bits == null ? undefined : within(bits / BITS_MOST)
+}
+
+export function rateText(perHour: number | null | undefined): string {
+  return perHour == null ? texts.leaks.noLimit : texts.leaks.perHour(figure(perHour))
+}
+
+/** How exact a value is: how many it is one of, or bits where that number says nothing to people. */
+export function precisionText(bits: number | null | undefined): string {
+  if (bits == null) return texts.leaks.noBound
+  return bits <= BITS_PICTURED_MAX ? texts.leaks.oneOf(figure(Math.round(2 ** bits))) : texts.leaks.bits(figure(bits))
+}
+
+/** Three digits are plenty for a bound. */
+export function figure(value: number): string {
+  return numberText(value >= 100 ? Math.round(value) : Number(value.toPrecision(3)))
+}
+
+export const nameOf = (key: FieldKey): string => fieldAddress(key).join('/')
+
+/** Fields that a warning names come first, then those that tell most. */
+export function byWeight(fields: readonly FieldLeak[], warnings: readonly LeakWarning[]): { field: FieldLeak; isWarned: boolean }[] {
+  const warned = new Set(warnings.flatMap((warning) => warning.fields.map(nameOf)))
+  const weight = (field: FieldLeak): number => (field.valuesPerHourMax ?? RATE_MOST) * (field.bitsPerValue ?? BITS_MOST)
+  return fields
+    .map((field) => ({ field, isWarned: warned.has(nameOf(field.key)), weight: weight(field) }))
+    .sort((one, other) => Number(other.isWarned) - Number(one.isWarned) || other.weight - one.weight)
+}
+
+function within(share: number): number {
+  return Math.min(1, Math.max(0, share))
+}
