@@ -8,5 +8,5 @@ const here = fileURLToPath(new URL('.', import.meta.url)).replace(/\/$/, '')
 export default defineConfig({
   plugins: [svelte(), svelteTesting()],
   resolve: { alias: { '@': here } },
-  test: { environment: 'jsdom', include: ['**/*.test.ts'], exclude: ['node_modules/**', 'dist/**'], setupFiles: ['./vitest.setup.ts'] },
+  test: { environment: 'jsdom', include: ['**/*.test.ts'], exclude: ['node_modules/**', 'dist/**'], setupFiles: ['./vitest.setup.ts'], testTimeout: 20_000 },
 })

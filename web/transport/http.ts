@@ -14,11 +14,18 @@ interface Options {
   /** The version that was read: the change is refused where another came in between. */
   ifMatch?: number
   signal?: AbortSignal
+  /** For what takes longer than usual. */
+  timeoutMs?: number
   /** The one call that may be answered 401 without ending the session: signing in. */
   signingIn?: boolean
 }
 
 type Method = 'GET' | 'POST' | 'PUT' | 'DELETE'
+
+/** Where a path of the API is, for a link that the browser follows by itself. */
+export function address(path: string): string {
+  return `/api/v1${path}`
+}
 
 /** One request to the API of the daemon that served this page. Throws {@link Problem}. */
 export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
@@ -27,8 +34,8 @@ export async function request<T>(method: Method, path: string, options: Options 
   if (options.ifMatch !== undefined) headers['if-match'] = `"${options.ifMatch}"`
   if (method !== 'GET' && credentials.csrfToken !== undefined) headers['x-csrf-token'] = credentials.csrfToken
 
-  const timeout = AbortSignal.timeout(TIMEOUT_MS)
-  const response = await fetch(`/api/v1${path}`, {
+  const timeout = AbortSignal.timeout(options.timeoutMs ?? TIMEOUT_MS)
+  const response = await fetch(address(path), {
     method,
     headers,
     credentials: 'same-origin',
@@ -49,8 +56,8 @@ export async function request<T>(method: Method, path: string, options: Options 
 }
 
 /** Fetches a file of the API and hands it to the browser to keep, under the name that the server gives it. */
-export async function download(address: string): Promise<void> {
-  const response = await fetch(`/api/v1${address}`, { credentials: 'same-origin', cache: 'no-store' }).catch((failure: unknown) => {
+export async function download(path: string): Promise<void> {
+  const response = await fetch(address(path), { credentials: 'same-origin', cache: 'no-store' }).catch((failure: unknown) => {
     throw Problem.from(failure)
   })
   if (!response.ok) {

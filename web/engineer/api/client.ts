@@ -1,5 +1,6 @@
-import { download, path, query, request } from '@/transport/http'
+import { address, download, path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
+import type { ExportFormat, LedgerFilter } from '../ledger/filter'
 import type { Entry } from '../operator/entries'
 import { PATHS } from './generated'
 import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answers'
@@ -51,6 +52,9 @@ import type {
 } from './types'
 
 const fieldPath = (key: FieldKey): string => path('fields', key.operationNetworkId, key.operationId, key.dynamicDataRequestId, key.fieldName)
+
+/** A long ledger takes its time: every entry is hashed again. */
+const VERIFYING_MS_MAX = 600_000
 
 /** Whether the connector of this build answers a path. */
 export function offers(resourcePath: string): boolean {
@@ -128,12 +132,14 @@ export const connector = {
   value: (sourceId: string, node: string, signal?: AbortSignal) =>
     request<DataValue>('GET', `${path('sources', sourceId, 'value')}${query({ node })}`, { signal }),
 
-  ledger: async (recipient: string | undefined, after: string | undefined, limit: number, signal?: AbortSignal): Promise<LedgerAnswer> =>
-    ledgerOf(await request<LedgerAnswer>('GET', `/ledger${query({ recipient, after, limit })}`, { signal })),
-  verifyLedger: () => request<Verification>('POST', '/ledger/verification'),
+  ledger: async (filter: LedgerFilter, after: string | undefined, limit: number, signal?: AbortSignal): Promise<LedgerAnswer> =>
+    ledgerOf(await request<LedgerAnswer>('GET', `/ledger${query({ ...filter, after, limit })}`, { signal })),
+  /** Where a file of entries is read, for a link. */
+  ledgerExport: (format: ExportFormat, filter: LedgerFilter, language: string): string => address(`/ledger/export${query({ format, ...filter, language })}`),
+  verifyLedger: () => request<Verification>('POST', '/ledger/verification', { timeoutMs: VERIFYING_MS_MAX }),
   spool: (signal?: AbortSignal) => request<SpoolStatus>('GET', '/spool', { signal }),
   deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),
 }
 
 /** What happens at the connector, as it happens. */
-export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'policies', 'status'])
+export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'policies', 'revocation', 'status'])

@@ -154,19 +154,25 @@ export interface NewClientCertificate {
   content: string
 }
 
-export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash'> & {
+export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash' | 'leftInMessage' | 'sentAt' | 'deliveredAt'> & {
+  /** What the partner was told of each field's precision. */
+  precision?: Record<string, string>
   operationNetworkId?: string | null
   operationId?: string | null
   dynamicDataRequestId?: string | null
   fieldName?: string | null
   /** For a report: what left, by field. */
   value?: Record<string, unknown> | null
-  /** For a consent: the policy. */
+  /** For a consent: the policy, what was decided, and by whom. */
   policy?: Disclosure | null
+  mappingState?: MappingState | null
+  decidedBy?: string | null
   dataSetWriterId?: number | null
   epoch?: number | null
   firstSequence?: number | null
   lastSequence?: number | null
+  /** For an ended consent: the last number that had arrived. */
+  lastDeliveredSequence?: number | null
 }
 
 /** What one partner learns in sum, and what it can conclude. */
