@@ -1,38 +1,40 @@
-/* eslint-disable svelte/prefer-svelte-reactivity -- what waits to be drawn is nobody's state to draw */
+/* eslint-disable svelte/prefer-svelte-reactivity -- what waits to be drawn and who shows requests is nobody's state to draw */
 import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed } from './api/client'
-import type { Field, FieldKey, InboxRequest, RequestKey } from './api/types'
+import type { Field, InboxRequest, InboxTotals, RequestKey } from './api/types'
 import { talks } from './conversation/talks.svelte'
 
 const STATUS_EVERY_MS = 3_000
+/** Events tell of values and of decisions here; only asking tells how many fields rules have decided elsewhere. */
+const TOTALS_EVERY_MS = 15_000
 const TOGETHER_MS = 100
 
-/** What every page of the connector's UI looks at, read once and kept fresh by events. */
+/** Requests that a page shows. */
+type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amend' | 'refreshSoon'>
+
+/**
+ * What every page of the connector's UI looks at: how the connector and the sum of all fields stand. The requests
+ * themselves are as many as partners ask; each page reads those that it shows, and has them kept fresh here.
+ */
 class Plant {
   readonly status = new Resource((signal) => connector.status(signal))
-  readonly inbox = new Resource<InboxRequest[]>((signal) =>
-    everyRequest(signal, (known) => {
-      // The first time the page shows what has come so far; later the old stays until the new is complete.
-      if (!this.#wasRead) this.inbox.value = known
-    }),
-  )
-  #wasRead = false
+  readonly totals = new Resource<InboxTotals>(async (signal) => (await connector.inbox({ limit: 1 }, signal)).totals)
+  readonly pending = $derived(this.totals.value?.pending ?? 0)
+  readonly #shown = new Set<Shown>()
   readonly #news = new Map<string, Field>()
   #isDrawing = false
-
-  readonly pending = $derived(this.inbox.value?.flatMap((request) => request.fields).filter((field) => field.mappingState === 'PENDING').length ?? 0)
 
   /** Starts reading and listening. Returns how to stop. */
   open(): () => void {
     feed.start()
     void this.status.refresh()
-    this.#wasRead = false
-    void this.inbox.refresh().then(() => (this.#wasRead = true))
+    void this.totals.refresh()
     const stops = [
       feed.keepFresh(['status'], this.status),
       poll(STATUS_EVERY_MS, this.status),
+      poll(TOTALS_EVERY_MS, this.totals),
       talks.open(),
-      feed.keepFresh(['inbox'], this.inbox),
+      feed.keepFresh(['inbox'], this),
       feed.on('field', (event) => {
         this.#take(event)
       }),
@@ -41,49 +43,72 @@ class Plant {
       for (const stop of stops) stop()
       feed.stop()
       this.status.stop()
-      this.inbox.stop()
+      this.totals.stop()
     }
   }
 
-  request(key: RequestKey): InboxRequest | undefined {
-    return this.inbox.value?.find((request) => sameRequest(request.key, key))
+  /** Keeps requests fresh for as long as a page shows them. Returns how to stop. */
+  keep(requests: Shown): () => void {
+    this.#shown.add(requests)
+    return () => this.#shown.delete(requests)
   }
 
-  field(key: FieldKey): Field | undefined {
-    return this.request(key)?.fields.find((field) => field.key.fieldName === key.fieldName)
+  /** Reads again what is shown, as after a change that may concern any request. */
+  refreshSoon(): void {
+    this.totals.refreshSoon()
+    for (const requests of this.#shown) requests.refreshSoon()
   }
 
-  /** Puts a field that the server sent in the place of the one we had. */
+  /** Puts a field that was decided in the place of the one we had. */
   put(field: Field): void {
     this.#put([field])
+    this.refreshSoon()
+  }
+
+  #known(field: Field): Field | undefined {
+    for (const { value } of this.#shown) {
+      const request = value?.items.find(({ key }) => sameRequest(key, field.key))
+      const known = request?.fields.find(({ key }) => key.fieldName === field.key.fieldName)
+      if (known !== undefined) return known
+    }
+    return undefined
   }
 
   #put(fields: readonly Field[]): void {
     const byRequest = new Map<string, Field[]>()
     for (const field of fields) byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
-    this.inbox.amend((requests) =>
-      requests.map((request) => {
-        const news = byRequest.get(nameOf(request.key))
-        if (news === undefined) return request
-        return { ...request, fields: request.fields.map((known) => ({ ...known, ...news.find((field) => field.key.fieldName === known.key.fieldName) })) }
-      }),
-    )
+    for (const shown of this.#shown) {
+      if (!shown.value?.items.some(({ key }) => byRequest.has(nameOf(key)))) continue
+      shown.amend((page) => ({
+        ...page,
+        items: page.items.map((request) => {
+          const news = byRequest.get(nameOf(request.key))
+          if (news === undefined) return request
+          return { ...request, fields: request.fields.map((known) => ({ ...known, ...news.find((field) => field.key.fieldName === known.key.fieldName) })) }
+        }),
+      }))
+    }
   }
 
   /** Events come as fast as machines run; the page is drawn a few times a second. */
   #take(event: unknown): void {
     if (event === null || typeof event !== 'object' || !('key' in event)) {
-      this.inbox.refreshSoon()
+      this.refreshSoon()
       return
     }
     const field = event as Field
-    const known = this.field(field.key)
+    const known = this.#known(field)
+    if (known === undefined) {
+      // Values flow under a consent only: what is told of any other field is a decision.
+      if (field.mappingState !== 'MAPPED') this.refreshSoon()
+      return
+    }
     // A decision has more members than the event tells: that field is read again.
-    if (known !== undefined && field.mappingState !== undefined && field.mappingState !== known.mappingState) {
+    if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
       void connector.field(field.key).then((whole) => {
         this.put(whole)
       }, () => {
-        this.inbox.refreshSoon()
+        this.refreshSoon()
       })
       return
     }
@@ -101,25 +126,10 @@ class Plant {
 
 export const plant = new Plant()
 
-function nameOf(key: RequestKey): string {
+export function nameOf(key: RequestKey): string {
   return `${key.operationNetworkId}/${key.operationId}/${key.dynamicDataRequestId}`
 }
 
 export function sameRequest(a: RequestKey, b: RequestKey): boolean {
   return a.operationNetworkId === b.operationNetworkId && a.operationId === b.operationId && a.dynamicDataRequestId === b.dynamicDataRequestId
-}
-
-const PAGES_MAX = 100
-
-async function everyRequest(signal: AbortSignal, onpage: (known: InboxRequest[]) => void): Promise<InboxRequest[]> {
-  const requests: InboxRequest[] = []
-  let cursor: string | undefined
-  for (let page = 0; page < PAGES_MAX; page += 1) {
-    const next = await connector.inbox(cursor, signal)
-    requests.push(...next.items)
-    cursor = next.nextCursor ?? undefined
-    if (cursor === undefined) break
-    onpage([...requests])
-  }
-  return requests
 }

@@ -18,7 +18,8 @@ import type {
   FieldKey,
   Found,
   ImportOutcome,
-  InboxRequest,
+  InboxAnswer,
+  InboxQuery,
   Mapping,
   MappingTemplate,
   MappingVersion,
@@ -65,7 +66,7 @@ export function offers(resourcePath: string): boolean {
 export const connector = {
   status: async (signal?: AbortSignal): Promise<Status> => statusOf(await request<StatusAnswer>('GET', '/status', { signal })),
   configuration: (signal?: AbortSignal) => request<Page<Setting>>('GET', '/configuration', { signal }),
-  inbox: (cursor?: string, signal?: AbortSignal) => request<Page<InboxRequest>>('GET', `/inbox${query({ cursor })}`, { signal }),
+  inbox: (wanted: InboxQuery, signal?: AbortSignal) => request<InboxAnswer>('GET', `/inbox${query({ ...wanted })}`, { signal }),
   suggestions: (key: FieldKey, limit: number, signal?: AbortSignal) => request<Suggestions>('GET', `${fieldPath(key)}/suggestions${query({ limit })}`, { signal }),
   versions: (key: FieldKey, signal?: AbortSignal) => request<Page<MappingVersion>>('GET', `${fieldPath(key)}/versions`, { signal }),
   rollBack: (key: FieldKey, version: number) => request<Field>('POST', `${fieldPath(key)}/versions/${version}/rollback`),

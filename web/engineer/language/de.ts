@@ -77,6 +77,7 @@ export const de: Texts = {
     mapped: 'Zugeordnet',
     refused: 'Abgelehnt',
     search: 'Anfragen und Felder suchen',
+    overdue: 'Überfällig',
     requester: 'Anfragender',
     recipients: 'Geht an',
     purpose: 'Zweck',

@@ -75,6 +75,7 @@ export const en = {
     mapped: 'Mapped',
     refused: 'Refused',
     search: 'Search requests and fields',
+    overdue: 'Overdue',
     requester: 'Requester',
     recipients: 'Goes to',
     purpose: 'Purpose',

@@ -1,0 +1,90 @@
+import { Problem } from '@/transport/problem'
+import { Resource } from '@/transport/resource.svelte'
+import { connector } from '../api/client'
+import type { FieldKey, InboxAnswer, InboxQuery, InboxRequest } from '../api/types'
+import { nameOf, sameRequest } from '../plant.svelte'
+
+/** Requests that are read at once while somebody scrolls, and at most. */
+const PAGE = 40
+const PAGE_MAX = 200
+const PAGES_MAX = 100
+/** The longest search that the connector takes. */
+const SEARCH_CHARS_MAX = 200
+
+/** The requests that a query means, read as far as somebody has scrolled. */
+export class RequestList {
+  readonly answer = new Resource<InboxAnswer>((signal) => this.#read(signal))
+  /** Why no more came. */
+  problem = $state.raw<Problem>()
+  #query: InboxQuery = {}
+  /** The query that the answer is to: while another one is asked, there is nothing to read on from. */
+  #answered: InboxQuery | undefined
+  #held = PAGE
+  #isReading = false
+
+  /** Shows other requests, from the beginning. What was shown stays until they are there. */
+  ask(query: InboxQuery): void {
+    this.#query = query
+    this.#held = PAGE
+    this.problem = undefined
+    void this.answer.refresh()
+  }
+
+  /** Reads on, where there is more. */
+  async more(): Promise<void> {
+    const cursor = this.answer.value?.nextCursor
+    const query = this.#query
+    if (!cursor || this.#isReading || query !== this.#answered) return
+    this.#held += PAGE
+    if (this.answer.isLoading) {
+      this.answer.refreshSoon()
+      return
+    }
+    this.#isReading = true
+    this.problem = undefined
+    try {
+      const next = await connector.inbox({ ...query, cursor, limit: PAGE })
+      if (query === this.#query) this.answer.amend((known) => joined(known, next))
+    } catch (failure) {
+      this.problem = Problem.from(failure)
+    }
+    this.#isReading = false
+  }
+
+  async #read(signal: AbortSignal): Promise<InboxAnswer> {
+    const query = this.#query
+    const answer = await readOn(query, this.#held, signal)
+    if (!signal.aborted) this.#answered = query
+    return answer
+  }
+}
+
+/** Every request that a query means. */
+export async function everyRequest(query: InboxQuery, signal: AbortSignal): Promise<InboxRequest[]> {
+  return (await readOn(query, PAGES_MAX * PAGE_MAX, signal)).items
+}
+
+/** The request that a field belongs to: a page of one, or of none where nobody asks any more. */
+export async function requestOf(key: FieldKey, signal: AbortSignal): Promise<{ items: InboxRequest[] }> {
+  const words = `${key.operationId} ${key.dynamicDataRequestId}`
+  let cursor: string | null | undefined
+  do {
+    const page = await connector.inbox({ operationNetworkId: key.operationNetworkId, ...(words.length <= SEARCH_CHARS_MAX ? { search: words } : {}), ...(cursor ? { cursor } : {}), limit: PAGE_MAX }, signal)
+    const items = page.items.filter((request) => sameRequest(request.key, key))
+    if (items.length > 0) return { items }
+    cursor = page.nextCursor
+  } while (cursor)
+  return { items: [] }
+}
+
+async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Promise<InboxAnswer> {
+  let answer = await connector.inbox({ ...query, limit: Math.min(count, PAGE_MAX) }, signal)
+  while (answer.nextCursor && answer.items.length < count) answer = joined(answer, await connector.inbox({ ...query, cursor: answer.nextCursor, limit: Math.min(count - answer.items.length, PAGE_MAX) }, signal))
+  return answer
+}
+
+/** Two pages as one. Requests that came or went in between have moved the others: each stays once. */
+function joined(known: InboxAnswer, next: InboxAnswer): InboxAnswer {
+  const names = new Set(known.items.map(({ key }) => nameOf(key)))
+  return { ...next, items: [...known.items, ...next.items.filter(({ key }) => !names.has(nameOf(key)))] }
+}
