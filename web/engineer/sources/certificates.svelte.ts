@@ -9,6 +9,7 @@ import { texts } from '../language/texts'
 export interface ShownCertificate {
   thumbprint: string
   subject: string
+  validFrom?: string | null | undefined
   validTo?: string | null | undefined
   keyBits?: number | null | undefined
   isTrusted: boolean
@@ -17,6 +18,12 @@ export interface ShownCertificate {
 /** The certificates of servers, as the list shows them. */
 export function ofServers(certificates: readonly Certificate[]): ShownCertificate[] {
   return certificates.map(({ trust, ...others }) => ({ ...others, isTrusted: trust === 'trusted' }))
+}
+
+/** Whether a certificate is valid at a time, where it says when it is. */
+export function validity({ validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>, now: number): 'early' | 'valid' | 'over' {
+  if (validTo != null && Date.parse(validTo) < now) return 'over'
+  return validFrom != null && Date.parse(validFrom) > now ? 'early' : 'valid'
 }
 
 /** The certificate that a source waits for: its problem names the thumbprint. */

@@ -1,0 +1,108 @@
+import { render, screen, within } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { toasts } from '@/design/toasts.svelte'
+import { clock } from '@/format/clock.svelte'
+import { session } from '@/transport/session.svelte'
+import { problem, serve, type Asked } from '../../vitest.server'
+import type { ClientCertificate } from '../api/types'
+import ClientCertificates from './ClientCertificates.svelte'
+
+const THUMBPRINT = 'ab12cd34'
+let known: ClientCertificate[]
+
+/** A trust list as the twin keeps it. */
+function twin(): Asked[] {
+  const trust = ({ path, body }: Asked): unknown => {
+    const state = (body as { isTrusted: boolean }).isTrusted ? ('TRUSTED' as const) : ('REJECTED' as const)
+    known = known.map((each) => (path.endsWith(each.thumbprint) ? { ...each, state } : each))
+    return known[0]
+  }
+  return serve({ 'GET /client-certificates': () => ({ items: known }), [`PUT /client-certificates/${THUMBPRINT}`]: trust, 'POST /client-certificates': () => new Response(null, { status: 204 }) })
+}
+const changes = (log: Asked[]): unknown[] => log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
+const inDays = (days: number): string => new Date(clock.now + days * 86_400_000).toISOString()
+const signIn = (role: string): void => {
+  session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
+}
+async function openDialog(): Promise<ReturnType<typeof within>> {
+  await userEvent.click(await screen.findByRole('button', { name: 'Add a certificate' }))
+  return within(screen.getByRole('dialog'))
+}
+
+beforeEach(() => {
+  signIn('ENGINEER')
+  toasts.list = []
+  known = [
+    { thumbprint: THUMBPRINT, subject: 'CN=Planner', notBefore: inDays(-10), notAfter: inDays(300), state: 'REJECTED' },
+    { thumbprint: 'ef56', subject: 'CN=Old', notBefore: inDays(-300), notAfter: inDays(-1), state: 'TRUSTED' },
+    { thumbprint: '0789', subject: 'CN=Early', notBefore: inDays(2), notAfter: inDays(300), state: 'TRUSTED' },
+  ]
+})
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('certificates of OPC UA clients', () => {
+  it('say who knocked, with which thumbprint, and whether the certificate is valid', async () => {
+    twin()
+    render(ClientCertificates)
+    await screen.findByText('CN=Planner')
+    const rows = screen.getAllByRole('row').slice(1).map((row) => row.textContent.replace(/\s+/g, ' '))
+    expect(rows[0]).toMatch(/CN=Planner\s*AB12 CD34.* to .*Waits for you/)
+    expect(rows[0]).not.toMatch(/Expired|Not valid yet/)
+    expect(rows[1]).toMatch(/CN=Old.*Expired.*Trusted/)
+    expect(rows[2]).toMatch(/CN=Early.*Not valid yet/)
+  })
+
+  it('are trusted at once, and taken back', async () => {
+    const log = twin()
+    render(ClientCertificates)
+    await userEvent.click(await screen.findByRole('button', { name: 'Trust: CN=Planner' }))
+    expect(await screen.findByRole('button', { name: 'Trust no longer: CN=Planner' })).toBeTruthy()
+    toasts.list[0]?.action?.run()
+    expect(await screen.findByRole('button', { name: 'Trust: CN=Planner' })).toBeTruthy()
+    expect(changes(log)).toEqual([{ isTrusted: true }, { isTrusted: false }])
+  })
+
+  it('are not for everybody to trust', async () => {
+    twin()
+    signIn('VIEWER')
+    render(ClientCertificates)
+    await screen.findByText('CN=Planner')
+    expect(screen.queryByRole('button')).toBeNull()
+  })
+
+  it('can be given in advance, and revocation lists too, as files of either form', async () => {
+    const log = twin()
+    render(ClientCertificates)
+    let dialog = await openDialog()
+    await userEvent.selectOptions(dialog.getByLabelText('Kind'), 'REVOCATION_LIST')
+    await userEvent.upload(dialog.getByLabelText('From a file'), new File([new Uint8Array([0x30, 3, 2, 1, 1])], 'plant.crl'))
+    await vi.waitFor(() => expect(dialog.getByLabelText('Content')).toHaveProperty('value', 'MAMCAQE='))
+    await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
+    await vi.waitFor(() => expect(toasts.list.map(({ text }) => text)).toEqual(['Certificate added.']))
+
+    dialog = await openDialog()
+    const pem = '-----BEGIN CERTIFICATE-----\nMAMCAQE=\n-----END CERTIFICATE-----'
+    await userEvent.selectOptions(dialog.getByLabelText('Kind'), 'ISSUER')
+    await userEvent.upload(dialog.getByLabelText('From a file'), new File([`${pem}\n`], 'between.pem'))
+    await vi.waitFor(() => expect(dialog.getByLabelText('Content')).toHaveProperty('value', `${pem}\n`))
+    await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
+    await vi.waitFor(() => expect(changes(log)).toEqual([{ kind: 'REVOCATION_LIST', content: 'MAMCAQE=' }, { kind: 'ISSUER', content: pem }]))
+  })
+
+  it('are refused with a reason: too large a file here, what is no certificate by the connector', async () => {
+    const log = twin()
+    render(ClientCertificates)
+    const dialog = await openDialog()
+    await userEvent.upload(dialog.getByLabelText('From a file'), new File([new Uint8Array(300 * 1024)], 'film.pem'))
+    expect(await dialog.findByText('The file is larger than 256 KiB: it cannot be a certificate.')).toBeTruthy()
+    expect(changes(log)).toEqual([])
+
+    serve({ 'GET /client-certificates': () => ({ items: known }), 'POST /client-certificates': () => problem(422, 'It cannot be used: no certificate.') })
+    await userEvent.type(dialog.getByLabelText('Content'), 'MAMC')
+    await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
+    expect((await dialog.findByRole('alert')).textContent).toContain('It cannot be used: no certificate.')
+  })
+})
