@@ -1,16 +1,16 @@
 import AxeBuilder from '@axe-core/playwright'
 import { expect, test } from '@playwright/test'
-import { connector, places, platform, signedIn, visit } from './world.ts'
+import { connector, enter, places, platform, signedIn, visit } from './world.ts'
 
 for (const site of [connector, platform]) {
   for (const colorScheme of ['light', 'dark'] as const) {
     test(`${site.app} has no barriers in ${colorScheme}`, async ({ browser }) => {
       const page = await signedIn(browser, site, { colorScheme })
-      for (const { name, hash } of await places(page, site)) {
-        await visit(page, site, hash)
+      for (const place of await places(page, site)) {
+        await enter(page, site, place)
         const { violations } = await new AxeBuilder({ page }).withTags(['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa']).analyze()
         const said = violations.map((violation) => `${violation.id}: ${violation.nodes.map((node) => `${node.target.join(' ')} ${node.any[0]?.message ?? ''}`).join('; ')}`)
-        expect.soft(said, `${site.app}/${name}`).toEqual([])
+        expect.soft(said, `${site.app}/${place.name}`).toEqual([])
       }
       await page.context().close()
     })

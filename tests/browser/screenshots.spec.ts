@@ -1,5 +1,5 @@
 import { test } from '@playwright/test'
-import { connector, places, platform, signedIn, visit } from './world.ts'
+import { connector, enter, places, platform, signedIn } from './world.ts'
 
 const FOLDER = process.env['SCREENSHOTS'] ?? '../../target/screenshots'
 const SIZES = { desktop: { width: 1440, height: 900 }, tablet: { width: 834, height: 1112 } } as const
@@ -12,8 +12,9 @@ for (const site of [connector, platform]) {
           const page = await signedIn(browser, site, { colorScheme, viewport, locale: language === 'de' ? 'de-DE' : 'en-GB', hasTouch: size === 'tablet' })
           await page.evaluate((code) => localStorage.setItem('verbund.language', code), language)
           await page.reload()
-          for (const { name, hash } of await places(page, site)) {
-            await visit(page, site, hash)
+          for (const place of await places(page, site)) {
+            const { name } = place
+            await enter(page, site, place)
             await page.waitForTimeout(name.startsWith('field') || name === 'source' ? 1500 : 400)
             await page.screenshot({ path: `${FOLDER}/${site.app}-${name}-${colorScheme}-${language}-${size}.png`, fullPage: true })
           }

@@ -74,8 +74,20 @@ interface Items<T> {
   items: T[]
 }
 
+/** A place in an app, and what to do there to see all of it. */
+export interface Place {
+  name: string
+  hash: string
+  act?: (page: Page) => Promise<void>
+}
+
+/** Whether the daemon of this build answers a path. */
+async function offers(request: APIRequestContext, site: Site, path: string): Promise<boolean> {
+  return (await request.get(`${site.url.replace(/\/$/, '')}/api/v1${path}`)).ok()
+}
+
 /** Every place in an app that has a page of its own, with real ids in it. */
-export async function places(page: Page, site: Site): Promise<{ name: string; hash: string }[]> {
+export async function places(page: Page, site: Site): Promise<Place[]> {
   const hash = (...parts: string[]): string => `#/${parts.map(encodeURIComponent).join('/')}`
   if (site.app === 'partner') {
     const networks = await api<Items<{ operationNetworkId: string }>>(page.request, site, '/operation-networks')
@@ -102,7 +114,7 @@ export async function places(page: Page, site: Site): Promise<{ name: string; ha
   const inbox = await api<Items<{ fields: Field[] }>>(page.request, site, '/inbox')
   const sources = await api<Items<{ sourceId: string }>>(page.request, site, '/sources')
   const fields = inbox.items.flatMap((request) => request.fields)
-  const at = (name: string, field: Field | undefined): { name: string; hash: string }[] =>
+  const at = (name: string, field: Field | undefined): Place[] =>
     field === undefined ? [] : [{ name, hash: hash('fields', field.key.operationNetworkId, field.key.operationId, field.key.dynamicDataRequestId, field.key.fieldName) }]
   const source = sources.items[0]?.sourceId
   return [
@@ -114,9 +126,21 @@ export async function places(page: Page, site: Site): Promise<{ name: string; ha
     ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
     { name: 'sources', hash: '#/sources' },
     { name: 'operator', hash: '#/operator' },
+    { name: 'policies', hash: '#/policies' },
+    { name: 'rule', hash: '#/policies', act: (shown) => press(shown, /^(add a rule|regel hinzufügen)$/i) },
+    { name: 'policy', hash: '#/policies', act: (shown) => press(shown, /^(add a policy|freigabe hinzufügen)$/i) },
+    { name: 'leaks', hash: '#/leaks' },
     { name: 'mappings', hash: '#/mappings' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
+    { name: 'certificate', hash: '#/sources', act: (shown) => press(shown, /^(add a certificate|zertifikat hinzufügen)$/i) },
     { name: 'ledger', hash: '#/ledger' },
+    { name: 'ledger-filtered', hash: '#/ledger', act: filterAndVerify },
+    ...((await offers(page.request, site, '/users'))
+      ? [
+          { name: 'users', hash: '#/users' },
+          { name: 'user', hash: '#/users', act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i) },
+        ]
+      : []),
     { name: 'link', hash: '#/link' },
     { name: 'settings', hash: '#/settings' },
   ]
@@ -127,4 +151,24 @@ export async function visit(page: Page, site: Site, hash: string): Promise<void>
   await page.goto(`${site.url.replace(/\/$/, '')}/${hash}`)
   await expect(page.locator('main h1')).toBeVisible()
   await expect(page.locator('main .loading')).toHaveCount(0)
+}
+
+/** Opens a place anew, also where the one before was at the same address, and does what is to be done there. */
+export async function enter(page: Page, site: Site, { hash, act }: Place): Promise<void> {
+  if (act !== undefined) await page.goto('about:blank')
+  await visit(page, site, hash)
+  await act?.(page)
+}
+
+async function press(page: Page, name: RegExp): Promise<void> {
+  await page.getByRole('button', { name }).click()
+  await expect(page.getByRole('dialog')).toBeVisible()
+}
+
+/** The ledger of the last days, verified. */
+async function filterAndVerify(page: Page): Promise<void> {
+  const lately = new Date(Date.now() - 7 * 24 * 3_600_000).toISOString().slice(0, 16)
+  await page.getByLabel(/^(from|von)$/i).fill(lately)
+  await page.getByRole('button', { name: /^(verify the chain|kette prüfen)$/i }).click()
+  await expect(page.getByRole('region', { name: /^(result of the verification|ergebnis der prüfung)$/i })).toBeVisible({ timeout: 30_000 })
 }
