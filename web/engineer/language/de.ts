@@ -451,6 +451,8 @@ export const de: Texts = {
   users: {
     title: 'Benutzer',
     subtitle: 'Wer sich hier und über OPC UA am Zwilling anmelden darf',
+    everybody: 'Wer sich anmelden darf',
+    nobody: 'Niemand darf sich anmelden.',
     add: 'Person hinzufügen',
     role: 'Rolle',
     may: 'Darf',

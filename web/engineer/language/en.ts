@@ -449,6 +449,8 @@ export const en = {
   users: {
     title: 'Users',
     subtitle: 'Who may sign in here and, over OPC UA, at the twin',
+    everybody: 'Who may sign in',
+    nobody: 'Nobody may sign in.',
     add: 'Add a person',
     role: 'Role',
     may: 'May',

@@ -1,0 +1,86 @@
+import { render, screen, within } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { toasts } from '@/design/toasts.svelte'
+import { session } from '@/transport/session.svelte'
+import { problem, serve, type Asked } from '../../vitest.server'
+import PoliciesPage from './PoliciesPage.svelte'
+
+const versioned = { version: 3, changedBy: 'eva', changedAt: '2026-11-21T06:00:00Z' }
+const rule = { ...versioned, id: 'power', name: 'Power to Acme', isEnabled: false, when: { partners: ['acme'], dataTypes: [], semantics: [], units: [] }, action: 'PREFILL', disclosure: { roundingStep: 5 } }
+const policy = { ...versioned, id: 'coarse', name: 'Coarse', disclosure: { roundingStep: 10 }, isRetired: false, statement: '', fieldCount: 2, recipients: [] }
+const nothing = { items: [] }
+
+/** Everything that the page reads, with what a test says otherwise. */
+function connector(answers: Parameters<typeof serve>[0] = {}): Asked[] {
+  return serve({
+    'GET /rules': () => ({ items: [rule] }),
+    'GET /policies': () => ({ items: [policy] }),
+    'GET /recipients': () => ({ items: [{ recipient: 'acme', fieldCount: 2 }] }),
+    'GET /rule-decisions': () => nothing,
+    'POST /rules/preview': () => ({ count: 0, wouldDecideCount: 0, items: [] }),
+    ...answers,
+  })
+}
+const changes = (log: Asked[]): Asked[] => log.filter(({ method }) => method === 'PUT')
+
+beforeEach(() => {
+  session.state = { is: 'signedIn', who: { userName: 'eva', role: 'ENGINEER', csrfToken: 't' } }
+  toasts.list = []
+})
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('policies and rules', () => {
+  it('have each a word for nothing', async () => {
+    connector({ 'GET /rules': () => nothing, 'GET /policies': () => nothing, 'GET /recipients': () => nothing })
+    render(PoliciesPage)
+    for (const text of ['No rule yet', 'No named policy yet.', 'Nobody asks yet.', 'Rules have decided nothing yet.']) expect(await screen.findByText(text)).toBeTruthy()
+  })
+
+  it('a rule is enabled at once, and back', async () => {
+    const log = connector({ 'PUT /rules/power': () => ({}) })
+    render(PoliciesPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Enable: Power to Acme' }))
+    await vi.waitFor(() => expect(toasts.list).toHaveLength(1))
+    toasts.list[0]?.action?.run()
+    await vi.waitFor(() => expect(changes(log).map(({ body }) => (body as { isEnabled: boolean }).isEnabled)).toEqual([true, false]))
+  })
+
+  it('a policy is added, and stays open with the reason where it is refused', async () => {
+    const log = connector({ 'PUT /policies/fine-grained': () => problem(422, 'The rounding step is too small.') })
+    render(PoliciesPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Add a policy' }))
+    const dialog = within(screen.getByRole('dialog'))
+    await userEvent.type(dialog.getByLabelText('Name'), 'Fine grained')
+    await userEvent.type(dialog.getByLabelText('Rounding step'), '2')
+    await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
+    expect((await dialog.findByRole('alert')).textContent).toContain('The rounding step is too small.')
+    expect(changes(log).map(({ body }) => body)).toEqual([{ name: 'Fine grained', disclosure: { roundingStep: 2 }, isRetired: false }])
+
+    connector({ 'PUT /policies/fine-grained': () => ({ version: 1 }) })
+    await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
+    await vi.waitFor(() => expect(screen.queryByRole('dialog')).toBeNull())
+    expect(toasts.list.map(({ text }) => text)).toEqual(['Policy saved.'])
+  })
+
+  it('a recipient has the policy that holds, also where another one was refused', async () => {
+    connector({ 'PUT /recipients/acme/policy': () => problem(409, 'Changed by somebody else.') })
+    render(PoliciesPage)
+    const choice = await screen.findByRole('combobox', { name: 'Named policy: acme' })
+    await vi.waitFor(() => expect(within(choice).getAllByRole('option')).toHaveLength(2))
+    await userEvent.selectOptions(choice, 'coarse')
+    await vi.waitFor(() => expect(toasts.list.map(({ text }) => text)).toEqual(['Changed by somebody else.']))
+    await vi.waitFor(() => expect(choice).toHaveProperty('value', ''))
+  })
+
+  it('are not for everybody to change', async () => {
+    session.state = { is: 'signedIn', who: { userName: 'ida', role: 'VIEWER', csrfToken: 't' } }
+    connector()
+    render(PoliciesPage)
+    await screen.findByText('Power to Acme')
+    expect(screen.queryByRole('button')).toBeNull()
+    expect(await screen.findByRole('combobox')).toHaveProperty('disabled', true)
+  })
+})
