@@ -43,6 +43,9 @@ chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: M
 	$(CARGO) build --locked $(PROGRAMS) --bin chaos
 	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED))
 
+mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=3 SEED=n
+	tests/mutants/run.sh $(or $(MINUTES),3) $(or $(SEED),2)
+
 script-deno: ## the second script engine (needs cmake and libsimde-dev), and the conformance suite against it
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
@@ -82,4 +85,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Breaks one guarantee after the other and plays chaos: a run that proves anything has to notice.
+#
+#   tests/mutants/run.sh [MINUTES] [SEED] [NAME...]
+#
+# Each patch here is one mutant. The tree must be clean; it is clean again afterwards, whatever happens.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+minutes=${1:-3} seed=${2:-2}
+shift $(($# < 2 ? $# : 2))
+[ -z "$(git status --porcelain --untracked-files=no)" ] || { echo "Commit or stash first: the mutants change files." >&2; exit 1; }
+mkdir -p target/mutants
+names=("$@")
+if [ ${#names[@]} = 0 ]; then
+  for patch in tests/mutants/*.patch; do names+=("$(basename "$patch" .patch)"); done
+fi
+
+programs=(--bin platform --bin factory-connector --bin script-quickjs --bin simulator --bin demo --bin chaos)
+survivors=()
+for name in "${names[@]}"; do
+  patch=tests/mutants/$name.patch log=target/mutants/$name.log
+  git apply "$patch"
+  trap 'git apply --reverse "$patch"' EXIT
+  cargo build --quiet --locked "${programs[@]}"
+  # A fault in the verdict is a mutant found; a run that broke off elsewhere proves nothing.
+  if target/debug/chaos --minutes "$minutes" --seed "$seed" >"$log" 2>&1; then
+    verdict=survived
+  elif grep -qE '^[0-9]+ faults:|: [0-9]+ faults:' "$log"; then
+    verdict="found: $(grep -oE '[0-9]+ faults:.*' "$log" | head -1) $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
+  else
+    verdict="not judged: $(tail -1 "$log" | cut -c1-160)"
+  fi
+  git apply --reverse "$patch"
+  trap - EXIT
+  echo "$name: $verdict"
+  [[ $verdict == found* ]] || survivors+=("$name")
+done
+[ ${#survivors[@]} = 0 ] || { echo "Not found: ${survivors[*]} (logs in target/mutants)"; exit 1; }
