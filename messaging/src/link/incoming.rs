@@ -121,12 +121,10 @@ impl Consumers {
             if let Some((_, last)) = batch.last() {
                 self.shared.received(last.received_at);
             }
-            let is_released = self.store(address, lane.as_mut(), batch).await?;
-            if is_released {
-                tokio::select! {
-                    () = stop.cancelled() => return Ok(()),
-                    () = tokio::time::sleep(self.limits.address_rest) => {}
-                }
+            if self.store(address, lane.as_mut(), batch).await? {
+                // What is on its way already must not overtake what was given back: with the lane all of it goes back to
+                // its place, and comes again in its order after a rest.
+                return Err(LaneFault::Broken("messages could not be stored; they stay with the broker".to_owned()));
             }
         }
     }

@@ -42,6 +42,12 @@ impl Shared {
             self.hindrances.lock().clear();
             self.has_data_flowed.store(false, Ordering::Relaxed);
         }
+        // Some brokers close the connection over what they refuse: what was refused is the reason to be told.
+        let hindrance = if matches!(phase, LinkPhase::Down { .. }) { told(&self.hindrances.lock()) } else { None };
+        let reason = match (reason, hindrance) {
+            (Some(reason), Some(hindrance)) => Some(format!("{reason}; before that, {hindrance}")),
+            (reason, hindrance) => reason.or(hindrance),
+        };
         self.state.send_modify(|state| {
             if phase == LinkPhase::Up {
                 state.connects += 1;
@@ -84,10 +90,7 @@ impl Shared {
                 Some(reason) => hindrances.insert(what.to_owned(), reason),
                 None => hindrances.remove(what),
             };
-            hindrances.iter().next().map(|(what, reason)| match hindrances.len() {
-                1 => format!("{what}: {reason}"),
-                n => format!("{what}: {reason} (and {} more)", n - 1),
-            })
+            told(&hindrances)
         };
         self.state.send_if_modified(|state| {
             let is_new = state.is_up() && state.reason != told;
@@ -97,4 +100,12 @@ impl Shared {
             is_new
         });
     }
+}
+
+/// One hindrance in words, and how many there are besides.
+fn told(hindrances: &BTreeMap<String, String>) -> Option<String> {
+    hindrances.iter().next().map(|(what, reason)| match hindrances.len() {
+        1 => format!("{what}: {reason}"),
+        n => format!("{what}: {reason} (and {} more)", n - 1),
+    })
 }

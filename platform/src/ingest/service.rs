@@ -110,7 +110,8 @@ impl Ingest {
     }
 
     /// Writes batches in one transaction. Where that fails, each message is tried on its own, so that one that the
-    /// database refuses holds nobody else up.
+    /// database refuses holds nobody else up. After one that cannot be stored at the moment all others wait, too, for none
+    /// may overtake it.
     async fn write(&self, batches: Vec<Batch>) {
         let started = std::time::Instant::now();
         let all: Vec<(&LogicalAddress, &[Incoming])> =
@@ -124,10 +125,12 @@ impl Ingest {
             }
             Err(error) => {
                 tracing::warn!(cause = %chain(&error), "A batch could not be stored; its messages are tried singly.");
+                let mut is_stored = true;
                 for batch in batches {
                     let mut answer = Vec::with_capacity(batch.messages.len());
                     for message in &batch.messages {
-                        answer.push(self.write_single(&batch.address, message).await);
+                        is_stored = is_stored && self.write_single(&batch.address, message).await;
+                        answer.push(is_stored);
                     }
                     drop(batch.stored.send(answer));
                 }
