@@ -24,7 +24,9 @@ dev: prerequisites web ## build everything for development
 
 test: prerequisites-test foreign browser web lint ## everything that proves the product right (what CI runs)
 	$(CARGO) build --locked --workspace --bins --tests
-	if $(CARGO) nextest --version >/dev/null 2>&1; then $(CARGO) nextest run --locked --workspace --no-fail-fast; \
+	# Much of what tests do is waiting for other programs: one more at a time than there are processors.
+	if $(CARGO) nextest --version >/dev/null 2>&1; then \
+	  $(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1)); \
 	  else $(CARGO) test --locked --workspace --no-fail-fast; fi
 
 check: test ## the same, under the name people look for

@@ -92,7 +92,6 @@ where
     description
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "the layer hands it over")]
 fn panicked(_: Box<dyn std::any::Any + Send>) -> Response {
     metrics::counter!("verbund_handler_panics_total").increment(1);
     let message = "Something went wrong here; the program's log says what.";

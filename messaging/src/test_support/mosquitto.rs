@@ -12,6 +12,15 @@ use tempfile::TempDir;
 
 use crate::definitions::{Plan, mosquitto_acl};
 
+/// When what waits is written to disk: all of it each time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Saving {
+    /// Within a second of each change.
+    Always,
+    /// When the broker is stopped in order; what waits may be much.
+    AtTheEnd,
+}
+
 /// The broker; stopped and removed when dropped.
 pub struct Mosquitto {
     folder: TempDir,
@@ -24,7 +33,7 @@ impl Mosquitto {
     ///
     /// # Panics
     /// Where Mosquitto is not installed or does not start.
-    pub async fn start(plan: &Plan) -> Self {
+    pub async fn start(plan: &Plan, saving: Saving) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
@@ -43,11 +52,15 @@ impl Mosquitto {
         }
         let configuration = format!(
             "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\nacl_file {}\n\
-             persistence true\npersistence_location {}/\nautosave_interval 1\nautosave_on_changes true\n\
+             persistence true\npersistence_location {}/\n{}\n\
              max_queued_messages 0\nlog_dest file {}\n",
             path("passwords"),
             path("acl"),
             folder.path().display(),
+            match saving {
+                Saving::Always => "autosave_interval 1\nautosave_on_changes true",
+                Saving::AtTheEnd => "autosave_interval 0",
+            },
             path("log"),
         );
         fs::write(path("mosquitto.conf"), configuration).expect("written");

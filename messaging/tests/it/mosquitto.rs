@@ -1,12 +1,15 @@
 //! Mosquitto over MQTT 5, with a generated access control list.
 
-use messaging::{BrokerProfile, LinkPhase, RowId, Settlement, test_support::Mosquitto};
+use messaging::{
+    BrokerProfile, LinkPhase, RowId, Settlement,
+    test_support::{Mosquitto, Saving},
+};
 
 use crate::support::{TestLink, address, eventually, plan};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_promises_over_mqtt() {
-    let mut broker = Mosquitto::start(&plan()).await;
+    let mut broker = Mosquitto::start(&plan(), Saving::Always).await;
     let url = broker.url();
     let start = |user: &str, password: &str, consumed: &[&str]| {
         TestLink::start(BrokerProfile::mqtt(), &url, user, password, consumed)

@@ -7,7 +7,7 @@ use broker::{Broker, BrokerConfig, BrokerHandle, BrokerUser, CredentialTable, Li
 use messaging::{
     BrokerProfile, LogicalAddress,
     definitions::{self, Plan, QueueLimits, rabbitmq_definitions},
-    test_support::{Mosquitto, RabbitMq},
+    test_support::{Mosquitto, RabbitMq, Saving},
 };
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
@@ -79,7 +79,7 @@ impl BrokerUnderTest {
 
     /// Mosquitto.
     pub(super) async fn mosquitto() -> Self {
-        let broker = Mosquitto::start(&plan()).await;
+        let broker = Mosquitto::start(&plan(), Saving::AtTheEnd).await;
         let url = broker.url();
         Self::new("Mosquitto", Protocol::Mqtt, BrokerProfile::mqtt(), url, Process::Mosquitto(broker))
     }
