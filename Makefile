@@ -33,9 +33,12 @@ check: test ## the same, under the name people look for
 
 lint: web ## format, clippy, documentation, and the same for the web pages
 	$(CARGO) fmt --check
-	cd web && npm run --silent lint && npm run --silent check && npm run --silent test
+	$(MAKE) -j3 --output-sync=target web-lint web-check web-test
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
+
+web-lint web-check web-test: web
+	cd web && npm run --silent $(@:web-%=%)
 
 bench: prerequisites web ## latency and throughput of the whole path, release build; writes target/bench/results.json
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench
@@ -87,4 +90,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
