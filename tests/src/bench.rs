@@ -41,13 +41,12 @@ pub enum Subject {
     Links,
 }
 
-/// Measures these subjects, all where there are none; writes the results of all.
+/// Measures these subjects, all where there are none, and writes the results.
 ///
 /// # Errors
 /// When the story does not play or something stays away.
 pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
-    let is_all = subjects.is_empty();
-    let subjects = if is_all { Subject::value_variants() } else { subjects };
+    let subjects = if subjects.is_empty() { Subject::value_variants() } else { subjects };
     say(&format!("{}\n", machine()));
     let mut results = Vec::new();
     for subject in subjects {
@@ -59,12 +58,10 @@ pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
             Subject::Links => links::measure().await?,
         });
     }
-    if is_all {
-        let file = repository()?.join("target/bench/results.json");
-        std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
-        std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
-        say(&format!("\nWritten to {}", file.display()));
-    }
+    let file = repository()?.join("target/bench/results.json");
+    std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
+    std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
+    say(&format!("\nWritten to {}", file.display()));
     Ok(())
 }
 
