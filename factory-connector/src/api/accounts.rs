@@ -45,13 +45,19 @@ pub(super) fn operator_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
 pub struct StoredAccounts {
     readers: SqlitePool,
     sessions: Arc<Mutex<HashMap<SessionId, StoredSession>>>,
+    changing: Arc<tokio::sync::Mutex<()>>,
 }
 
 impl StoredAccounts {
     /// Over the store's reading connections.
     #[must_use]
     pub fn new(readers: SqlitePool) -> Self {
-        Self { readers, sessions: Arc::default() }
+        Self { readers, sessions: Arc::default(), changing: Arc::default() }
+    }
+
+    /// Lets nobody else change people while this is held: what was read of them is true until it is written.
+    pub(super) async fn change(&self) -> tokio::sync::MutexGuard<'_, ()> {
+        self.changing.lock().await
     }
 
     /// Ends a person's sessions, except the one from which it is done.

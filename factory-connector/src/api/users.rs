@@ -19,8 +19,9 @@ use crate::{
     store::{Role, Store, StoreError, User, put_user, remove_user, user, users},
 };
 
-/// Longest name, in characters; most people.
+/// Longest name, in characters.
 const NAME_CHARS_MAX: usize = 64;
+/// Most people.
 const USERS_MAX: usize = 1000;
 
 /// A person who may sign in.
@@ -60,6 +61,8 @@ pub async fn put(
 ) -> Result<Json<UserView>, Problem> {
     engineer_only(&who)?;
     check_name(&user_name)?;
+    // Two engineers who take each other's role at once must not both succeed.
+    let _change = api.accounts.change().await;
     let known = user(&api.readers, &user_name).await?;
     let everybody = everybody(&api).await?;
     if known.is_none() && everybody.len() >= USERS_MAX {
@@ -97,6 +100,7 @@ pub async fn remove(
     ApiPath(user_name): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
     engineer_only(&who)?;
+    let _change = api.accounts.change().await;
     keep_an_engineer(&everybody(&api).await?, &user_name)?;
     let name = user_name.clone();
     if !on_store(&api, move |mut connection| async move { remove_user(&mut connection, &name).await }).await? {

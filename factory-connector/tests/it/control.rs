@@ -46,6 +46,16 @@ async fn people_come_and_go_but_for_the_last_engineer() {
     assert_eq!(viewer.call(Method::GET, "/session", None).await.0, 401);
     assert_eq!(plant.call(Method::DELETE, "/users/otto", None).await.0, 404);
     assert!(plant.signed_in("engineer", PASSWORD).await.is_ok());
+
+    // Two engineers who remove each other at the same moment: one of them stays.
+    plant.put("/users/ida", json!({ "role": "ENGINEER", "password": "ida knows the mill" })).await;
+    let ida = plant.signed_in("ida", "ida knows the mill").await.expect("ida may come in");
+    let both = tokio::join!(
+        plant.call(Method::DELETE, "/users/ida", None),
+        ida.call(Method::DELETE, "/users/engineer", None),
+    );
+    let gone = [both.0.0, both.1.0].iter().filter(|status| status.is_success()).count();
+    assert_eq!(gone, 1, "{both:?}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
