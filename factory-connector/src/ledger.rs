@@ -25,8 +25,8 @@ pub use head::SignedHead;
 pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};
 pub use values::{SALT_BYTES, ValuesError, values_root};
 pub use verification::{
-    CheckedEntry, LedgerFault, StoredConsent, StoredEntry, StoredHead, StoredReport, StoredStatement, Surroundings,
-    Verification, Verifier,
+    CheckedEntry, LedgerFault, ReportDigest, StoredConsent, StoredEntry, StoredHead, StoredReport, StoredStatement,
+    Surroundings, Verification, Verifier,
 };
 
 /// A SHA-256 digest.

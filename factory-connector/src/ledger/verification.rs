@@ -1,7 +1,7 @@
 //! Verification: finds any change, deletion or reordering.
 //!
-//! Entries are looked at one by one, which may happen on several threads ([`StoredEntry::check`]); the [`Verifier`] then
-//! takes them in their order and compares them with what is signed: anchors at the beginning of pruned chains, heads at
+//! Entries and reports are looked at one by one, which may happen on several threads ([`StoredEntry::check`]); the
+//! [`Verifier`] then takes the entries in their order and compares them with what is signed: anchors at the beginning of pruned chains, heads at
 //! their ends, daily checkpoints over all of them, and receipts of ended consents.
 
 mod row;
@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use serde::Serialize;
 
 use row::Values;
-pub use row::{CheckedEntry, StoredEntry, StoredReport};
+pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
 
 use super::{Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, checkpoint::is_signed, head::is_signed_head};
 
@@ -182,9 +182,23 @@ impl Verifier {
             .unwrap_or_default()
     }
 
-    /// Takes the next entry.
-    pub fn take(&mut self, entry: CheckedEntry) {
-        let CheckedEntry { recipient, number, hash, faults, values, consent, revocation } = entry;
+    /// Takes the next entries of a chain.
+    pub fn take(&mut self, recipient: &[u8], entries: impl IntoIterator<Item = CheckedEntry>) {
+        let recipient = String::from_utf8_lossy(recipient).into_owned();
+        let known = self.heads.get(&recipient).or_else(|| self.starts.get(&recipient));
+        let mut last = known.map_or(0, |head| head.number);
+        for entry in entries {
+            let head = self.take_one(&recipient, last, entry);
+            last = head.number;
+            match self.heads.get_mut(&recipient) {
+                Some(known) => *known = head,
+                None => drop(self.heads.insert(recipient.clone(), head)),
+            }
+        }
+    }
+
+    fn take_one(&mut self, recipient: &str, last: u64, entry: CheckedEntry) -> Head {
+        let CheckedEntry { number, hash, faults, values, consent, revocation } = entry;
         self.outcome.entries += 1;
         match values {
             Values::None => {}
@@ -192,37 +206,29 @@ impl Verifier {
             Values::Emptied => self.outcome.values_emptied += 1,
         }
         for fault in faults {
-            self.fault(&recipient, number, fault);
+            self.fault(recipient, number, fault);
         }
-        let last = self.heads.get(&recipient).or_else(|| self.starts.get(&recipient)).map_or(0, |head| head.number);
         if number != last + 1 {
-            self.fault(&recipient, last + 1, "entries are missing from here on");
+            self.fault(recipient, last + 1, "entries are missing from here on");
         }
-        if let Some((field, version, event, at)) = consent {
-            let is_same = self
-                .consents
-                .get(&(field, version))
-                .is_some_and(|stored| stored.decided_at == at && is_consent(&event, stored));
-            if !is_same {
-                self.fault(&recipient, number, "the consent beside the ledger is not the one that was given");
-            }
+        if let Some((event, at)) = consent
+            && !self.is_given(&event, at)
+        {
+            self.fault(recipient, number, "the consent beside the ledger is not the one that was given");
         }
         if let Some(id) = revocation {
             self.unmentioned.remove(&id);
             if !self.revocations.contains(&id) {
-                self.fault(&recipient, number, "the receipt of this revocation was deleted");
+                self.fault(recipient, number, "the receipt of this revocation was deleted");
             }
         }
         if !self.wanted.is_empty()
-            && let Some(wanted) = self.wanted.remove(&(recipient.clone(), number))
+            && let Some(wanted) = self.wanted.remove(&(recipient.to_owned(), number))
             && wanted != hex::encode(hash)
         {
-            self.fault(&recipient, number, "a signed checkpoint states another hash for this entry");
+            self.fault(recipient, number, "a signed checkpoint states another hash for this entry");
         }
-        match self.heads.get_mut(&recipient) {
-            Some(head) => *head = Head { number, hash },
-            None => drop(self.heads.insert(recipient, Head { number, hash })),
-        }
+        Head { number, hash }
     }
 
     /// Ends the verification: compares the chains' ends with what was signed of them.
@@ -266,6 +272,13 @@ impl Verifier {
         }
         self.outcome.public_key = self.key.map(hex::encode);
         self.outcome
+    }
+
+    /// Whether a consent's own table has it as the entry has.
+    fn is_given(&self, event: &Event, at: i64) -> bool {
+        let Event::Consent { field, version, .. } = event else { return false };
+        let stored = self.consents.get(&(field.to_string(), *version));
+        stored.is_some_and(|stored| stored.decided_at == at && is_consent(event, stored))
     }
 
     fn anchor(&mut self, stored: &StoredStatement) {

@@ -1,26 +1,46 @@
 //! Reading the whole ledger for its verification.
 
+mod reports;
+
 use std::collections::HashMap;
 
 use sqlx::{Connection as _, SqliteConnection, sqlite::SqliteRow};
-use tokio::task::JoinHandle;
+use tokio::sync::mpsc;
 
+use self::reports::{Digests, NewReports, Wanted};
 use super::{
     StoreError,
     load::{all, get, unsigned},
 };
 use crate::ledger::{
-    CheckedEntry, Hash, StoredConsent, StoredEntry, StoredHead, StoredReport, StoredStatement, Surroundings,
-    Verification, Verifier,
+    CheckedEntry, Hash, StoredConsent, StoredEntry, StoredHead, StoredStatement, Surroundings, Verification, Verifier,
 };
 
 /// Entries read at once.
 const BLOCK: i64 = 4000;
+/// Blocks that may wait to be looked at.
+const BLOCKS_AHEAD: usize = 2;
 /// Texts are read as bytes: one that was damaged is a finding, not a failure.
-const ENTRIES: &str = "SELECT CAST(e.recipient AS BLOB), e.number, e.recorded_at, e.report_id, CAST(e.content AS BLOB), \
-    e.hash, r.id, r.writer_id, r.epoch, r.sequence, r.created_at, CAST(r.recipients AS BLOB), CAST(r.body AS BLOB), \
-    r.salt FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id WHERE (e.recipient, e.number) > (CAST(? AS TEXT), ?) \
-    ORDER BY e.recipient, e.number LIMIT ?";
+const ENTRIES: &str = "SELECT number, recorded_at, report_id, CAST(content AS BLOB), hash FROM ledger_entry \
+    WHERE recipient = CAST(? AS TEXT) AND number >= ? ORDER BY number LIMIT ?";
+const NEXT_CHAIN: &str = "SELECT CAST(recipient AS BLOB) FROM ledger_entry WHERE ?1 IS NULL OR recipient > CAST(?1 AS TEXT) \
+    ORDER BY recipient LIMIT 1";
+
+/// How far a chain was read.
+struct Chain {
+    recipient: Vec<u8>,
+    /// The least number that the next entry may have; none at the end.
+    next: Option<i64>,
+    /// The last report that was referred to.
+    report: i64,
+}
+
+/// Some entries of one chain, with the reports that no block before had.
+struct Block {
+    recipient: Vec<u8>,
+    entries: Vec<StoredEntry>,
+    reports: NewReports,
+}
 
 /// Reads every chain from its beginning and looks for any change, deletion or reordering. Everything signed must be
 /// signed with the trusted key, where one is given.
@@ -33,75 +53,58 @@ pub async fn verify_ledger(
 ) -> Result<Verification, StoreError> {
     // One view of everything, while the connector goes on writing.
     let mut view = connection.begin().await.map_err(StoreError::while_doing("read the ledger"))?;
-    let mut verifier = Verifier::new(surroundings(&mut view, trusted_key).await?);
-    let mut last: (Vec<u8>, i64, Hash) = (Vec::new(), 0, Hash::default());
-    let mut under_way: Option<JoinHandle<Vec<CheckedEntry>>> = None;
-    loop {
-        let block = block(&mut view, &last.0, last.1).await?;
-        let next = block.last().map(|entry| (entry.recipient.clone(), entry.number, entry.stored_hash()));
-        let checking = next.is_some().then(|| {
-            let previous = previous_hashes(&verifier, &block, &last);
-            tokio::task::spawn_blocking(move || check(&block, &previous))
-        });
-        if let Some(done) = std::mem::replace(&mut under_way, checking) {
-            take(&mut verifier, done).await?;
-        }
-        let Some(next) = next else { break };
-        last = next;
-    }
-    Ok(verifier.finish())
-}
-
-async fn take(verifier: &mut Verifier, checking: JoinHandle<Vec<CheckedEntry>>) -> Result<(), StoreError> {
-    let checked = checking.await.map_err(|error| StoreError::Unreadable {
+    let verifier = Verifier::new(surroundings(&mut view, trusted_key).await?);
+    let (blocks, arriving) = mpsc::channel(BLOCKS_AHEAD);
+    let checking = tokio::task::spawn_blocking(move || check(verifier, arriving));
+    let read = read(&mut view, &blocks).await;
+    drop(blocks);
+    let outcome = checking.await.map_err(|error| StoreError::Unreadable {
         what: "ledger",
         reason: format!("the verification stopped: {error}"),
-    })?;
-    checked.into_iter().for_each(|entry| verifier.take(entry));
+    });
+    read.and(outcome)
+}
+
+/// Reads all chains side by side: a report goes to several recipients at about the same time, and is read once for all.
+async fn read(connection: &mut SqliteConnection, blocks: &mpsc::Sender<Block>) -> Result<(), StoreError> {
+    let mut chains = chains(connection).await?;
+    let mut wanted = Wanted::default();
+    while let Some(chain) = chains.iter_mut().filter(|chain| chain.next.is_some()).min_by_key(|chain| chain.report) {
+        let entries = entries(connection, chain).await?;
+        let Some(last) = entries.last() else {
+            chain.next = None;
+            continue;
+        };
+        chain.next = last.number.checked_add(1);
+        let referred: Vec<i64> = entries.iter().filter_map(|entry| entry.report_id).collect();
+        chain.report = referred.iter().copied().fold(chain.report, i64::max);
+        let recipient = chain.recipient.clone();
+        let behind = chains.iter().filter(|chain| chain.next.is_some()).map(|chain| chain.report).min();
+        let reports = wanted.read(connection, &referred, behind).await?;
+        if blocks.send(Block { recipient, entries, reports }).await.is_err() {
+            break;
+        }
+    }
     Ok(())
 }
 
-/// Each entry by itself, on all processors.
-fn check(block: &[StoredEntry], previous: &[Hash]) -> Vec<CheckedEntry> {
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let share = block.len().div_ceil(threads).max(1);
-    std::thread::scope(|scope| {
-        let parts: Vec<_> = block
-            .chunks(share)
-            .zip(previous.chunks(share))
-            .map(|(entries, hashes)| {
-                scope.spawn(move || {
-                    entries.iter().zip(hashes).map(|(entry, hash)| entry.check(hash)).collect::<Vec<_>>()
-                })
-            })
-            .collect();
-        parts
-            .into_iter()
-            .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    })
-}
-
-/// The stored hash of the entry before each.
-fn previous_hashes(verifier: &Verifier, block: &[StoredEntry], last: &(Vec<u8>, i64, Hash)) -> Vec<Hash> {
-    let mut before: (&[u8], Hash) = (&last.0, last.2);
-    let mut hashes = Vec::with_capacity(block.len());
-    for entry in block {
-        let is_first = before.0 != entry.recipient;
-        hashes.push(if is_first { verifier.start_of(&entry.recipient) } else { before.1 });
-        before = (&entry.recipient, entry.stored_hash());
+async fn chains(connection: &mut SqliteConnection) -> Result<Vec<Chain>, StoreError> {
+    let mut chains: Vec<Chain> = Vec::new();
+    loop {
+        let row = sqlx::query(NEXT_CHAIN)
+            .bind(chains.last().map(|chain| chain.recipient.clone()))
+            .fetch_optional(&mut *connection)
+            .await
+            .map_err(StoreError::while_doing("read the ledger"))?;
+        let Some(row) = row else { return Ok(chains) };
+        chains.push(Chain { recipient: get(&row, 0)?, next: Some(i64::MIN), report: i64::MIN });
     }
-    hashes
 }
 
-async fn block(
-    connection: &mut SqliteConnection,
-    recipient: &[u8],
-    number: i64,
-) -> Result<Vec<StoredEntry>, StoreError> {
+async fn entries(connection: &mut SqliteConnection, chain: &Chain) -> Result<Vec<StoredEntry>, StoreError> {
     let rows = sqlx::query(ENTRIES)
-        .bind(recipient.to_vec())
-        .bind(number)
+        .bind(chain.recipient.clone())
+        .bind(chain.next)
         .bind(BLOCK)
         .fetch_all(connection)
         .await
@@ -110,26 +113,45 @@ async fn block(
 }
 
 fn entry(row: &SqliteRow) -> Result<StoredEntry, StoreError> {
-    let report_id: Option<i64> = get(row, 6)?;
-    let report = report_id.map(|_| -> Result<StoredReport, StoreError> {
-        Ok(StoredReport {
-            data_set_writer_id: get(row, 7)?,
-            epoch: get(row, 8)?,
-            sequence: get(row, 9)?,
-            created_at: get(row, 10)?,
-            recipients: get(row, 11)?,
-            body: get(row, 12)?,
-            salt: get(row, 13)?,
-        })
-    });
     Ok(StoredEntry {
-        recipient: get(row, 0)?,
-        number: get(row, 1)?,
-        recorded_at: get(row, 2)?,
-        report_id: get(row, 3)?,
-        content: get(row, 4)?,
-        hash: get(row, 5)?,
-        report: report.transpose()?,
+        number: get(row, 0)?,
+        recorded_at: get(row, 1)?,
+        report_id: get(row, 2)?,
+        content: get(row, 3)?,
+        hash: get(row, 4)?,
+    })
+}
+
+/// Looks at the blocks as they come.
+fn check(mut verifier: Verifier, mut blocks: mpsc::Receiver<Block>) -> Verification {
+    let mut digests = Digests::default();
+    let mut last: HashMap<Vec<u8>, Hash> = HashMap::new();
+    while let Some(Block { recipient, entries, reports }) = blocks.blocking_recv() {
+        digests.add(reports);
+        let start = last.get(&recipient).copied().unwrap_or_else(|| verifier.start_of(&recipient));
+        let previous: Vec<Hash> = std::iter::once(start).chain(entries.iter().map(StoredEntry::stored_hash)).collect();
+        let pairs: Vec<(&StoredEntry, &Hash)> = entries.iter().zip(&previous).collect();
+        let checked: Vec<CheckedEntry> = on_all_processors(&pairs, |(entry, previous)| {
+            entry.check(&recipient, previous, entry.report_id.and_then(|id| digests.get(id)))
+        });
+        verifier.take(&recipient, checked);
+        last.insert(recipient, previous.last().copied().unwrap_or_default());
+    }
+    verifier.finish()
+}
+
+/// Does the same with each, in their order.
+fn on_all_processors<T: Sync, R: Send>(items: &[T], each: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let share = items.len().div_ceil(threads).max(1);
+    let each = &each;
+    std::thread::scope(|scope| {
+        let parts: Vec<_> =
+            items.chunks(share).map(|part| scope.spawn(move || part.iter().map(each).collect::<Vec<_>>())).collect();
+        parts
+            .into_iter()
+            .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
     })
 }
 

@@ -1,14 +1,16 @@
-//! The verification of one entry by itself: everything that needs no other entry but the hash of the one before.
+//! The verification of one entry or report by itself: everything that needs no other entry but the hash of the one
+//! before.
 
-use asi_model::OrganisationId;
+use std::borrow::Cow;
 
-use super::super::{Entry, Event, Hash, SequenceRange, chain_hash, values_root};
+use asi_model::{DateTime, OrganisationId};
+use serde::Deserialize;
+
+use super::super::{Entry, Event, Hash, chain_hash, values_root};
 
 /// A stored entry, as raw as it lies there: whatever is wrong with it is to be found, not to be tripped over.
 #[derive(Debug, Clone, Default)]
 pub struct StoredEntry {
-    /// Whose chain.
-    pub recipient: Vec<u8>,
     /// Its place.
     pub number: i64,
     /// When it was recorded, in microseconds since 1970.
@@ -19,8 +21,6 @@ pub struct StoredEntry {
     pub content: Vec<u8>,
     /// The stored hash.
     pub hash: Vec<u8>,
-    /// The report, where there is one with that number.
-    pub report: Option<StoredReport>,
 }
 
 /// The report of a QUEUED entry, as raw as it lies there.
@@ -42,6 +42,46 @@ pub struct StoredReport {
     pub salt: Option<Vec<u8>>,
 }
 
+/// A report without its values: what the entries of all its recipients are compared with.
+#[derive(Debug, Clone)]
+pub struct ReportDigest {
+    /// Writer, epoch, sequence number and time.
+    stated: (i64, i64, i64, i64),
+    recipients: Vec<OrganisationId>,
+    values: Stored,
+}
+
+/// What is left of a report's values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Stored {
+    /// The root over them, hexadecimal; none where they cannot be read.
+    Root(Option<String>),
+    /// Nothing.
+    Emptied,
+    /// Values without their salt, or a salt without its values.
+    InPart,
+}
+
+impl StoredReport {
+    /// Hashes the values: once, however many recipients the report has.
+    #[must_use]
+    pub fn digest(&self) -> ReportDigest {
+        let values = match (&self.body, &self.salt) {
+            (Some(body), Some(salt)) => {
+                let root = std::str::from_utf8(body).ok().and_then(|body| values_root(body, salt).ok());
+                Stored::Root(root.map(hex::encode))
+            }
+            (None, None) => Stored::Emptied,
+            _ => Stored::InPart,
+        };
+        ReportDigest {
+            stated: (self.data_set_writer_id, self.epoch, self.sequence, self.created_at),
+            recipients: serde_json::from_slice(&self.recipients).unwrap_or_default(),
+            values,
+        }
+    }
+}
+
 /// What came of the values of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Values {
@@ -55,14 +95,42 @@ pub(super) enum Values {
 
 /// An entry that was looked at by itself.
 pub struct CheckedEntry {
-    pub(super) recipient: String,
     pub(super) number: u64,
     /// The hash as stored: the next entry follows it, so that one change yields one fault.
     pub(super) hash: Hash,
     pub(super) faults: Vec<&'static str>,
     pub(super) values: Values,
-    pub(super) consent: Option<(String, u32, Event, i64)>,
+    /// A consent, and when it was recorded.
+    pub(super) consent: Option<(Event, i64)>,
     pub(super) revocation: Option<String>,
+}
+
+/// What verification needs of an entry's text. Consents and revocations are rare and read as a whole.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Glance<'t> {
+    #[serde(borrow)]
+    recipient: Cow<'t, str>,
+    number: u64,
+    recorded_at: DateTime,
+    event: Kind,
+    data_set_writer_id: Option<u16>,
+    epoch: Option<u32>,
+    first_sequence: Option<u32>,
+    values: Option<&'t str>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+enum Kind {
+    Consent,
+    Queued,
+    Sent,
+    Receipted,
+    Coalesced,
+    Expired,
+    Purged,
+    Revoked,
 }
 
 impl StoredEntry {
@@ -72,11 +140,11 @@ impl StoredEntry {
         self.hash.as_slice().try_into().unwrap_or_default()
     }
 
-    /// Looks at the entry, given the stored hash of the one before it.
+    /// Looks at the entry of a chain, given the stored hash of the one before it and its report, where there is one with
+    /// that number.
     #[must_use]
-    pub fn check(&self, previous: &Hash) -> CheckedEntry {
+    pub fn check(&self, recipient: &[u8], previous: &Hash, report: Option<&ReportDigest>) -> CheckedEntry {
         let mut checked = CheckedEntry {
-            recipient: String::from_utf8_lossy(&self.recipient).into_owned(),
             number: u64::try_from(self.number).unwrap_or_default(),
             hash: self.stored_hash(),
             faults: Vec::new(),
@@ -84,73 +152,65 @@ impl StoredEntry {
             consent: None,
             revocation: None,
         };
-        let Ok(content) = std::str::from_utf8(&self.content) else {
-            checked.faults.push("the entry cannot be read");
-            return checked;
-        };
-        if chain_hash(previous, content)[..] != self.hash[..] {
+        let content = std::str::from_utf8(&self.content).ok();
+        if content.is_some_and(|content| chain_hash(previous, content)[..] != self.hash[..]) {
             checked.faults.push("the entry or one before it was changed");
         }
-        let Ok(entry) = serde_json::from_str::<Entry>(content) else {
+        let Some((content, glance)) =
+            content.and_then(|content| Some((content, serde_json::from_str::<Glance<'_>>(content).ok()?)))
+        else {
             checked.faults.push("the entry cannot be read");
             return checked;
         };
-        if entry.recipient.as_str().as_bytes() != self.recipient || entry.number != checked.number {
+        if glance.recipient.as_bytes() != recipient || glance.number != checked.number {
             checked.faults.push("the entry stands in another's place");
         }
-        if entry.recorded_at.unix_micros() != self.recorded_at {
+        if glance.recorded_at.unix_micros() != self.recorded_at {
             checked.faults.push("the time beside the entry is not the entry's");
         }
-        match entry.event {
-            Event::Queued { range, values, .. } => {
-                self.check_report(&mut checked, &entry.recipient, range, &values);
-            }
-            _ if self.report_id.is_some() => checked.faults.push("the entry refers to a report that is not its own"),
-            Event::Consent { ref field, version, .. } => {
-                checked.consent = Some((field.to_string(), version, entry.event, self.recorded_at));
-            }
-            Event::Revoked { revocation_id, .. } => checked.revocation = Some(revocation_id),
-            _ => {}
+        if glance.event == Kind::Queued {
+            self.compare(&mut checked, &glance, report);
+        } else if self.report_id.is_some() {
+            checked.faults.push("the entry refers to a report that is not its own");
+        } else if matches!(glance.event, Kind::Consent | Kind::Revoked) {
+            self.read_whole(&mut checked, content);
         }
         checked
     }
 
-    fn check_report(
-        &self,
-        checked: &mut CheckedEntry,
-        recipient: &OrganisationId,
-        range: SequenceRange,
-        committed: &str,
-    ) {
-        let Some(report) = &self.report else {
+    fn read_whole(&self, checked: &mut CheckedEntry, content: &str) {
+        match serde_json::from_str::<Entry>(content).map(|entry| entry.event) {
+            Ok(Event::Revoked { revocation_id, .. }) => checked.revocation = Some(revocation_id),
+            Ok(event @ Event::Consent { .. }) => checked.consent = Some((event, self.recorded_at)),
+            _ => checked.faults.push("the entry cannot be read"),
+        }
+    }
+
+    fn compare(&self, checked: &mut CheckedEntry, glance: &Glance<'_>, report: Option<&ReportDigest>) {
+        let Some(report) = report else {
             checked.faults.push("the report with the values was deleted");
             return;
         };
-        let stored = (report.data_set_writer_id, report.epoch, report.sequence, report.created_at);
-        let stated = (
-            i64::from(range.data_set_writer_id),
-            i64::from(range.epoch),
-            i64::from(range.first_sequence),
-            self.recorded_at,
-        );
-        if stored != stated {
+        let (writer, epoch, sequence, at) = report.stated;
+        let is_same = glance.data_set_writer_id.map(i64::from) == Some(writer)
+            && glance.epoch.map(i64::from) == Some(epoch)
+            && glance.first_sequence.map(i64::from) == Some(sequence)
+            && at == self.recorded_at;
+        if !is_same {
             checked.faults.push("the report is not the one that was queued");
         }
-        let is_recipient = serde_json::from_slice::<Vec<OrganisationId>>(&report.recipients)
-            .is_ok_and(|recipients| recipients.contains(recipient));
-        if !is_recipient {
+        if !report.recipients.iter().any(|recipient| recipient.as_str() == glance.recipient) {
             checked.faults.push("the report's recipients were changed");
         }
-        match (&report.body, &report.salt) {
-            (Some(body), Some(salt)) => {
+        match &report.values {
+            Stored::Root(root) => {
                 checked.values = Values::Compared;
-                let root = std::str::from_utf8(body).ok().and_then(|body| values_root(body, salt).ok());
-                if root.map(hex::encode).as_deref() != Some(committed) {
+                if root.is_none() || root.as_deref() != glance.values {
                     checked.faults.push("the values are not those that were reported");
                 }
             }
-            (None, None) => checked.values = Values::Emptied,
-            _ => checked.faults.push("the values were removed in part"),
+            Stored::Emptied => checked.values = Values::Emptied,
+            Stored::InPart => checked.faults.push("the values were removed in part"),
         }
     }
 }

@@ -17,7 +17,10 @@ fn key() -> LedgerKey {
     LedgerKey::open(&folder.path().join("key")).expect("a key")
 }
 
-fn entries(count: u32) -> (Vec<StoredEntry>, Heads, Vec<LinkedEntry>) {
+/// An entry with the report it refers to.
+type Row = (StoredEntry, Option<StoredReport>);
+
+fn entries(count: u32) -> (Vec<Row>, Heads, Vec<LinkedEntry>) {
     let mut heads = Heads::default();
     let acme: OrganisationId = "acme".parse().expect("an id");
     let values = hex::encode(values_root(REPORT, &SALT).expect("a report"));
@@ -34,32 +37,33 @@ fn entries(count: u32) -> (Vec<StoredEntry>, Heads, Vec<LinkedEntry>) {
         let recorded_at = i64::from(sequence);
         let entry = heads.append(&acme, DateTime::from_unix_micros(recorded_at), event);
         linked.push(entry.clone());
-        StoredEntry {
-            recipient: b"acme".to_vec(),
+        let stored = StoredEntry {
             number: i64::try_from(entry.number).expect("small"),
             recorded_at,
             report_id: is_queued.then_some(7),
             content: entry.content.into_bytes(),
             hash: entry.hash.to_vec(),
-            report: is_queued.then(|| StoredReport {
-                data_set_writer_id: 1,
-                epoch: 1,
-                sequence: recorded_at,
-                created_at: recorded_at,
-                recipients: br#"["acme"]"#.to_vec(),
-                body: Some(REPORT.as_bytes().to_vec()),
-                salt: Some(SALT.to_vec()),
-            }),
-        }
+        };
+        let report = is_queued.then(|| StoredReport {
+            data_set_writer_id: 1,
+            epoch: 1,
+            sequence: recorded_at,
+            created_at: recorded_at,
+            recipients: br#"["acme"]"#.to_vec(),
+            body: Some(REPORT.as_bytes().to_vec()),
+            salt: Some(SALT.to_vec()),
+        });
+        (stored, report)
     });
     (stored.collect(), heads.clone(), linked)
 }
 
-fn verify(entries: &[StoredEntry], surroundings: Surroundings) -> Verification {
+fn verify(entries: &[Row], surroundings: Surroundings) -> Verification {
     let mut verifier = Verifier::new(surroundings);
     let mut previous = verifier.start_of(b"acme");
-    for entry in entries {
-        verifier.take(entry.check(&previous));
+    for (entry, report) in entries {
+        let digest = report.as_ref().map(StoredReport::digest);
+        verifier.take(b"acme", [entry.check(b"acme", &previous, digest.as_ref())]);
         previous = entry.stored_hash();
     }
     verifier.finish()
@@ -88,19 +92,19 @@ fn an_intact_ledger_is_intact() {
 fn every_single_bit_of_an_entry_is_guarded() {
     let (intact, _, linked) = entries(3);
     let key = key();
-    for bit in 0..intact[1].content.len() * 8 {
+    for bit in 0..intact[1].0.content.len() * 8 {
         let mut entries = intact.clone();
-        entries[1].content[bit / 8] ^= 1 << (bit % 8);
+        entries[1].0.content[bit / 8] ^= 1 << (bit % 8);
         assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit}");
     }
     for bit in 0..256 {
         let mut entries = intact.clone();
-        entries[1].hash[bit / 8] ^= 1 << (bit % 8);
+        entries[1].0.hash[bit / 8] ^= 1 << (bit % 8);
         assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit} of the hash");
     }
     for bit in 0..REPORT.len() * 8 {
         let mut entries = intact.clone();
-        if let Some(body) = entries[0].report.as_mut().and_then(|report| report.body.as_mut()) {
+        if let Some(body) = entries[0].1.as_mut().and_then(|report| report.body.as_mut()) {
             body[bit / 8] ^= 1 << (bit % 8);
         }
         assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "bit {bit} of the values");
@@ -127,7 +131,7 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
     let key = key();
     let (intact, heads, linked) = entries(4);
     let text = Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical();
-    let check = |entries: &[StoredEntry], linked: &[LinkedEntry], text: &str| {
+    let check = |entries: &[Row], linked: &[LinkedEntry], text: &str| {
         let statement = StoredStatement {
             name: "1".to_owned(),
             recorded_at: 9,
@@ -166,7 +170,7 @@ fn a_chain_goes_on_from_its_anchor() {
             content: text.into_bytes(),
         }
     };
-    let check = |entries: &[StoredEntry], anchors| verify(entries, Surroundings { anchors, ..signed(&linked, &key) });
+    let check = |entries: &[Row], anchors| verify(entries, Surroundings { anchors, ..signed(&linked, &key) });
     let outcome = check(&intact[3..], vec![anchor(3)]);
     assert!(outcome.is_intact(), "{outcome:?}");
     assert_eq!((outcome.entries, outcome.entries_pruned), (3, 3));
