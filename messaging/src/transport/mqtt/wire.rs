@@ -44,8 +44,6 @@ pub(super) struct Wire {
     stop: CancellationToken,
     /// Largest packet the broker takes, in bytes.
     pub packet_bytes_max: Option<u32>,
-    /// Messages the broker may have under way to us.
-    pub receive_max: usize,
 }
 
 #[derive(Default)]
@@ -54,7 +52,7 @@ struct State {
     last_id: u16,
     published: HashMap<u16, (oneshot::Sender<PubAck>, OwnedSemaphorePermit)>,
     subscribed: HashMap<u16, oneshot::Sender<Vec<SubscribeReasonCode>>>,
-    lanes: HashMap<String, mpsc::Sender<Publish>>,
+    lanes: HashMap<String, mpsc::UnboundedSender<Publish>>,
     /// What a persistent session delivers before its lane is open.
     unclaimed: VecDeque<Publish>,
 }
@@ -73,8 +71,8 @@ impl State {
     fn deliver(&mut self, publish: Publish) {
         let lane = std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.lanes.get(topic));
         match lane {
-            // Never full: its room is what the broker may have under way. Closed: the lane has gone, nothing is lost.
-            Some(lane) => drop(lane.try_send(publish)),
+            // Closed: the lane has gone, nothing is lost.
+            Some(lane) => drop(lane.send(publish)),
             None => self.unclaimed.push_back(publish),
         }
     }
@@ -97,7 +95,6 @@ impl Wire {
             loss,
             stop,
             packet_bytes_max: granted.max_packet_size,
-            receive_max: limits.credit.clamp(1, u32::from(u16::MAX)) as usize,
         })
     }
 
@@ -121,7 +118,7 @@ impl Wire {
     pub(super) async fn subscribe(
         &self,
         topics: &[String],
-        lane: &mpsc::Sender<Publish>,
+        lane: &mpsc::UnboundedSender<Publish>,
         packet: impl FnOnce(u16) -> Packet,
     ) -> Result<oneshot::Receiver<Vec<SubscribeReasonCode>>, LaneFault> {
         let (tell, told) = oneshot::channel();
