@@ -74,7 +74,7 @@ async fn path() -> anyhow::Result<Vec<Value>> {
     results.extend(distribution("value changed on the machine -> on the buyer's live stream", latencies));
     let latencies = browsable::measure(&world, &cast.platform, REQUESTS).await?;
     results.extend(distribution("request sent -> nodes browsable in the twin", latencies));
-    results.extend(throughput::measure(&world, &cast).await?);
+    results.extend(throughput::measure(&mut world, &cast).await?);
     world.stop()?;
     Ok(results)
 }
