@@ -64,7 +64,8 @@ pub struct SpoolRow {
 pub enum Lane {
     /// Control rows, oldest first.
     Control,
-    /// Of each writer's report rows within the range the newest one; oldest first among these.
+    /// Of each writer's report rows within the range the newest one, unless a newer one of the writer has left already:
+    /// this one would come behind it. Oldest first among these.
     Newest,
     /// Report rows, oldest first. Serves both what is live and what is replayed; the range tells them apart.
     Reports,

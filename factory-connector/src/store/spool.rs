@@ -82,10 +82,13 @@ impl SpoolReader {
         match fetch.lane {
             Lane::Control => self.controls(fetch).await,
             Lane::Newest => {
+                // Not with a report whose writer's newer ones have left already: these would be overtaken in the live lane.
                 let statement = "SELECT message, id, body, created_at, attempts FROM report WHERE state = 'WAITING' \
                      AND message IN (SELECT DISTINCT r.message FROM report r JOIN (SELECT writer_id, max(id) AS id \
                      FROM report WHERE state = 'WAITING' AND message > ?1 AND message <= ?2 GROUP BY writer_id) n \
-                     ON n.id = r.id ORDER BY r.message LIMIT ?3) ORDER BY message, id";
+                     ON n.id = r.id WHERE NOT EXISTS (SELECT 1 FROM report s JOIN report l ON l.writer_id = s.writer_id \
+                     AND (l.epoch, l.sequence) > (s.epoch, s.sequence) WHERE s.state = 'WAITING' \
+                     AND s.message = r.message AND l.state <> 'WAITING') ORDER BY r.message LIMIT ?3) ORDER BY message, id";
                 self.reports(statement, fetch).await
             }
             Lane::Reports => {

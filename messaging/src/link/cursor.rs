@@ -236,6 +236,16 @@ mod tests {
     }
 
     #[test]
+    fn a_row_whose_successor_has_left_is_not_the_newest() {
+        let mut bench = Bench::new(&[Some(1), Some(1), Some(2)]);
+        assert_eq!([bench.next(), bench.next()], [Some((2, false)), Some((3, false))]);
+        bench.accept(2);
+        // The connection is lost before anything else leaves.
+        bench.cursor = Cursor::new(RowId(3), ReplayShare::default());
+        assert_eq!(bench.all(), [(3, false), (1, true)], "writer 1 has sent a newer one live");
+    }
+
+    #[test]
     fn new_rows_are_live_and_share_with_the_backlog() {
         let mut bench = Bench::new(&[Some(1); 30]);
         assert_eq!(bench.next(), Some((30, false)));

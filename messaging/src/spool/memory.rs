@@ -124,8 +124,11 @@ impl SpoolStore for MemorySpool {
             .values()
             .filter(|r| r.state == State::Waiting && fetch.through.is_none_or(|through| r.row.id <= through));
         let newest: BTreeMap<_, _> = all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
+        let gone = rows.1.values().filter(|r| r.state != State::Waiting);
+        let newest_gone: BTreeMap<_, _> = gone.filter_map(|r| Some((r.writer?, r.row.id))).collect();
         Ok(in_range
             .filter(|r| r.writer.is_some_and(|w| newest.get(&w) == Some(&r.row.id)))
+            .filter(|r| r.writer.is_some_and(|w| newest_gone.get(&w) < Some(&r.row.id)))
             .take(fetch.limit)
             .map(|r| r.row.clone())
             .collect())

@@ -86,3 +86,21 @@ async fn reach(folder: &Path, wanted: i64, process: &mut Child) -> i64 {
         tokio::task::yield_now().await;
     }
 }
+
+#[tokio::test]
+async fn nothing_is_the_newest_behind_what_has_left() {
+    let office = Office::with_two_open_fields().await;
+    office.enter_both(1).await;
+    office.enter_both(2).await;
+    let newest = office.fetch(Lane::Newest).await;
+    assert_eq!(newest.len(), 1, "the second message has the newest report of both writers");
+    assert_eq!(newest.last().map(|row| row.id), office.fetch(Lane::Reports).await.last().map(|row| row.id));
+    // It leaves, and the connection is lost: the first message waits still, but would come behind the second.
+    assert_eq!(office.accept(&newest).await, 1);
+    assert_eq!(office.fetch(Lane::Newest).await, []);
+    assert_eq!(office.fetch(Lane::Reports).await.len(), 1);
+    // A newer message is the newest again, with one report only.
+    office.desk.enter(vec![entry("made", json!(3))]).await.expect("written");
+    let newest = office.fetch(Lane::Newest).await;
+    assert_eq!(newest.iter().map(reports).map(|reports| reports.len()).collect::<Vec<_>>(), [1]);
+}
