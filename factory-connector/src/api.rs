@@ -4,6 +4,7 @@ mod accounts;
 mod client_certificates;
 mod comments;
 mod configuration;
+mod documents;
 mod events;
 mod exchange;
 mod fields;

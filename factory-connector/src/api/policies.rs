@@ -1,16 +1,12 @@
 //! Named policies, and the policies set for recipients.
 
-use asi_model::{DateTime, OrganisationId};
-use axum::{
-    Json,
-    extract::State,
-    http::{HeaderMap, header},
-};
-use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
+use asi_model::OrganisationId;
+use axum::{Json, extract::State, http::HeaderMap};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use super::{Api, Principal, accounts::engineer_only, documents, problems::Problems, view::Page};
 use crate::{
     books::{Books, DocumentError, RecipientPolicy},
     disclosure::{DocumentId, DocumentVersion, NamedPolicy, Versioned},
@@ -76,10 +72,8 @@ pub async fn put(
     headers: HeaderMap,
     ApiJson(policy): ApiJson<NamedPolicy>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    engineer_only(&who)?;
-    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
-    let kept = api.desk.change(move |books, now| books.put_policy(&id, policy, expected, &by, now)).await?;
-    Ok(Json(kept.map_err(document_problem)?))
+    let put = move |books: &mut Books, expected, by: &str, now| books.put_policy(&id, policy, expected, by, now);
+    documents::keep(&api, &who, &headers, put).await.map(Json)
 }
 
 /// Every version of a named policy, newest first.
@@ -89,7 +83,7 @@ pub async fn versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<NamedPolicy>>>, Problem> {
-    Ok(Json(Page::whole(document_versions(&api.readers, DocumentVersions::Policies, &id).await?)))
+    documents::versions(&api, DocumentVersions::Policies, &id).await
 }
 
 /// What a change of a policy would do to a field.
@@ -208,39 +202,9 @@ pub async fn set_recipient(
     headers: HeaderMap,
     ApiJson(body): ApiJson<RecipientBody>,
 ) -> Result<Json<RecipientVersion>, Problem> {
-    engineer_only(&who)?;
-    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
-    let set = move |books: &mut Books, now: DateTime| {
-        books.set_recipient_policy(&recipient, body.policy_id, expected, &by, now)
+    let set = move |books: &mut Books, expected, by: &str, now| {
+        books.set_recipient_policy(&recipient, body.policy_id, expected, by, now)
     };
-    let version = api.desk.change(set).await?.map_err(document_problem)?;
+    let version = documents::keep(&api, &who, &headers, set).await?;
     Ok(Json(RecipientVersion { version }))
-}
-
-/// The version of `If-Match`, where it is given.
-pub(super) fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
-    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
-    let version = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
-    let detail = "If-Match must be the version in quotes, as \"3\".";
-    version.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
-}
-
-/// Why a policy or rule is not kept.
-pub(super) fn document_problem(error: DocumentError) -> Problem {
-    match error {
-        DocumentError::Unknown(id) => Problem::not_found(format_args!("policy {id}")),
-        DocumentError::Changed(_) => Problem::conflict("CHANGED", format!("{error}.")),
-        DocumentError::TooMany => Problem::conflict("LIMIT_REACHED", format!("{error}.")),
-        DocumentError::Faults(faults) => {
-            let faults = faults
-                .into_iter()
-                .map(|fault| ProblemFault {
-                    pointer: fault.pointer,
-                    code: "INVALID".to_owned(),
-                    message: fault.message,
-                })
-                .collect();
-            Problem::unprocessable("INVALID_DOCUMENT", "The document has faults.", faults)
-        }
-    }
 }

@@ -9,13 +9,14 @@ use utoipa::{IntoParams, ToSchema};
 use super::{
     Api, Principal,
     accounts::engineer_only,
-    policies::{document_problem, if_match},
+    documents,
     problems::Problems,
     view::{Page, RuleOfferView},
 };
 use crate::{
+    books::{Books, DocumentError},
     disclosure::{DocumentId, DocumentVersion, Rule, Versioned},
-    store::{DocumentVersions, RuleDecision, document_versions, rule_decision, rule_decisions},
+    store::{DocumentVersions, RuleDecision, rule_decision, rule_decisions},
 };
 
 /// Most fields listed in the preview of a rule.
@@ -27,7 +28,7 @@ const PAGE: u32 = 100;
 #[utoipa::path(get, path = "/rules", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
-    Ok(Json(Page::whole(api.desk.read(crate::books::Books::rules).await?)))
+    Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
 }
 
 /// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there already is decided by
@@ -42,10 +43,8 @@ pub async fn put(
     headers: HeaderMap,
     ApiJson(rule): ApiJson<Rule>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    engineer_only(&who)?;
-    let (expected, by) = (if_match(&headers)?, who.principal.user_name.clone());
-    let kept = api.desk.change(move |books, now| books.put_rule(&id, rule, expected, &by, now)).await?;
-    Ok(Json(kept.map_err(document_problem)?))
+    let put = move |books: &mut Books, expected, by: &str, now| books.put_rule(&id, rule, expected, by, now);
+    documents::keep(&api, &who, &headers, put).await.map(Json)
 }
 
 /// Every version of a rule, newest first.
@@ -55,7 +54,7 @@ pub async fn versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
-    Ok(Json(Page::whole(document_versions(&api.readers, DocumentVersions::Rules, &id).await?)))
+    documents::versions(&api, DocumentVersions::Rules, &id).await
 }
 
 /// A field that a rule means.
@@ -97,7 +96,7 @@ pub async fn preview(
     engineer_only(&who)?;
     let faults = rule.faults();
     if !faults.is_empty() {
-        return Err(document_problem(crate::books::DocumentError::Faults(faults)));
+        return Err(documents::document_problem(DocumentError::Faults(faults)));
     }
     let preview = api
         .desk

@@ -1,7 +1,10 @@
 //! Policies as documents of their own, and the precision that holds for a field: the strictest of what was consented to,
 //! of the named policy it takes, and of the policies set for any of its recipients.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use asi_model::{DateTime, FieldKey, OrganisationId};
 use serde::{Deserialize, Serialize};
@@ -127,14 +130,7 @@ impl Books {
         if !faults.is_empty() {
             return Err(DocumentError::Faults(faults));
         }
-        let version = next_version(self.policies.get(id).map(|known| known.key.version), expected)?;
-        if version == 1 && self.policies.len() >= DOCUMENTS_MAX {
-            return Err(DocumentError::TooMany);
-        }
-        let key = DocumentVersion { id: id.clone(), version };
-        self.changes.policies.push(DocumentRow::new(&key, &policy, by, now));
-        let kept = Versioned { key: key.clone(), document: policy, changed_by: by.to_owned(), changed_at: now };
-        self.policies.insert(id.clone(), kept);
+        let key = keep(&mut self.policies, &mut self.changes.policies, id, policy, expected, (by, now))?;
         self.aftermath.events.push(ConnectorEvent::Policies);
         self.apply_policies(by, now);
         Ok(key)
@@ -155,10 +151,8 @@ impl Books {
         if let Some(id) = policy_id.as_ref().filter(|id| self.named_policy(id).is_none()) {
             return Err(DocumentError::Unknown(id.clone()));
         }
-        let version = next_version(self.recipient_policies.get(recipient).map(|set| set.version), expected)?;
-        if version == 1 && self.recipient_policies.len() >= DOCUMENTS_MAX {
-            return Err(DocumentError::TooMany);
-        }
+        let known = self.recipient_policies.get(recipient).map(|set| set.version);
+        let version = next_version(known, expected, self.recipient_policies.len())?;
         let set = RecipientPolicy { version, policy_id, changed_by: by.to_owned(), changed_at: now };
         self.changes.recipient_policies.push(RecipientPolicyRow { recipient: recipient.clone(), set: set.clone() });
         self.recipient_policies.insert(recipient.clone(), set);
@@ -257,11 +251,31 @@ fn fitted(policy: &DisclosurePolicy, field: &Field) -> DisclosurePolicy {
     policy.fitted_to(field.definition.field_type.0, field.definition.value_rank >= 0)
 }
 
-/// The version that follows, where nobody else was faster.
-pub(super) fn next_version(known: Option<u32>, expected: Option<u32>) -> Result<u32, DocumentError> {
-    let known = known.unwrap_or(0);
-    if expected.is_some_and(|expected| expected != known) {
-        return Err(DocumentError::Changed(known));
+/// Keeps the next version of a document, and the row to be stored of it.
+pub(super) fn keep<T: Serialize>(
+    documents: &mut BTreeMap<DocumentId, Versioned<T>>,
+    rows: &mut Vec<DocumentRow>,
+    id: &DocumentId,
+    document: T,
+    expected: Option<u32>,
+    (by, now): (&str, DateTime),
+) -> Result<DocumentVersion, DocumentError> {
+    let version = next_version(documents.get(id).map(|known| known.key.version), expected, documents.len())?;
+    let key = DocumentVersion { id: id.clone(), version };
+    rows.push(DocumentRow::new(&key, &document, by, now));
+    let kept = Versioned { key: key.clone(), document, changed_by: by.to_owned(), changed_at: now };
+    documents.insert(id.clone(), kept);
+    Ok(key)
+}
+
+/// The version that follows, where nobody else was faster and there are not too many.
+fn next_version(known: Option<u32>, expected: Option<u32>, count: usize) -> Result<u32, DocumentError> {
+    let version = known.unwrap_or(0);
+    if expected.is_some_and(|expected| expected != version) {
+        return Err(DocumentError::Changed(version));
     }
-    Ok(known + 1)
+    if known.is_none() && count >= DOCUMENTS_MAX {
+        return Err(DocumentError::TooMany);
+    }
+    Ok(version + 1)
 }

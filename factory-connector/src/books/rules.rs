@@ -5,13 +5,10 @@ use std::sync::Arc;
 use asi_model::{DateTime, FieldKey, OperationNetworkId, messages::ValueSource};
 use mapping_engine::Mapping;
 
-use super::{Books, ConnectorEvent, DecisionError, DocumentError, Grounds, Verdict, policies::next_version};
+use super::{Books, ConnectorEvent, DecisionError, DocumentError, Grounds, Verdict, policies::keep};
 use crate::{
-    disclosure::{
-        DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome,
-        Versioned, outcome,
-    },
-    store::{DocumentRow, RuleDecisionRow},
+    disclosure::{DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome, outcome},
+    store::RuleDecisionRow,
 };
 
 /// Who is named as having decided, where rules did.
@@ -66,14 +63,7 @@ impl Books {
         if !faults.is_empty() {
             return Err(DocumentError::Faults(faults));
         }
-        let version = next_version(self.rules.get(id).map(|known| known.key.version), expected)?;
-        if version == 1 && self.rules.len() >= DOCUMENTS_MAX {
-            return Err(DocumentError::TooMany);
-        }
-        let key = DocumentVersion { id: id.clone(), version };
-        self.changes.rules.push(DocumentRow::new(&key, &rule, by, now));
-        let kept = Versioned { key: key.clone(), document: rule, changed_by: by.to_owned(), changed_at: now };
-        self.rules.insert(id.clone(), kept);
+        let key = keep(&mut self.rules, &mut self.changes.rules, id, rule, expected, (by, now))?;
         self.aftermath.events.push(ConnectorEvent::Policies);
         Ok(key)
     }

@@ -1,0 +1,65 @@
+//! What the named policies and the standing rules have in common: documents that are kept in versions.
+
+use asi_model::DateTime;
+use axum::{
+    Json,
+    http::{HeaderMap, header},
+};
+use daemon::web::{Problem, problem::ProblemFault, session::SignedIn};
+use serde::de::DeserializeOwned;
+
+use super::{Api, Principal, accounts::engineer_only, view::Page};
+use crate::{
+    books::{Books, DocumentError},
+    disclosure::{DocumentId, Versioned},
+    store::{DocumentVersions, document_versions},
+};
+
+/// Keeps a version in an engineer's name, where `If-Match` names the one before it.
+pub(super) async fn keep<T: Send + 'static>(
+    api: &Api,
+    who: &SignedIn<Principal>,
+    headers: &HeaderMap,
+    keep: impl FnOnce(&mut Books, Option<u32>, &str, DateTime) -> Result<T, DocumentError> + Send + 'static,
+) -> Result<T, Problem> {
+    engineer_only(who)?;
+    let (expected, by) = (if_match(headers)?, who.principal.user_name.clone());
+    api.desk.change(move |books, now| keep(books, expected, &by, now)).await?.map_err(document_problem)
+}
+
+/// Every version of a document, newest first.
+pub(super) async fn versions<T: DeserializeOwned>(
+    api: &Api,
+    kind: DocumentVersions,
+    id: &DocumentId,
+) -> Result<Json<Page<Versioned<T>>>, Problem> {
+    Ok(Json(Page::whole(document_versions(&api.readers, kind, id).await?)))
+}
+
+/// The version of `If-Match`, where it is given.
+fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
+    let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
+    let version = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
+    let detail = "If-Match must be the version in quotes, as \"3\".";
+    version.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
+}
+
+/// Why a document is not kept.
+pub(super) fn document_problem(error: DocumentError) -> Problem {
+    match error {
+        DocumentError::Unknown(id) => Problem::not_found(format_args!("policy {id}")),
+        DocumentError::Changed(_) => Problem::conflict("CHANGED", format!("{error}.")),
+        DocumentError::TooMany => Problem::conflict("LIMIT_REACHED", format!("{error}.")),
+        DocumentError::Faults(faults) => {
+            let faults = faults
+                .into_iter()
+                .map(|fault| ProblemFault {
+                    pointer: fault.pointer,
+                    code: "INVALID".to_owned(),
+                    message: fault.message,
+                })
+                .collect();
+            Problem::unprocessable("INVALID_DOCUMENT", "The document has faults.", faults)
+        }
+    }
+}
