@@ -225,6 +225,7 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(spool::show))
         .routes(routes!(spool::dead_letters))
         .routes(routes!(leaks::list))
+        .routes(routes!(leaks::summary))
         .routes(routes!(leaks::offer))
         .routes(routes!(policies::list))
         .routes(routes!(policies::put))

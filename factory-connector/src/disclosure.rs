@@ -26,9 +26,13 @@ pub use documents::{DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, 
 pub use effects::{Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max};
 pub use faults::PolicyFault;
 pub use gate::{Gate, GateState, Outcome};
-pub use leak::{Conclusion, FieldLeak, LeakBudget, LeakWarning, Measured, OpenField, leak_budget};
+pub use leak::{
+    Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget, leak_summary,
+    leak_warnings,
+};
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;
 pub use rules::{Rule, RuleAction, RuleCondition, RuleFault, RuleOutcome, outcome};
+pub use statement::{Statement, StatementPart};
 pub use withholding::{StateValue, WithholdCondition};
 pub use working_hours::{ClockTime, Weekday, WorkingHours};

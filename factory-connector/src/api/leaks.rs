@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     desk::now,
-    disclosure::{DisclosurePolicy, LeakBudget, Measured},
+    disclosure::{DisclosurePolicy, LeakBudget, LeakSummary, Measured, Statement, leak_budget, leak_summary},
 };
 
 /// What one partner learns.
@@ -37,6 +37,12 @@ pub struct LeakQuery {
     partner: Option<String>,
 }
 
+impl LeakQuery {
+    fn means(&self, partner: &OrganisationId) -> bool {
+        self.partner.as_ref().is_none_or(|wanted| partner.as_str() == wanted)
+    }
+}
+
 /// What each partner learns in sum from all open fields, and what it can conclude from them together.
 #[utoipa::path(get, path = "/leak-budgets", tag = "policies", security(("session" = [])), params(LeakQuery),
     responses((status = 200, body = Page<PartnerLeaks>), Problems))]
@@ -45,13 +51,47 @@ pub async fn list(
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerLeaks>>, Problem> {
     let now = now();
-    let budgets = api.desk.read(move |books| books.leak_budgets(now, None)).await?;
-    let is_wanted = |partner: &OrganisationId| query.partner.as_ref().is_none_or(|wanted| partner.as_str() == wanted);
-    let items = budgets
-        .into_iter()
-        .filter(|(partner, _)| is_wanted(partner))
-        .map(|(partner, budget)| PartnerLeaks { partner, budget })
-        .collect();
+    let items = api
+        .desk
+        .read(move |books| {
+            let open = books.open_fields(now, None).into_iter();
+            open.filter(|(partner, _)| query.means(partner))
+                .map(|(partner, fields)| PartnerLeaks { partner: partner.clone(), budget: leak_budget(&fields) })
+                .collect()
+        })
+        .await?;
+    Ok(Json(Page::whole(items)))
+}
+
+/// What one partner learns, in short.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PartnerSummary {
+    /// The organisation: a requester or a recipient.
+    #[schema(value_type = String)]
+    partner: OrganisationId,
+    /// Sums and numbers.
+    #[serde(flatten)]
+    summary: LeakSummary,
+}
+
+/// What each partner learns in short: how many fields, how much at most, how exactly, and how many conclusions.
+#[utoipa::path(get, path = "/leak-budgets/summary", tag = "policies", security(("session" = [])), params(LeakQuery),
+    responses((status = 200, body = Page<PartnerSummary>), Problems))]
+pub async fn summary(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<LeakQuery>,
+) -> Result<Json<Page<PartnerSummary>>, Problem> {
+    let now = now();
+    let items = api
+        .desk
+        .read(move |books| {
+            let open = books.open_fields(now, None).into_iter();
+            open.filter(|(partner, _)| query.means(partner))
+                .map(|(partner, fields)| PartnerSummary { partner: partner.clone(), summary: leak_summary(&fields) })
+                .collect()
+        })
+        .await?;
     Ok(Json(Page::whole(items)))
 }
 
@@ -62,7 +102,8 @@ pub struct ConsentOffer {
     /// The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period.
     disclosure: DisclosurePolicy,
     /// The same in words.
-    statement: String,
+    #[serde(flatten)]
+    told: Statement,
     /// The rules behind it.
     rules: Vec<RuleReference>,
     /// The period that the partner asked for, in milliseconds.
@@ -97,7 +138,7 @@ pub async fn offer(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) ->
             let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
             let every_change = measured.and_then(Measured::candidates_per_hour);
             Some(ConsentOffer {
-                statement: disclosure.statement(field.definition.unit.as_deref()).description,
+                told: disclosure.told(field.definition.unit.as_deref()),
                 rules: ruled
                     .map(|ruled| ruled.rules.into_iter().map(|(key, name)| RuleReference { key, name }).collect())
                     .unwrap_or_default(),

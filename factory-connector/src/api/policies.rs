@@ -8,9 +8,9 @@ use utoipa::ToSchema;
 
 use super::{Api, Principal, accounts::engineer_only, documents, problems::Problems, view::Page};
 use crate::{
-    books::{Books, DocumentError, RecipientPolicy},
-    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Versioned},
-    store::{DocumentVersions, document_versions},
+    books::{Books, RecipientPolicy},
+    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned},
+    store::DocumentVersions,
 };
 
 /// Most fields listed as using a policy.
@@ -24,7 +24,8 @@ pub struct PolicyView {
     #[serde(flatten)]
     policy: Versioned<NamedPolicy>,
     /// In words, as partners read it.
-    statement: String,
+    #[serde(flatten)]
+    told: Statement,
     /// How many mapped fields take it by name.
     field_count: usize,
     /// The recipients that it is set for.
@@ -35,7 +36,7 @@ pub struct PolicyView {
 fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
     let takes = |id: Option<&DocumentId>| id == Some(&policy.key.id);
     PolicyView {
-        statement: policy.document.disclosure.statement(None).description,
+        told: policy.document.disclosure.told(None),
         field_count: books
             .fields
             .values()
@@ -94,9 +95,12 @@ pub struct PolicyUse {
     #[schema(value_type = Object)]
     key: asi_model::FieldKey,
     /// What its partner reads now.
-    statement: String,
+    #[serde(flatten)]
+    told: Statement,
     /// What it would read with the draft.
     statement_then: String,
+    /// The same as codes with parameters.
+    statement_then_parts: Vec<StatementPart>,
 }
 
 /// The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
@@ -116,10 +120,14 @@ pub async fn preview(
             let mut uses: Vec<PolicyUse> = books
                 .policy_changes(&id, &draft.disclosure)
                 .into_iter()
-                .map(|(key, now, then, unit)| PolicyUse {
-                    key,
-                    statement: now.statement(unit.as_deref()).description,
-                    statement_then: then.statement(unit.as_deref()).description,
+                .map(|(key, now, then, unit)| {
+                    let Statement { statement, statement_parts } = then.told(unit.as_deref());
+                    PolicyUse {
+                        key,
+                        told: now.told(unit.as_deref()),
+                        statement_then: statement,
+                        statement_then_parts: statement_parts,
+                    }
                 })
                 .collect();
             uses.sort_by(|left, right| left.key.cmp(&right.key));

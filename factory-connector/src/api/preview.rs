@@ -22,7 +22,7 @@ use super::{
 use crate::{
     books::{Books, new_message_id},
     desk::now,
-    disclosure::{DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, effects},
+    disclosure::{DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects, leak_warnings},
     values::{ShownValue, typed_value},
 };
 
@@ -80,7 +80,8 @@ pub struct Preview {
     #[schema(value_type = Option<String>, format = "date-time")]
     disclosed_at: Option<DateTime>,
     /// The precision in words, as the partner reads it.
-    statement: String,
+    #[serde(flatten)]
+    told: Statement,
     /// The precision that would hold: the strictest of the draft, the named policy and the recipients' policies.
     effective_disclosure: DisclosurePolicy,
     /// What each part of it does to this value.
@@ -116,7 +117,7 @@ pub async fn preview(
         candidate: None,
         disclosed: None,
         disclosed_at: None,
-        statement: statement(&api, &field, &policy).await?,
+        told: told(&api, &field, &policy).await?,
         effective_disclosure: (*policy).clone(),
         effects: Vec::new(),
         warnings: warnings(&api, &field, &policy, now).await?,
@@ -189,21 +190,27 @@ async fn warnings(
     now: DateTime,
 ) -> Result<Vec<LeakWarning>, Problem> {
     let (key, policy) = (field.clone(), Arc::clone(policy));
-    let budgets = api.desk.read(move |books| books.leak_budgets(now, Some((&key, &policy)))).await?;
-    let mut found: Vec<LeakWarning> = Vec::new();
-    for warning in budgets.into_values().flat_map(|budget| budget.warnings) {
-        if warning.fields.contains(field) && !found.contains(&warning) {
-            found.push(warning);
-        }
-    }
+    let found = api
+        .desk
+        .read(move |books| {
+            let mut found: Vec<LeakWarning> = Vec::new();
+            let open = books.open_fields(now, Some((&key, &policy)));
+            for warning in open.into_values().flat_map(|fields| leak_warnings(&fields)) {
+                if warning.fields.contains(&key) && !found.contains(&warning) {
+                    found.push(warning);
+                }
+            }
+            found
+        })
+        .await?;
     Ok(found)
 }
 
-async fn statement(api: &Api, field: &FieldKey, policy: &DisclosurePolicy) -> Result<String, Problem> {
+async fn told(api: &Api, field: &FieldKey, policy: &DisclosurePolicy) -> Result<Statement, Problem> {
     let key = field.clone();
     let unit = api.desk.read(move |books| books.field(&key).map(|field| field.definition.unit.clone())).await?;
     let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
-    Ok(policy.statement(unit.as_deref()).description)
+    Ok(policy.told(unit.as_deref()))
 }
 
 /// The mapping's result on the live values of its inputs.

@@ -12,7 +12,7 @@ use utoipa::ToSchema;
 
 use crate::{
     books::{Books, Field, Grounds, Network, RuleOffer},
-    disclosure::{DisclosurePolicy, DocumentVersion, RuleAction},
+    disclosure::{DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart},
     values::ShownValue,
 };
 
@@ -71,6 +71,8 @@ pub struct FieldView {
     pub is_withheld: bool,
     /// The same in words, as the partner is told.
     pub disclosure_statement: Option<String>,
+    /// The same as codes with parameters; none while undecided.
+    pub disclosure_parts: Vec<StatementPart>,
     /// Why it was decided so.
     pub decision_reason: Option<String>,
     /// Who decided.
@@ -93,6 +95,7 @@ impl FieldView {
     /// As it stands.
     pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
+        let told = decision.is_mapped().then(|| field.gate.policy().told(definition.unit.as_deref()));
         Self {
             name: definition.name.to_string(),
             field_type: definition.field_type.0.name().to_owned(),
@@ -110,7 +113,8 @@ impl FieldView {
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
             is_withheld: decision.is_mapped() && field.gate.is_withheld(),
-            disclosure_statement: field.statement().map(|statement| statement.description),
+            disclosure_statement: told.as_ref().map(|told| told.statement.clone()),
+            disclosure_parts: told.map(|told| told.statement_parts).unwrap_or_default(),
             decision_reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decision_time: decision.decided_at,
@@ -134,7 +138,8 @@ pub struct RuleOfferView {
     /// The precision.
     pub disclosure: DisclosurePolicy,
     /// The same in words.
-    pub statement: String,
+    #[serde(flatten)]
+    pub told: Statement,
     /// Where values would come from.
     #[schema(value_type = Option<String>)]
     pub value_source: Option<asi_model::messages::ValueSource>,
@@ -167,7 +172,7 @@ impl RuleOfferView {
                 .map(|(key, name)| RuleReference { key: key.clone(), name: name.clone() })
                 .collect(),
             disclosure: (*offer.disclosure).clone(),
-            statement: offer.disclosure.statement(field.definition.unit.as_deref()).description,
+            told: offer.disclosure.told(field.definition.unit.as_deref()),
             value_source: offer.value_source,
             mapping: offer.mapping.clone(),
             reason: offer.reason.clone(),

@@ -4,7 +4,7 @@ use asi_model::{DateTime, FieldKey, FieldName, OrganisationId};
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{Books, Field};
-use crate::disclosure::{DisclosurePolicy, LeakBudget, Measured, OpenField, leak_budget};
+use crate::disclosure::{DisclosurePolicy, Measured, OpenField};
 
 /// Hours that are counted.
 const HOURS: usize = 24;
@@ -68,9 +68,13 @@ impl Traffic {
 pub type Supposed<'s> = (&'s FieldKey, &'s Arc<DisclosurePolicy>);
 
 impl Books {
-    /// What each partner learns in sum: requesters and recipients of open fields. `supposed` counts as open.
+    /// What each partner gets: requesters and recipients of open fields. `supposed` counts as open.
     #[must_use]
-    pub fn leak_budgets(&self, now: DateTime, supposed: Option<Supposed<'_>>) -> BTreeMap<OrganisationId, LeakBudget> {
+    pub fn open_fields<'b>(
+        &'b self,
+        now: DateTime,
+        supposed: Option<Supposed<'b>>,
+    ) -> BTreeMap<&'b OrganisationId, Vec<OpenField<'b>>> {
         let mut open: BTreeMap<&OrganisationId, Vec<OpenField<'_>>> = BTreeMap::new();
         for message in self.networks.values().filter_map(|network| network.message.as_ref()) {
             for operation in &message.operation_network.operation_list {
@@ -98,7 +102,7 @@ impl Books {
                 }
             }
         }
-        open.into_iter().map(|(partner, fields)| (partner.clone(), leak_budget(&fields))).collect()
+        open
     }
 
     fn find(

@@ -3,7 +3,7 @@
 use asi_model::{BuiltInType, DataValue, DateTime};
 use serde::Serialize;
 
-use super::{DisclosurePolicy, coarsening::coarsen, statement::describe_period};
+use super::{DisclosurePolicy, Statement, StatementPart, coarsening::coarsen, statement::describe_period};
 
 /// A part of a policy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, utoipa::ToSchema)]
@@ -32,13 +32,15 @@ pub enum EffectKind {
 }
 
 /// What a part of a policy does.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Effect {
     /// Which part.
     pub kind: EffectKind,
     /// In words.
     pub text: String,
+    /// The same as codes with parameters.
+    pub parts: Vec<StatementPart>,
     /// It changes this very value or its times, or holds it back now.
     pub is_felt: bool,
 }
@@ -58,11 +60,11 @@ pub fn effects(
         coarse.value != candidate.value || coarse.source_timestamp != candidate.source_timestamp
     };
     let open = DisclosurePolicy::default;
-    let statement = |part: &DisclosurePolicy| part.statement(None).description;
     let mut effects = Vec::new();
     let mut add = |kind, part: DisclosurePolicy, is_felt: bool| {
         if !part.is_open() {
-            effects.push(Effect { kind, text: statement(&part), is_felt });
+            let Statement { statement, statement_parts } = part.told(None);
+            effects.push(Effect { kind, text: statement, parts: statement_parts, is_felt });
         }
     };
     let withheld = DisclosurePolicy { withhold_while: policy.withhold_while.clone(), ..open() };

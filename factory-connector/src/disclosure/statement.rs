@@ -1,15 +1,121 @@
 //! What the partner is told about the precision it gets.
 
 use asi_model::messages::{AggregateStatement, DisclosureStatement, RateStatement};
+use serde::Serialize;
 
-use super::DisclosurePolicy;
+use super::{AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours};
+
+/// A part of a policy as the partner is told it: a code with its parameters, for who says it in another language.
+#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
+#[serde(tag = "code", rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum StatementPart {
+    /// Every change, as it is: the only part of an open policy.
+    Unchanged,
+    /// One value per window.
+    Aggregated {
+        /// What is made of a window's values.
+        function: AggregateFunction,
+        /// Its length in milliseconds.
+        #[serde(rename = "windowMs")]
+        window_ms: u64,
+    },
+    /// The nearest multiple of a step.
+    Rounded {
+        /// The step.
+        #[schema(value_type = f64)]
+        step: RoundingStep,
+        /// The field's unit.
+        unit: Option<String>,
+    },
+    /// The greatest bound not above the value.
+    Banded {
+        /// The bounds, ascending.
+        bounds: Vec<f64>,
+        /// The field's unit.
+        unit: Option<String>,
+    },
+    /// Few significant digits.
+    Digits {
+        /// How many.
+        digits: u8,
+    },
+    /// At most one value per interval.
+    Interval {
+        /// The interval in milliseconds.
+        #[serde(rename = "periodMs")]
+        period_ms: u64,
+    },
+    /// At most so many values per period.
+    Rate {
+        /// How many.
+        values: u32,
+        /// The period in milliseconds.
+        #[serde(rename = "periodMs")]
+        period_ms: u64,
+    },
+    /// Times in steps.
+    TimeStep {
+        /// The step in milliseconds.
+        #[serde(rename = "periodMs")]
+        period_ms: u64,
+    },
+    /// Late.
+    Delayed {
+        /// By so many milliseconds.
+        #[serde(rename = "periodMs")]
+        period_ms: u64,
+    },
+    /// Within certain hours only.
+    Hours {
+        /// The hours.
+        hours: WorkingHours,
+    },
+    /// Nothing in certain states. Which these are is the plant's business.
+    Withheld,
+}
+
+impl StatementPart {
+    fn in_english(&self) -> String {
+        let of = |unit: &Option<String>| unit.as_ref().map(|unit| format!(" {unit}")).unwrap_or_default();
+        match self {
+            Self::Unchanged => "every change, as it is".to_owned(),
+            Self::Aggregated { function, window_ms } => {
+                format!("{} per {}", function.describe(), describe_period(*window_ms))
+            }
+            Self::Rounded { step, unit } => format!("rounded to multiples of {step}{}", of(unit)),
+            Self::Banded { bounds, unit } => {
+                let bounds: Vec<String> = bounds.iter().map(f64::to_string).collect();
+                format!("in bands from {}{}", bounds.join(", "), of(unit))
+            }
+            Self::Digits { digits } => {
+                format!("with {digits} significant digit{}", if *digits == 1 { "" } else { "s" })
+            }
+            Self::Interval { period_ms } => format!("at most once per {}", describe_period(*period_ms)),
+            Self::Rate { values, period_ms } => format!("at most {values} values per {}", describe_period(*period_ms)),
+            Self::TimeStep { period_ms } => format!("times in steps of {}", describe_period(*period_ms)),
+            Self::Delayed { period_ms } => format!("{} late", describe_period(*period_ms)),
+            Self::Hours { hours } => hours.describe(),
+            Self::Withheld => "withheld in certain states".to_owned(),
+        }
+    }
+}
+
+/// A precision as the partner is told it.
+#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Statement {
+    /// In words: the English sentence that the partner gets.
+    pub statement: String,
+    /// The same as codes with parameters.
+    pub statement_parts: Vec<StatementPart>,
+}
 
 impl DisclosurePolicy {
     /// What the partner is told about its precision.
     #[must_use]
     pub fn statement(&self, unit: Option<&str>) -> DisclosureStatement {
         DisclosureStatement {
-            description: self.describe(unit),
+            description: sentence(&self.parts(unit)),
             rounding_step: self.rounding_step.map(|step| step.decimal().to_f64()),
             significant_digits: self.significant_digits,
             aggregate: self.aggregate.map(|aggregate| AggregateStatement {
@@ -27,49 +133,51 @@ impl DisclosurePolicy {
         }
     }
 
-    fn describe(&self, unit: Option<&str>) -> String {
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    /// The same for pages.
+    #[must_use]
+    pub fn told(&self, unit: Option<&str>) -> Statement {
+        let parts = self.parts(unit);
+        Statement { statement: sentence(&parts), statement_parts: parts }
+    }
+
+    /// The same as codes with parameters.
+    #[must_use]
+    pub fn parts(&self, unit: Option<&str>) -> Vec<StatementPart> {
+        let unit = || unit.map(str::to_owned);
         let mut parts = Vec::new();
-        if let Some(aggregate) = self.aggregate {
-            parts.push(format!("{} per {}", aggregate.function.describe(), describe_period(aggregate.window_ms)));
-        }
-        if let Some(step) = self.rounding_step {
-            parts.push(format!("rounded to multiples of {step}{unit}"));
-        }
+        let aggregated =
+            |of: WindowAggregate| StatementPart::Aggregated { function: of.function, window_ms: of.window_ms };
+        parts.extend(self.aggregate.map(aggregated));
+        parts.extend(self.rounding_step.map(|step| StatementPart::Rounded { step, unit: unit() }));
         if !self.bands.is_empty() {
-            let bounds: Vec<String> = self.bands.iter().map(f64::to_string).collect();
-            parts.push(format!("in bands from {}{unit}", bounds.join(", ")));
+            parts.push(StatementPart::Banded { bounds: self.bands.clone(), unit: unit() });
         }
-        if let Some(digits) = self.significant_digits {
-            parts.push(format!("with {digits} significant digit{}", if digits == 1 { "" } else { "s" }));
-        }
-        if let Some(ms) = self.minimum_interval_ms {
-            parts.push(format!("at most once per {}", describe_period(ms)));
-        }
-        for limit in &self.rate_limits {
-            parts.push(format!("at most {} values per {}", limit.values, describe_period(limit.period_ms)));
-        }
-        if let Some(ms) = self.time_step_ms {
-            parts.push(format!("times in steps of {}", describe_period(ms)));
-        }
-        if let Some(ms) = self.delay_ms {
-            parts.push(format!("{} late", describe_period(ms)));
-        }
-        parts.extend(self.hours().map(super::WorkingHours::describe));
+        parts.extend(self.significant_digits.map(|digits| StatementPart::Digits { digits }));
+        parts.extend(self.minimum_interval_ms.map(|period_ms| StatementPart::Interval { period_ms }));
+        let rate = |limit: &RateLimit| StatementPart::Rate { values: limit.values, period_ms: limit.period_ms };
+        parts.extend(self.rate_limits.iter().map(rate));
+        parts.extend(self.time_step_ms.map(|period_ms| StatementPart::TimeStep { period_ms }));
+        parts.extend(self.delay_ms.map(|period_ms| StatementPart::Delayed { period_ms }));
+        parts.extend(self.hours().map(|hours| StatementPart::Hours { hours: hours.clone() }));
         if !self.withhold_while.is_empty() {
-            // Which states these are is the plant's business.
-            parts.push("withheld in certain states".to_owned());
+            parts.push(StatementPart::Withheld);
         }
         if parts.is_empty() {
-            return "Every change, as it is.".to_owned();
+            parts.push(StatementPart::Unchanged);
         }
-        let mut text = parts.join("; ");
-        if let Some(first) = text.get_mut(..1) {
-            first.make_ascii_uppercase();
-        }
-        text.push('.');
-        text
+        parts
     }
+}
+
+/// Parts as one English sentence.
+fn sentence(parts: &[StatementPart]) -> String {
+    let parts: Vec<String> = parts.iter().map(StatementPart::in_english).collect();
+    let mut text = parts.join("; ");
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text.push('.');
+    text
 }
 
 /// A period with the largest unit that divides it.
@@ -112,5 +220,32 @@ mod tests {
             assert_eq!(policy.statement(unit).description, text);
             assert_eq!(serde_json::to_string(&policy).expect("serialises"), json);
         }
+    }
+
+    #[test]
+    fn the_same_is_said_as_codes() {
+        let policy: DisclosurePolicy = serde_json::from_str(
+            r#"{"roundingStep":10,"bands":[0.5,50.0],"significantDigits":2,"aggregate":{"function":"MEAN","windowMs":3600000},
+            "minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}],"timeStepMs":1000,"delayMs":5,
+            "workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"},"withholdWhile":[{"states":["SETUP"]}]}"#,
+        )
+        .expect("a policy");
+        let told = policy.told(Some("PIECE"));
+        assert_eq!(told.statement, policy.statement(Some("PIECE")).description);
+        let parts = serde_json::to_value(&told.statement_parts).expect("serialises");
+        let expected = serde_json::json!([
+            { "code": "AGGREGATED", "function": "MEAN", "windowMs": 3_600_000 },
+            { "code": "ROUNDED", "step": 10, "unit": "PIECE" },
+            { "code": "BANDED", "bounds": [0.5, 50.0], "unit": "PIECE" },
+            { "code": "DIGITS", "digits": 2 },
+            { "code": "INTERVAL", "periodMs": 60_000 },
+            { "code": "RATE", "values": 3, "periodMs": 3_600_000 },
+            { "code": "TIME_STEP", "periodMs": 1000 },
+            { "code": "DELAYED", "periodMs": 5 },
+            { "code": "HOURS", "hours": { "days": ["MONDAY"], "from": "06:00", "until": "22:00", "utcOffsetMinutes": 0 } },
+            { "code": "WITHHELD" },
+        ]);
+        assert_eq!(parts, expected);
+        assert_eq!(DisclosurePolicy::default().parts(None), [StatementPart::Unchanged]);
     }
 }

@@ -150,6 +150,17 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
         "states tell utilisation: {acme:#}"
     );
     assert_eq!(plant.get("/leak-budgets?partner=nobody").await["items"], json!([]));
+    let summary = plant.get("/leak-budgets/summary").await;
+    let short = &summary["items"][0];
+    assert_eq!(
+        (&short["partner"], &short["fieldCount"], &short["warningCount"]),
+        (&json!("acme"), &json!(2), &json!(acme["warnings"].as_array().map(Vec::len))),
+        "{summary:#}"
+    );
+    assert_eq!((&short["fields"], &short["conclusions"][0]), (&Value::Null, &acme["warnings"][0]["conclusion"]));
+    let told = json!([{ "code": "UNCHANGED" }]);
+    assert_eq!(acme["fields"][0]["statementParts"], told, "{acme:#}");
+    assert_eq!(plant.get(&field("count")).await["disclosureParts"], told);
 
     let nothing = refused(&plant, Method::POST, "/revocations", json!({})).await;
     assert_eq!(nothing.1["code"], "NOTHING_NAMED");

@@ -29,6 +29,7 @@ import type {
   OperatorOperation,
   Page,
   PartnerLeaks,
+  PartnerSummary,
   PolicyView,
   Preview,
   RecipientView,
@@ -97,6 +98,7 @@ export const connector = {
   undoRuleDecision: (id: string) => request<unknown>('POST', path('rule-decisions', id, 'undo')),
 
   leakBudgets: (signal?: AbortSignal) => request<Page<PartnerLeaks>>('GET', '/leak-budgets', { signal }),
+  leakSummary: (signal?: AbortSignal) => request<Page<PartnerSummary>>('GET', '/leak-budgets/summary', { signal }),
 
   field: (key: FieldKey, signal?: AbortSignal) => request<Field>('GET', fieldPath(key), { signal }),
   users: (signal?: AbortSignal) => request<Page<User>>('GET', '/users', { signal }),

@@ -37,6 +37,8 @@ export type Disclosure = Partial<Schemas['DisclosurePolicy']> & {
   furtherHours?: WorkingHours[]
   withholdWhile?: { field?: string | null; states: (string | number | boolean)[] }[]
 }
+/** A part of a precision as the partner is told it: a code with its parameters. */
+export type StatementPart = Schemas['StatementPart']
 export type WorkingHours = Schemas['WorkingHours']
 export type DataValue = Omit<Schemas['ShownValue'], 'value' | 'status'> & { value: unknown; status?: string | number | null }
 export type MappingInput = Omit<Schemas['MappingInput'], 'valueType'> & { valueType?: string | null }
@@ -52,7 +54,7 @@ export interface Mapping {
   steps: Step[]
 }
 
-export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure' | 'effectiveDisclosure' | 'grounds' | 'offer'> & {
+export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure' | 'effectiveDisclosure' | 'grounds' | 'offer' | 'disclosureParts'> & {
   key: FieldKey
   mappingState: MappingState
   valueSource?: ValueSource | null
@@ -65,6 +67,7 @@ export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSo
   /** What standing rules offer for an undecided field. */
   offer?: { action: string; rules: { id: string; version: number; name: string }[]; disclosure: Disclosure; statement: string; valueSource?: ValueSource | null; mapping?: Mapping | null; reason?: string | null } | null
   isWithheld?: boolean
+  disclosureParts?: StatementPart[]
 }
 
 export interface Operation {
@@ -101,13 +104,16 @@ export interface Decision {
 
 export type Diagnostic = Schemas['MappingDiagnostic']
 export type PreviewStep = Omit<Schemas['StepView'], 'value'> & { value?: DataValue | null }
-export type Preview = Omit<Schemas['Preview'], 'inputs' | 'steps' | 'candidate' | 'disclosed'> & {
+export type Preview = Omit<Schemas['Preview'], 'inputs' | 'steps' | 'candidate' | 'disclosed' | 'effects' | 'warnings' | 'statementParts'> & {
   inputs: (DataValue & { name: string })[]
   steps: PreviewStep[]
   candidate?: DataValue | null
   disclosed?: DataValue | null
   effectiveDisclosure?: Disclosure | null
-  effects?: { kind: string; text: string; isFelt: boolean }[]
+  statementParts?: StatementPart[]
+  effects?: { kind: string; text: string; parts?: StatementPart[]; isFelt: boolean }[]
+  /** What partners could conclude if this were decided. */
+  warnings?: LeakWarning[]
   isWithheld?: boolean
 }
 
@@ -170,6 +176,7 @@ export interface NewClientCertificate {
 export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash' | 'leftInMessage' | 'sentAt' | 'deliveredAt'> & {
   /** What the partner was told of each field's precision. */
   precision?: Record<string, string>
+  precisionParts?: Record<string, StatementPart[]>
   operationNetworkId?: string | null
   operationId?: string | null
   dynamicDataRequestId?: string | null
@@ -190,7 +197,9 @@ export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipi
 
 /** What one partner learns in sum, and what it can conclude. */
 export type PartnerLeaks = Omit<Schemas['PartnerLeaks'], 'fields' | 'warnings'> & { fields: FieldLeak[]; warnings: LeakWarning[] }
-export type FieldLeak = Omit<Schemas['FieldLeak'], 'key'> & { key: FieldKey }
+/** The same in short. */
+export type PartnerSummary = Schemas['PartnerSummary']
+export type FieldLeak = Omit<Schemas['FieldLeak'], 'key' | 'statementParts'> & { key: FieldKey; statementParts?: StatementPart[] }
 export type LeakWarning = Omit<Schemas['LeakWarning'], 'fields'> & { fields: FieldKey[] }
 
 export type Setting = Schemas['Setting']

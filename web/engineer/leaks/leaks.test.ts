@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { problem, serve } from '../../vitest.server'
-import type { FieldLeak, PartnerLeaks } from '../api/types'
+import type { FieldLeak, PartnerLeaks, StatementPart } from '../api/types'
 import LeaksPage from './LeaksPage.svelte'
 import { bitsReach, byWeight, precisionText, rateReach, rateText } from './measure'
 
@@ -56,6 +56,15 @@ describe('the leak budget', () => {
     expect(screen.getByText(/From 6 min on/)).toBeTruthy()
     expect(screen.getByRole('link', { name: 'Coarsen: count' }).getAttribute('href')).toBe('#/fields/n/turn/progress/count')
     expect(screen.getByText('1 conclusion possible')).toBeTruthy()
+  })
+  it('says in the reader’s language what partners are told', async () => {
+    language.choose('de')
+    const statementParts: StatementPart[] = [{ code: 'ROUNDED', step: 10, unit: 'PIECE' }, { code: 'INTERVAL', periodMs: 60_000 }]
+    const cycle = { conclusion: 'CYCLE_TIME' as const, text: 'Each piece …', fields: [leak('count').key], neededMs: 900_000 }
+    serve({ 'GET /leak-budgets': () => ({ items: [budget({ fields: [leak('count', { statementParts })], warnings: [cycle] })] }) })
+    render(LeaksPage)
+    expect(await screen.findByText('Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.')).toBeTruthy()
+    expect(screen.getByText(/^Der Plan sagt nicht, wie lange ein Stück dauert/)).toBeTruthy()
   })
   it('takes the server’s words for a conclusion it does not know', async () => {
     const warnings = [{ conclusion: 'SHIFT_PLAN' as never, text: 'Pauses tell the shifts.', fields: [leak('count').key] }]

@@ -1,0 +1,169 @@
+//! What approved fields reveal when they are put together.
+
+use std::collections::HashMap;
+
+use asi_model::{
+    BuiltInType, FieldKey, OperationId, OperationNetworkId,
+    network::{Operation, Semantic},
+};
+use serde::Serialize;
+
+use super::OpenField;
+use crate::disclosure::{DisclosurePolicy, effects::time_resolution_ms};
+
+/// Times coarser than this do not tell how a machine was used.
+const UTILISATION_MS: u64 = 3_600_000;
+/// Times coarser than this do not tell single pieces, where the plan does not say how long one takes.
+const PIECE_MS: u64 = 15 * 60_000;
+
+/// What follows from fields that are open together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Conclusion {
+    /// How long single pieces took: a counter is timed more exactly than a piece takes.
+    CycleTime,
+    /// How much of the time a machine works: a state is timed within the hour.
+    Utilisation,
+    /// How large the whole order is: a share and a count of the same operation.
+    OrderQuantity,
+    /// How many pieces are scrap: counts of good, bad or all pieces of the same operation.
+    Yield,
+}
+
+/// A warning.
+#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LeakWarning {
+    /// What can be concluded, as a code; its parameters are the other members.
+    pub conclusion: Conclusion,
+    /// In English, with what would prevent it.
+    pub text: String,
+    /// From which fields.
+    #[schema(value_type = Vec<Object>)]
+    pub fields: Vec<FieldKey>,
+    /// How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan says so.
+    pub piece_ms: Option<u64>,
+    /// The time from which on it could not be concluded, in milliseconds, where that helps.
+    pub needed_ms: Option<u64>,
+}
+
+/// Everything that can be concluded from open fields together.
+#[must_use]
+pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
+    let mut warnings = Vec::new();
+    for field in open {
+        warnings.extend(cycle_time(field));
+        warnings.extend(utilisation(field));
+    }
+    let mut operations: HashMap<(&OperationNetworkId, &OperationId), Vec<&OpenField<'_>>> = HashMap::new();
+    for field in open {
+        let request = &field.key.request;
+        operations.entry((&request.operation_network_id, &request.operation_id)).or_default().push(field);
+    }
+    for fields in operations.into_values() {
+        let of = |wanted: &[Semantic]| -> Vec<FieldKey> {
+            let means =
+                |field: &&&OpenField<'_>| field.definition.semantic.as_ref().is_some_and(|s| wanted.contains(s));
+            fields.iter().filter(means).map(|field| field.key.clone()).collect()
+        };
+        let (shares, all) = (of(&[Semantic::PercentComplete]), of(&[Semantic::ProducedQuantity]));
+        let (good, scrap) = (of(&[Semantic::GoodQuantity]), of(&[Semantic::ScrapQuantity]));
+        let counts: Vec<FieldKey> = all.iter().chain(&good).cloned().collect();
+        if !shares.is_empty() && !counts.is_empty() {
+            warnings.push(LeakWarning {
+                conclusion: Conclusion::OrderQuantity,
+                text:
+                    "A count divided by the share completed is the size of the whole order. Disclose one of them, or \
+                       put the share into bands."
+                        .to_owned(),
+                fields: shares.into_iter().chain(counts).collect(),
+                piece_ms: None,
+                needed_ms: None,
+            });
+        }
+        let kinds = [&all, &good, &scrap].into_iter().filter(|fields| !fields.is_empty()).count();
+        if kinds >= 2 {
+            warnings.push(LeakWarning {
+                conclusion: Conclusion::Yield,
+                text:
+                    "Counts of good, bad or all pieces together tell the yield. Disclose one of them, or round both to \
+                       steps larger than the scrap to be expected."
+                        .to_owned(),
+                fields: all.into_iter().chain(good).chain(scrap).collect(),
+                piece_ms: None,
+                needed_ms: None,
+            });
+        }
+    }
+    warnings.sort_by(|left, right| (left.conclusion, &left.fields).cmp(&(right.conclusion, &right.fields)));
+    warnings
+}
+
+/// The longest of what keeps two changes from being told apart, in milliseconds.
+fn granularity_ms(policy: &DisclosurePolicy) -> u64 {
+    let rates = policy.rate_limits.iter().map(|limit| limit.period_ms / u64::from(limit.values.max(1)));
+    rates.chain(policy.minimum_interval_ms).fold(time_resolution_ms(policy), u64::max)
+}
+
+/// How long one piece takes by the plan, in milliseconds.
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn piece_ms(operation: &Operation) -> Option<u64> {
+    let (start, end) = (operation.planned_start?, operation.planned_end?);
+    let quantity = operation.planned_quantity.filter(|quantity| *quantity >= 1.0)?;
+    let piece = end.since(start).as_millis() as f64 / quantity;
+    (piece >= 1.0).then_some(piece as u64)
+}
+
+fn is_counter(field: &OpenField<'_>) -> bool {
+    let is_count = matches!(
+        field.definition.semantic,
+        Some(Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity)
+    );
+    is_count || (field.definition.field_type.0.is_integer() && field.definition.unit.as_deref() == Some("PIECE"))
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+fn cycle_time(field: &OpenField<'_>) -> Option<LeakWarning> {
+    if !is_counter(field) || !field.policy.bands.is_empty() {
+        return None;
+    }
+    let step = field.policy.rounding_step.map_or(1.0, |step| step.decimal().to_f64().max(1.0));
+    let known = piece_ms(field.operation);
+    // With a rounding step the pieces of a whole step are timed together: only their mean is told.
+    let needed = known.unwrap_or(PIECE_MS);
+    let is_single = step < 2.0 && granularity_ms(field.policy) < needed;
+    is_single.then(|| LeakWarning {
+        conclusion: Conclusion::CycleTime,
+        text: match known {
+            Some(_) => "Each piece is timed more exactly than it takes by the plan, which tells the cycle time. A \
+                        minimum interval, a time step or a rounding step of several pieces hides it."
+                .to_owned(),
+            None => {
+                "Each piece may be timed as it is made, which tells the cycle time. A minimum interval, a time step \
+                     or a rounding step of several pieces hides it."
+                    .to_owned()
+            }
+        },
+        fields: vec![field.key.clone()],
+        piece_ms: known,
+        needed_ms: Some(needed),
+    })
+}
+
+fn utilisation(field: &OpenField<'_>) -> Option<LeakWarning> {
+    let definition = field.definition;
+    let name = definition.name.as_str().to_ascii_lowercase();
+    let is_named = ["state", "status", "mode", "running", "active"].iter().any(|word| name.contains(word));
+    let is_state = definition.semantic == Some(Semantic::OperationState)
+        || (definition.semantic.is_none() && (definition.field_type.0 == BuiltInType::Boolean || is_named));
+    (is_state && granularity_ms(field.policy) < UTILISATION_MS).then(|| LeakWarning {
+        conclusion: Conclusion::Utilisation,
+        text:
+            "A state that is timed within the hour tells how much of the time the machine works, and when it pauses. A \
+               time step or window of an hour hides it."
+                .to_owned(),
+        fields: vec![field.key.clone()],
+        piece_ms: None,
+        needed_ms: Some(UTILISATION_MS),
+    })
+}

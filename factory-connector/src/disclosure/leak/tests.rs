@@ -1,0 +1,110 @@
+use serde_json::{Value, json};
+
+use super::*;
+
+fn operation() -> Operation {
+    serde_json::from_value(json!({ "operationId": "op", "operationType": "PRODUCTION", "plannedQuantity": 100,
+        "plannedStart": "2026-11-21T06:00:00Z", "plannedEnd": "2026-11-21T16:00:00Z" }))
+    .expect("an operation")
+}
+
+/// The budget of fields, each a definition with its policy.
+fn budget(fields: &[(Value, Value)]) -> LeakBudget {
+    with_open(fields, leak_budget)
+}
+
+fn with_open<T>(fields: &[(Value, Value)], look: impl FnOnce(&[OpenField<'_>]) -> T) -> T {
+    let operation = operation();
+    let owned: Vec<(FieldKey, ReportField, DisclosurePolicy)> = fields
+        .iter()
+        .map(|(definition, policy)| {
+            let definition: ReportField = serde_json::from_value(definition.clone()).expect("a field");
+            let key = json!({ "operationNetworkId": "n", "operationId": "op", "dynamicDataRequestId": "R",
+                "fieldName": definition.name });
+            let key = serde_json::from_value(key).expect("a key");
+            (key, definition, serde_json::from_value(policy.clone()).expect("a policy"))
+        })
+        .collect();
+    let measured = Measured { candidates: 100, released: 10, hours: 2.0 };
+    let open: Vec<OpenField<'_>> = owned
+        .iter()
+        .map(|(key, definition, policy)| OpenField { key, definition, operation: &operation, policy, measured })
+        .collect();
+    look(&open)
+}
+
+fn conclusions(fields: &[(Value, Value)]) -> Vec<Conclusion> {
+    budget(fields).warnings.into_iter().map(|warning| warning.conclusion).collect()
+}
+
+#[test]
+fn conclusions_follow_from_what_is_open_together() {
+    use Conclusion as C;
+    let made = || json!({ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" });
+    let scrap = || json!({ "name": "scrap", "type": 9, "semantic": "SCRAP_QUANTITY" });
+    let share = || json!({ "name": "share", "type": 11, "semantic": "PERCENT_COMPLETE" });
+    let state = || json!({ "name": "robotState", "type": 12 });
+    let hourly = || json!({ "timeStepMs": 3_600_000 });
+    // A hundred pieces in ten hours: one takes six minutes.
+    assert_eq!(conclusions(&[(made(), json!({}))]), [C::CycleTime]);
+    assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 300_000 }))]), [C::CycleTime]);
+    assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 360_000 }))]), []);
+    assert_eq!(conclusions(&[(made(), json!({ "roundingStep": 10 }))]), []);
+    assert_eq!(conclusions(&[(state(), json!({}))]), [C::Utilisation]);
+    assert_eq!(conclusions(&[(state(), hourly())]), []);
+    assert_eq!(conclusions(&[(made(), hourly()), (share(), hourly())]), [C::OrderQuantity]);
+    assert_eq!(conclusions(&[(made(), hourly()), (scrap(), hourly())]), [C::Yield]);
+    assert_eq!(conclusions(&[(share(), json!({}))]), []);
+}
+
+#[test]
+fn figures_add_up() {
+    let temperature = json!({ "name": "temperature", "type": 11 });
+    let share = json!({ "name": "share", "type": 11, "semantic": "PERCENT_COMPLETE" });
+    let found = budget(&[
+        (share.clone(), json!({ "roundingStep": 25, "minimumIntervalMs": 3_600_000 })),
+        (
+            temperature.clone(),
+            json!({ "bands": [0, 20, 40, 60], "rateLimits": [{ "values": 3, "periodMs": 3_600_000 }] }),
+        ),
+    ]);
+    assert_eq!(found.values_per_hour_max, Some(4.0));
+    assert_eq!(found.values_per_hour_measured, 10.0);
+    let bits = found.bits_per_hour_max.expect("both are limited");
+    assert!((bits - (5_f64.log2() + 3.0 * 2.0)).abs() < 1e-9, "{bits}");
+    let found = budget(&[(share, json!({})), (temperature, json!({ "timeStepMs": 60_000 }))]);
+    assert_eq!((found.values_per_hour_max, found.bits_per_hour_max), (None, None));
+    let text = budget(&[(json!({ "name": "note", "type": 12 }), json!({ "timeStepMs": 3_600_000 }))]);
+    assert_eq!(text.fields[0].bits_per_value, None);
+}
+
+#[test]
+fn a_summary_says_the_same_in_short() {
+    let made = json!({ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" });
+    let state = json!({ "name": "robotState", "type": 6 });
+    let limited = |step: u64| json!({ "minimumIntervalMs": 60_000, "timeStepMs": step });
+    for fields in [
+        vec![(made.clone(), limited(60_000)), (state.clone(), limited(1000)), (state, json!({}))],
+        vec![(made, limited(5000))],
+        vec![],
+    ] {
+        let (budget, summary) = with_open(&fields, |open| (leak_budget(open), leak_summary(open)));
+        assert_eq!(summary.field_count, budget.fields.len());
+        assert_eq!(summary.values_per_hour_max, budget.values_per_hour_max);
+        assert_eq!(summary.values_per_hour_measured, budget.values_per_hour_measured);
+        assert_eq!(summary.bits_per_hour_max, budget.bits_per_hour_max);
+        let finest = budget.fields.iter().map(|field| field.time_resolution_ms).min();
+        assert_eq!(summary.time_resolution_ms, finest.unwrap_or(0));
+        assert_eq!(summary.warning_count, budget.warnings.len());
+        let mut conclusions: Vec<Conclusion> = budget.warnings.iter().map(|warning| warning.conclusion).collect();
+        conclusions.dedup();
+        assert_eq!(summary.conclusions, conclusions);
+    }
+}
+
+#[test]
+fn a_warning_says_whether_the_plan_tells_how_long_a_piece_takes() {
+    let counter = json!({ "name": "count", "type": 9, "unit": "PIECE" });
+    let planned = &budget(&[(counter, json!({}))]).warnings[0];
+    assert_eq!((planned.piece_ms, planned.needed_ms), (Some(360_000), Some(360_000)));
+}
