@@ -18,8 +18,8 @@ mod verification;
 
 pub use anchor::Anchor;
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
-pub use checkpoint::{Checkpoint, LEDGER_KEY_FILE, LedgerKey, LedgerKeyError};
-pub use entry::{Entry, Event, SequenceRange};
+pub use checkpoint::{Checkpoint, CheckpointHead, LEDGER_KEY_FILE, LedgerKey, LedgerKeyError};
+pub use entry::{Entry, Event, EventKind, SequenceRange};
 pub use export::{ExportFormat, ExportedEntry, Exporter};
 pub use head::SignedHead;
 pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};

@@ -24,11 +24,14 @@ mod verify;
 
 pub use accounts::{Role, User, count_users, put_user, remove_user, user, users};
 pub use changes::{
-    Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow, FieldValueRow, NetworkRow,
-    NewReport, ReportMove, RevocationRow, SourceRow, WriterRow,
+    CarriedFieldRow, Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow,
+    FieldValueRow, NetworkRow, NewReport, ReportMove, RevocationRow, SourceRow, WriterRow,
 };
 pub use error::StoreError;
-pub use ledger::{LedgerFilter, LedgerReader, LedgerRow, ledger_recipients};
+pub use ledger::{
+    LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, StoredCheckpoint, ledger_checkpoints, ledger_fields,
+    ledger_recipients,
+};
 pub use load::Snapshot;
 pub use lookups::{DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources};
 pub use mappings::{

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { credentials, path, query, request } from './http'
 import { LiveFeed } from './live.svelte'
+import { PagedList } from './paged.svelte'
 import { Problem } from './problem'
 import { Resource } from './resource.svelte'
 
@@ -84,6 +85,59 @@ describe('a resource', () => {
     await vi.advanceTimersByTimeAsync(10_000)
     expect(load.mock.calls.length).toBeGreaterThan(2)
     resource.stop()
+  })
+})
+
+describe('a list in pages', () => {
+  const numbers = Array.from({ length: 5 }, (_, number) => number)
+  const pageOf = (cursor: string | undefined): { items: number[]; nextCursor: string | null } => {
+    const from = Number(cursor ?? 0)
+    return { items: numbers.slice(from, from + 2), nextCursor: from + 2 < numbers.length ? String(from + 2) : null }
+  }
+  it('is read as far as somebody asks, and again that far', async () => {
+    const load = vi.fn((cursor: string | undefined) => Promise.resolve(pageOf(cursor)))
+    const paged = new PagedList(load)
+    await paged.list.refresh()
+    expect([paged.list.value, paged.hasMore]).toEqual([[0, 1], true])
+    await paged.more()
+    await paged.list.refresh()
+    expect([paged.list.value, paged.hasMore]).toEqual([[0, 1, 2, 3], true])
+    await paged.more()
+    await paged.more()
+    expect([paged.list.value, paged.hasMore]).toEqual([numbers, false])
+    expect(load.mock.calls.map(([cursor]) => cursor)).toEqual([undefined, '2', undefined, '2', '4'])
+  })
+  it('keeps what it has where no more comes, and tries again', async () => {
+    let works = true
+    const paged = new PagedList((cursor) => (works ? Promise.resolve(pageOf(cursor)) : Promise.reject(new TypeError('offline'))))
+    await paged.list.refresh()
+    works = false
+    await paged.more()
+    expect([paged.list.value, paged.problem?.unreachable]).toEqual([[0, 1], true])
+    works = true
+    await paged.more()
+    expect([paged.list.value, paged.problem]).toEqual([[0, 1, 2, 3], undefined])
+  })
+  it('has no page twice, when it is read again meanwhile', async () => {
+    const waiting: (() => void)[] = []
+    const paged = new PagedList((cursor) => new Promise<{ items: number[]; nextCursor: string | null }>((resolve) => waiting.push(() => { resolve(pageOf(cursor)) })))
+    const settle = async (): Promise<void> => {
+      while (waiting.length > 0) {
+        waiting.shift()?.()
+        await new Promise((done) => setTimeout(done))
+      }
+    }
+    const first = paged.list.refresh()
+    await settle()
+    await first
+    const more = paged.more()
+    const slow = waiting.shift()
+    const again = paged.list.refresh()
+    await settle()
+    await again
+    slow?.()
+    await more
+    expect(paged.list.value).toEqual([0, 1, 2, 3])
   })
 })
 

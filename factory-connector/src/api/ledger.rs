@@ -1,32 +1,31 @@
 //! What left this factory.
 
+pub mod checkpoints;
+pub mod export;
+pub mod fields;
+pub mod verification;
+
 use std::collections::BTreeMap;
 
-use asi_model::{DateTime, OrganisationId};
-use axum::{
-    Json,
-    body::Body,
-    extract::State,
-    http::header,
-    response::{IntoResponse, Response},
-};
+use asi_model::{DateTime, DynamicDataRequestId, FieldName, OperationId, OperationNetworkId, OrganisationId};
+use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
-use futures::StreamExt as _;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{Api, problems::Problems};
 use crate::{
-    ledger::{ExportFormat, Exporter, LEDGER_KEY_FILE, LedgerKey, Verification},
-    print::Language,
-    store::{LedgerFilter, LedgerReader, LedgerRow, Store, StoreError, ledger_recipients, verify_ledger},
+    disclosure::StatementPart,
+    ledger::EventKind,
+    store::{LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, ledger_recipients},
 };
 
-/// Which part of which chain.
+/// Which entries.
 #[derive(Deserialize, IntoParams)]
+#[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
-pub struct LedgerQuery {
-    /// Whose chain; the first by name without it.
+pub struct LedgerSelection {
+    /// Of this recipient's chain.
     #[param(value_type = Option<String>)]
     recipient: Option<OrganisationId>,
     /// Recorded at this time or later.
@@ -35,6 +34,50 @@ pub struct LedgerQuery {
     /// Recorded before this time.
     #[param(value_type = Option<String>)]
     until: Option<DateTime>,
+    /// Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`.
+    #[param(value_type = Option<String>)]
+    kind: Option<EventKind>,
+    /// About this network: decisions about its fields, reports that carried them, and what became of those.
+    #[param(value_type = Option<String>)]
+    operation_network_id: Option<OperationNetworkId>,
+    /// Of it, only about this operation.
+    #[param(value_type = Option<String>)]
+    operation_id: Option<OperationId>,
+    /// Of it, only about this request.
+    #[param(value_type = Option<String>)]
+    dynamic_data_request_id: Option<DynamicDataRequestId>,
+    /// Of it, only about this field.
+    #[param(value_type = Option<String>)]
+    field_name: Option<FieldName>,
+}
+
+impl LedgerSelection {
+    fn filter(self) -> Result<LedgerFilter, Problem> {
+        let is_named = [
+            self.operation_network_id.is_some(),
+            self.operation_id.is_some(),
+            self.dynamic_data_request_id.is_some(),
+            self.field_name.is_some(),
+        ];
+        if is_named.windows(2).any(|pair| pair[1] && !pair[0]) {
+            let detail =
+                "A field is named with its request, a request with its operation, an operation with its network.";
+            return Err(Problem::bad_request("INCOMPLETE_ADDRESS", detail));
+        }
+        let subject = self.operation_network_id.map(|operation_network_id| LedgerSubject {
+            operation_network_id,
+            operation_id: self.operation_id,
+            dynamic_data_request_id: self.dynamic_data_request_id,
+            field_name: self.field_name,
+        });
+        Ok(LedgerFilter { recipient: self.recipient, from: self.from, until: self.until, kind: self.kind, subject })
+    }
+}
+
+/// Which page of them.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LedgerPlace {
     /// `nextCursor` of the page before.
     after: Option<u64>,
     /// Entries on the page, 1 to 500; 100 without it.
@@ -74,6 +117,8 @@ pub struct EntryView {
     value: Option<serde_json::Value>,
     /// The precision under each consent that the entry names, by field, in the words that the partner was told.
     precision: BTreeMap<String, String>,
+    /// The same as codes with parameters.
+    precision_parts: BTreeMap<String, Vec<StatementPart>>,
     /// For a report: the message it left in last.
     left_in_message: Option<String>,
     /// For a report: when the broker accepted it last.
@@ -107,6 +152,7 @@ impl From<LedgerRow> for EntryView {
             content,
             value: report.and_then(|report| report.get("Payload").cloned()),
             precision: row.entry.precision,
+            precision_parts: row.precision_parts,
             left_in_message: row.entry.message_id,
             sent_at: row.entry.sent_at,
             delivered_at: row.entry.delivered_at,
@@ -115,17 +161,22 @@ impl From<LedgerRow> for EntryView {
     }
 }
 
-/// Lists the entries of a recipient's chain, newest first, with what left.
-#[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerQuery),
+/// Lists the entries of a recipient's chain, newest first, with what left; of the first recipient by name where none is
+/// named.
+#[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerSelection, LedgerPlace),
     responses((status = 200, body = LedgerView), Problems))]
-pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<LedgerQuery>) -> Result<Json<LedgerView>, Problem> {
-    let limit = query.limit.unwrap_or(100).clamp(1, 500);
+pub async fn list(
+    State(api): State<Api>,
+    ApiQuery(wanted): ApiQuery<LedgerSelection>,
+    ApiQuery(place): ApiQuery<LedgerPlace>,
+) -> Result<Json<LedgerView>, Problem> {
+    let limit = place.limit.unwrap_or(100).clamp(1, 500);
+    let filter = wanted.filter()?;
     let mut connection = api.reader().await?;
     let recipients = ledger_recipients(&mut connection).await?;
-    let chosen = query.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
-    let filter = LedgerFilter { recipient: query.recipient, from: query.from, until: query.until, before: query.after };
+    let chosen = filter.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
     let rows = match chosen {
-        Some(chosen) => LedgerReader::default().page(&mut connection, &chosen, &filter, limit).await?,
+        Some(chosen) => LedgerReader::default().page(&mut connection, &chosen, &filter, place.after, limit).await?,
         None => Vec::new(),
     };
     let is_whole = rows.len() < limit as usize;
@@ -135,92 +186,4 @@ pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<LedgerQuery>
         items: rows.into_iter().map(EntryView::from).collect(),
         next_cursor: next_cursor.map(|number| number.to_string()),
     }))
-}
-
-/// What to export, and how.
-#[derive(Deserialize, IntoParams)]
-#[into_params(parameter_in = Query)]
-pub struct ExportQuery {
-    /// `jsonl`, `csv` or `html`.
-    #[param(value_type = String)]
-    format: ExportFormat,
-    /// Of this chain only.
-    #[param(value_type = Option<String>)]
-    recipient: Option<OrganisationId>,
-    /// Recorded at this time or later.
-    #[param(value_type = Option<String>)]
-    from: Option<DateTime>,
-    /// Recorded before this time.
-    #[param(value_type = Option<String>)]
-    until: Option<DateTime>,
-    /// Of a page to print: `en` or `de`.
-    #[param(value_type = Option<String>)]
-    language: Option<Language>,
-}
-
-/// Everything that left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains.
-#[utoipa::path(get, path = "/ledger/export", tag = "ledger", security(("session" = [])), params(ExportQuery),
-    responses((status = 200, content_type = "text/csv", body = String), Problems))]
-pub async fn export(State(api): State<Api>, ApiQuery(query): ApiQuery<ExportQuery>) -> Result<Response, Problem> {
-    let exporter = Exporter::new(query.format, query.language.unwrap_or_default());
-    let filter = LedgerFilter { recipient: query.recipient, from: query.from, until: query.until, before: None };
-    let connection = api.reader().await?;
-    let first = exporter.begin(api.factory_id.as_str());
-    // One part per block of entries: nothing larger is ever in memory.
-    let state = Some((connection, LedgerReader::default()));
-    let parts = futures::stream::try_unfold(state, move |state| {
-        let filter = filter.clone();
-        async move {
-            let Some((mut connection, mut reader)) = state else { return Ok(None) };
-            let rows = reader.next(&mut connection, &filter).await?;
-            if rows.is_empty() {
-                return Ok(Some((exporter.end(), None)));
-            }
-            let part: String = rows.iter().map(|row| exporter.entry(&row.entry)).collect();
-            Ok::<_, StoreError>(Some((part, Some((connection, reader)))))
-        }
-    });
-    let body = futures::stream::once(async move { Ok(first) }).chain(parts);
-    let name = format!("attachment; filename=\"ledger-{}.{}\"", api.factory_id, query.format.extension());
-    let headers = [(header::CONTENT_TYPE, query.format.media_type().to_owned()), (header::CONTENT_DISPOSITION, name)];
-    Ok((headers, Body::from_stream(body)).into_response())
-}
-
-/// The outcome of a verification.
-#[derive(Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct VerificationView {
-    /// Nothing is wrong.
-    valid: bool,
-    /// How many chains there are.
-    chains: usize,
-    /// The first thing that is wrong, in words.
-    fault: Option<String>,
-    /// What was looked at and everything that is wrong.
-    #[serde(flatten)]
-    verification: Verification,
-}
-
-/// Reads every chain from its beginning and finds any change, deletion or reordering.
-#[utoipa::path(post, path = "/ledger/verification", tag = "ledger", security(("session" = [])),
-    responses((status = 200, body = VerificationView), Problems))]
-pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
-    // Hashing a whole ledger takes its time: it has a thread of its own.
-    let directory = api.data_directory.clone();
-    let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE)).map_err(|error| Problem::internal(&error))?;
-    let runtime = tokio::runtime::Handle::current();
-    let verified = tokio::task::spawn_blocking(move || {
-        runtime.block_on(async {
-            let mut connection = Store::connect(&directory).await?;
-            verify_ledger(&mut connection, trusted).await
-        })
-    });
-    let verification = verified.await.map_err(|error| Problem::internal(&error))??;
-    let mut connection = api.reader().await?;
-    let chains = ledger_recipients(&mut connection).await?.len();
-    let fault = verification
-        .fault_list
-        .first()
-        .map(|fault| format!("{}, entry {}: {}", fault.recipient, fault.number, fault.message));
-    Ok(Json(VerificationView { valid: verification.is_intact(), chains, fault, verification }))
 }

@@ -27,6 +27,13 @@ pub struct Page<T> {
 }
 
 impl<T> Page<T> {
+    /// A page of at most `limit` items; a full one may have another behind it, which begins after the last item.
+    pub fn of(items: Vec<T>, limit: u32, cursor: impl Fn(&T) -> String) -> Self {
+        let is_full = items.len() >= limit as usize;
+        let next_cursor = items.last().filter(|_| is_full).map(cursor);
+        Self { items, next_cursor }
+    }
+
     /// All of a list.
     pub const fn whole(items: Vec<T>) -> Self {
         Self { items, next_cursor: None }

@@ -13,7 +13,7 @@ use super::{Books, range_of};
 use crate::{
     disclosure::Outcome,
     ledger::{Event, SALT_BYTES, values_root},
-    store::NewReport,
+    store::{CarriedFieldRow, NewReport},
 };
 
 /// Largest NetworkMessage that several reports share, in bytes.
@@ -122,6 +122,11 @@ impl Books {
             let (epoch, sequence, request) = (writer.epoch, writer.next_sequence, writer.request.clone());
             writer.next_sequence = writer.next_sequence.wrapping_add(1);
             writer.last_sign_at = now;
+            for name in consents.keys().filter(|name| writer.carried.insert((*name).clone())) {
+                let field = request.field(name.clone());
+                let row = CarriedFieldRow { field, data_set_writer_id: id, epoch, first_sequence: sequence };
+                self.changes.carried_fields.push(row);
+            }
             self.store_writer(id);
             let report = NewReport {
                 id: self.next_row(),

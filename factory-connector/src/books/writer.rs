@@ -1,6 +1,6 @@
 //! DataSetWriters: one per dynamic data request.
 
-use std::{sync::Arc, time::Duration};
+use std::{collections::BTreeSet, sync::Arc, time::Duration};
 
 use asi_model::{
     DateTime, FieldName, OrganisationId, RequestKey,
@@ -27,6 +27,8 @@ pub struct Writer {
     pub next_sequence: u32,
     /// The mapped fields, in payload order, as the metadata in force describes them.
     pub fields: Vec<FieldName>,
+    /// Those that reports of this epoch have carried, as far as this run of the connector knows.
+    pub carried: BTreeSet<FieldName>,
     /// The metadata in force.
     pub meta_data: Option<Arc<DataSetMetaData>>,
     /// When it was retired.
@@ -65,6 +67,7 @@ impl Books {
             minor_version: row.minor_version,
             next_sequence: row.next_sequence,
             fields: row.fields,
+            carried: BTreeSet::new(),
             meta_data: None,
             retired_at: row.retired_at,
             last_sign_at: DateTime::MIN,
@@ -87,6 +90,7 @@ impl Books {
             minor_version: epoch,
             next_sequence: 0,
             fields: Vec::new(),
+            carried: BTreeSet::new(),
             meta_data: None,
             retired_at: None,
             last_sign_at: now,
@@ -122,6 +126,7 @@ impl Books {
             writer.epoch = now.version_time().max(writer.epoch.saturating_add(1));
             writer.minor_version = writer.epoch;
             writer.next_sequence = 0;
+            writer.carried.clear();
         }
         self.describe(id, now);
     }

@@ -86,7 +86,7 @@ pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> any
                 PageLanguage::En => Language::En,
                 PageLanguage::De => Language::De,
             };
-            let filter = LedgerFilter { recipient, from, until, before: None };
+            let filter = LedgerFilter { recipient, from, until, ..LedgerFilter::default() };
             let mut output: Box<dyn Write> = match output {
                 Some(path) => {
                     let file = File::create(&path).with_context(|| format!("making {}", path.display()))?;

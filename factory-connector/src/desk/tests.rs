@@ -3,6 +3,7 @@
 mod crash;
 mod failures;
 mod ledger;
+mod lookup;
 mod revocation;
 
 use std::{

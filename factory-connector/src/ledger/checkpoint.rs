@@ -29,10 +29,11 @@ pub struct Checkpoint {
 }
 
 /// The head of one chain.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CheckpointHead {
     /// Whose chain.
+    #[schema(value_type = String)]
     pub recipient: OrganisationId,
     /// The number of its last entry.
     pub number: u64,

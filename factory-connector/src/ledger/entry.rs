@@ -93,6 +93,42 @@ pub enum Event {
     },
 }
 
+/// The kinds of events, to look for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+#[allow(missing_docs)]
+pub enum EventKind {
+    Consent,
+    Queued,
+    Sent,
+    Receipted,
+    Coalesced,
+    Expired,
+    Purged,
+    Revoked,
+}
+
+impl EventKind {
+    /// Those that name reports by their writer.
+    pub const OF_REPORTS: [Self; 7] =
+        [Self::Queued, Self::Sent, Self::Receipted, Self::Coalesced, Self::Expired, Self::Purged, Self::Revoked];
+
+    /// As in the hashed text.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Consent => "CONSENT",
+            Self::Queued => "QUEUED",
+            Self::Sent => "SENT",
+            Self::Receipted => "RECEIPTED",
+            Self::Coalesced => "COALESCED",
+            Self::Expired => "EXPIRED",
+            Self::Purged => "PURGED",
+            Self::Revoked => "REVOKED",
+        }
+    }
+}
+
 /// An entry of a chain, as it is hashed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

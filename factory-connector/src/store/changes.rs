@@ -28,6 +28,8 @@ pub struct Changes {
     pub consents: Vec<ConsentRow>,
     /// Writers that are new, retired or moved on.
     pub writers: BTreeMap<u16, WriterRow>,
+    /// Fields that a writer carries for the first time in its epoch.
+    pub carried_fields: Vec<CarriedFieldRow>,
     /// New reports.
     pub reports: Vec<NewReport>,
     /// Reports whose state changed.
@@ -84,6 +86,7 @@ impl Changes {
             && self.field_values.is_empty()
             && self.consents.is_empty()
             && self.writers.is_empty()
+            && self.carried_fields.is_empty()
             && self.reports.is_empty()
             && self.report_moves.is_empty()
             && self.controls.is_empty()
@@ -226,6 +229,19 @@ pub struct WriterRow {
     pub fields: Vec<FieldName>,
     /// When it was retired.
     pub retired_at: Option<DateTime>,
+}
+
+/// Since when a writer carries a field in its epoch.
+#[derive(Debug, Clone)]
+pub struct CarriedFieldRow {
+    /// The field.
+    pub field: FieldKey,
+    /// The writer.
+    pub data_set_writer_id: u16,
+    /// Its epoch.
+    pub epoch: u32,
+    /// The first report with the field.
+    pub first_sequence: u32,
 }
 
 /// A report on its way out.

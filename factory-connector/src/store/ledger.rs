@@ -1,16 +1,26 @@
 //! Reading the ledger for people: pages of a chain, and everything in its order for an export.
 
-use std::collections::{BTreeMap, HashMap};
+mod checkpoints;
+mod selection;
 
-use asi_model::{DateTime, OrganisationId};
+use std::collections::{BTreeMap, HashMap, VecDeque};
+
+use asi_model::DateTime;
 use serde_json::Value;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
+pub use checkpoints::{StoredCheckpoint, ledger_checkpoints};
+pub use selection::{LedgerFilter, LedgerSubject, ledger_fields};
+use selection::{Place, selection};
+
 use super::{StoreError, load::get};
-use crate::{disclosure::DisclosurePolicy, ledger::ExportedEntry};
+use crate::{
+    disclosure::{DisclosurePolicy, Statement, StatementPart},
+    ledger::ExportedEntry,
+};
 
 /// Entries read at once for an export.
-const BLOCK: i64 = 1000;
+const BLOCK: u32 = 1000;
 /// Consents whose wording is remembered while reading.
 const WORDINGS_MAX: usize = 100_000;
 
@@ -21,30 +31,18 @@ pub struct LedgerRow {
     pub number: u64,
     /// The hashed text with everything that explains it.
     pub entry: ExportedEntry,
-}
-
-/// Which entries.
-#[derive(Debug, Clone, Default)]
-pub struct LedgerFilter {
-    /// Of this chain only.
-    pub recipient: Option<OrganisationId>,
-    /// Recorded at this time or later.
-    pub from: Option<DateTime>,
-    /// Recorded before this time.
-    pub until: Option<DateTime>,
-    /// Newest first instead of in the order of the chain, before this number.
-    pub before: Option<u64>,
+    /// How each consent named by the entry coarsens, by field, as codes with parameters.
+    pub precision_parts: BTreeMap<String, Vec<StatementPart>>,
 }
 
 /// Reads entries and explains them.
 #[derive(Default)]
 pub struct LedgerReader {
-    wordings: HashMap<(String, u64), String>,
-    last: (String, i64),
+    wordings: HashMap<(String, u64), Statement>,
+    /// The chains that are still to be exported, and the last entry of the first of them that was.
+    chains: Option<VecDeque<String>>,
+    last: i64,
 }
-
-const SELECT: &str = "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.message_id, r.sent_at, r.receipted_at \
-    FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id";
 
 /// Every recipient that has a chain.
 ///
@@ -55,7 +53,7 @@ pub async fn ledger_recipients(connection: &mut SqliteConnection) -> Result<Vec<
 }
 
 impl LedgerReader {
-    /// Entries of one chain, newest first.
+    /// Entries of one chain, newest first, before a number.
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
@@ -64,21 +62,11 @@ impl LedgerReader {
         connection: &mut SqliteConnection,
         recipient: &str,
         filter: &LedgerFilter,
+        before: Option<u64>,
         limit: u32,
     ) -> Result<Vec<LedgerRow>, StoreError> {
-        let sql = format!(
-            "{SELECT} WHERE e.recipient = ? AND e.number < ? AND e.recorded_at >= ? AND e.recorded_at < ? \
-             ORDER BY e.number DESC LIMIT ?"
-        );
-        let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
-            .bind(recipient)
-            .bind(filter.before.map_or(i64::MAX, |number| i64::try_from(number).unwrap_or(i64::MAX)))
-            .bind(filter.from.map_or(i64::MIN, DateTime::unix_micros))
-            .bind(filter.until.map_or(i64::MAX, DateTime::unix_micros))
-            .bind(i64::from(limit))
-            .fetch_all(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("read the ledger"))?;
+        let before = before.map_or(i64::MAX, |number| i64::try_from(number).unwrap_or(i64::MAX));
+        let rows = read(connection, recipient, filter, Place::Before(before), limit).await?;
         self.explain(connection, &rows).await
     }
 
@@ -91,28 +79,21 @@ impl LedgerReader {
         connection: &mut SqliteConnection,
         filter: &LedgerFilter,
     ) -> Result<Vec<LedgerRow>, StoreError> {
-        let wanted = filter.recipient.as_ref().map(ToString::to_string);
-        if let Some(recipient) = wanted.as_ref().filter(|_| self.last.0.is_empty()) {
-            self.last = (recipient.clone(), 0);
+        let chains = match (&mut self.chains, &filter.recipient) {
+            (Some(chains), _) => chains,
+            (unknown, Some(recipient)) => unknown.insert([recipient.to_string()].into()),
+            (unknown, None) => unknown.insert(ledger_recipients(connection).await?.into()),
+        };
+        while let Some(recipient) = chains.front() {
+            let rows = read(connection, recipient, filter, Place::After(self.last), BLOCK).await?;
+            if let Some(row) = rows.last() {
+                self.last = get(row, 1)?;
+                return self.explain(connection, &rows).await;
+            }
+            self.last = 0;
+            chains.pop_front();
         }
-        let sql = format!(
-            "{SELECT} WHERE (e.recipient, e.number) > (?, ?) AND e.recipient <= coalesce(?, e.recipient) \
-             AND e.recorded_at >= ? AND e.recorded_at < ? ORDER BY e.recipient, e.number LIMIT ?"
-        );
-        let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
-            .bind(self.last.0.clone())
-            .bind(self.last.1)
-            .bind(wanted)
-            .bind(filter.from.map_or(i64::MIN, DateTime::unix_micros))
-            .bind(filter.until.map_or(i64::MAX, DateTime::unix_micros))
-            .bind(BLOCK)
-            .fetch_all(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("read the ledger"))?;
-        if let Some(row) = rows.last() {
-            self.last = (get(row, 0)?, get(row, 1)?);
-        }
-        self.explain(connection, &rows).await
+        Ok(Vec::new())
     }
 
     async fn explain(
@@ -128,10 +109,11 @@ impl LedgerReader {
             let time = |column| -> Result<Option<String>, StoreError> {
                 Ok(get::<Option<i64>>(row, column)?.map(|micros| DateTime::from_unix_micros(micros).to_string()))
             };
-            let mut precision = BTreeMap::new();
+            let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
             for (name, field, version) in consents(&content, report.as_deref()) {
-                if let Some(wording) = self.wording(connection, field, version).await? {
-                    precision.insert(name, wording);
+                if let Some(told) = self.told(connection, field, version).await? {
+                    precision.insert(name.clone(), told.statement);
+                    precision_parts.insert(name, told.statement_parts);
                 }
             }
             let entry = ExportedEntry {
@@ -143,18 +125,18 @@ impl LedgerReader {
                 report,
                 precision,
             };
-            explained.push(LedgerRow { number: get::<i64>(row, 1)?.unsigned_abs(), entry });
+            explained.push(LedgerRow { number: get::<i64>(row, 1)?.unsigned_abs(), entry, precision_parts });
         }
         Ok(explained)
     }
 
     /// What the partner was told of the precision under a consent.
-    async fn wording(
+    async fn told(
         &mut self,
         connection: &mut SqliteConnection,
         field: String,
         version: u64,
-    ) -> Result<Option<String>, StoreError> {
+    ) -> Result<Option<Statement>, StoreError> {
         let key = (field, version);
         if let Some(known) = self.wordings.get(&key) {
             return Ok(Some(known.clone()));
@@ -166,12 +148,23 @@ impl LedgerReader {
             .await
             .map_err(StoreError::while_doing("read a consent"))?;
         let policy = policy.and_then(|policy| serde_json::from_str::<DisclosurePolicy>(&policy).ok());
-        let wording = policy.map(|policy| policy.statement(None).description);
-        if let Some(wording) = wording.clone().filter(|_| self.wordings.len() < WORDINGS_MAX) {
-            self.wordings.insert(key, wording);
+        let told = policy.map(|policy| policy.told(None));
+        if let Some(told) = told.clone().filter(|_| self.wordings.len() < WORDINGS_MAX) {
+            self.wordings.insert(key, told);
         }
-        Ok(wording)
+        Ok(told)
     }
+}
+
+async fn read(
+    connection: &mut SqliteConnection,
+    recipient: &str,
+    filter: &LedgerFilter,
+    place: Place,
+    limit: u32,
+) -> Result<Vec<SqliteRow>, StoreError> {
+    let mut sql = selection(recipient, filter, place, limit);
+    sql.build().fetch_all(connection).await.map_err(StoreError::while_doing("read the ledger"))
 }
 
 /// The consents that an entry names: field name, field's key as text, number.

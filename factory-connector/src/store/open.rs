@@ -25,6 +25,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
     (31, "revocations", include_str!("../../migrations/0031_revocations.sql")),
     (32, "ledger ends", include_str!("../../migrations/0032_ledger_ends.sql")),
+    (33, "ledger lookup", include_str!("../../migrations/0033_ledger_lookup.sql")),
 ];
 
 const DATABASE_FILE: &str = "connector.sqlite";

@@ -7,6 +7,7 @@ import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answ
 import type {
   BrowsedNode,
   Certificate,
+  Checkpoint,
   ClientCertificate,
   Comment,
   DataValue,
@@ -139,6 +140,8 @@ export const connector = {
     ledgerOf(await request<LedgerAnswer>('GET', `/ledger${query({ ...filter, after, limit })}`, { signal })),
   /** Where a file of entries is read, for a link. */
   ledgerExport: (format: ExportFormat, filter: LedgerFilter, language: string): string => address(`/ledger/export${query({ format, ...filter, language })}`),
+  ledgerFields: (search: string, signal?: AbortSignal) => request<Page<{ key: FieldKey }>>('GET', `/ledger/fields${query({ search: search === '' ? undefined : search })}`, { signal }),
+  ledgerCheckpoints: (cursor?: string, signal?: AbortSignal) => request<Page<Checkpoint>>('GET', `/ledger/checkpoints${query({ cursor })}`, { signal }),
   verifyLedger: () => request<Verification>('POST', '/ledger/verification', { timeoutMs: VERIFYING_MS_MAX }),
   spool: (signal?: AbortSignal) => request<SpoolStatus>('GET', '/spool', { signal }),
   deadLetters: (signal?: AbortSignal) => request<Page<DeadLetter>>('GET', '/dead-letters', { signal }),

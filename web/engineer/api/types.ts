@@ -203,6 +203,7 @@ export type FieldLeak = Omit<Schemas['FieldLeak'], 'key' | 'statementParts'> & {
 export type LeakWarning = Omit<Schemas['LeakWarning'], 'fields'> & { fields: FieldKey[] }
 
 export type Setting = Schemas['Setting']
+export type Checkpoint = Schemas['CheckpointView']
 export type Verification = Schemas['VerificationView']
 export type DeadLetter = Schemas['DeadLetter']
 export type Comment = Schemas['StoredComment']

@@ -1,3 +1,5 @@
+import type { FieldKey } from '../api/types'
+
 /** Which part of which chain, in the words of the connector's API. */
 export interface LedgerFilter {
   recipient?: string
@@ -5,6 +7,41 @@ export interface LedgerFilter {
   from?: string
   /** RFC 3339: recorded before then. */
   until?: string
+  kind?: EntryKind
+  /** What the entries are about: a network, or more exactly as far as these go. */
+  operationNetworkId?: string
+  operationId?: string
+  dynamicDataRequestId?: string
+  fieldName?: string
+}
+
+export const ENTRY_KINDS = ['CONSENT', 'QUEUED', 'SENT', 'RECEIPTED', 'COALESCED', 'EXPIRED', 'PURGED', 'REVOKED'] as const
+export type EntryKind = (typeof ENTRY_KINDS)[number]
+
+export type LedgerSubject = Pick<LedgerFilter, 'operationNetworkId' | 'operationId' | 'dynamicDataRequestId' | 'fieldName'>
+
+/** What a filter is about, as a person reads it; nothing where it is about everything. */
+export function subjectText({ operationNetworkId, operationId, dynamicDataRequestId, fieldName }: LedgerSubject): string {
+  return [operationNetworkId, operationId, dynamicDataRequestId, fieldName].filter((part) => part !== undefined).join(' / ')
+}
+
+/** The filter about something else, or about everything. */
+export function withSubject({ recipient, from, until, kind }: LedgerFilter, subject: LedgerSubject): LedgerFilter {
+  return { ...(recipient === undefined ? {} : { recipient }), ...(from === undefined ? {} : { from }), ...(until === undefined ? {} : { until }), ...(kind === undefined ? {} : { kind }), ...subject }
+}
+
+/** Only a part of the chain is meant. */
+export function isNarrow({ recipient: _, ...others }: LedgerFilter): boolean {
+  return Object.keys(others).length > 0
+}
+
+/** Fields as they are found, each request before its fields. */
+export function subjectsOf(keys: readonly FieldKey[]): LedgerSubject[] {
+  const subjects = new Map<string, LedgerSubject>()
+  for (const { fieldName, ...request } of keys) {
+    for (const subject of [request, { ...request, fieldName }]) subjects.set(subjectText(subject), subject)
+  }
+  return [...subjects.values()]
 }
 
 export type ExportFormat = 'jsonl' | 'csv' | 'html'
@@ -13,6 +50,12 @@ export type ExportFormat = 'jsonl' | 'csv' | 'html'
 export function momentOf(written: string): string | undefined {
   const at = new Date(written)
   return written === '' || Number.isNaN(at.getTime()) ? undefined : at.toISOString()
+}
+
+/** The filter with entries of one kind, or of all. */
+export function withKind(filter: LedgerFilter, kind: EntryKind | ''): LedgerFilter {
+  const { kind: _, ...others } = filter
+  return kind === '' ? others : { ...others, kind }
 }
 
 /** The filter with another time, or without one. */

@@ -2,8 +2,8 @@ import { fireEvent, render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { LedgerEntry, Verification } from '../api/types'
-import { momentOf, withTime } from './filter'
+import type { Checkpoint, FieldKey, LedgerEntry, Verification } from '../api/types'
+import { momentOf, subjectsOf, subjectText, withKind, withSubject, withTime } from './filter'
 import LedgerPage from './LedgerPage.svelte'
 
 const CHAIN = 25
@@ -21,7 +21,7 @@ function page({ path }: Asked): unknown {
 }
 const pages = (log: Asked[]): Asked[] => log.filter(({ path }) => path.startsWith('/ledger?'))
 const rows = (): Element[] => [...document.querySelectorAll('[role=region] tbody tr')]
-const nothing = { 'GET /revocations': () => ({ items: [] }) }
+const nothing = { 'GET /revocations': () => ({ items: [] }), 'GET /ledger/checkpoints': () => ({ items: [] }), 'GET /ledger/fields': () => ({ items: [] }) }
 afterEach(() => {
   vi.unstubAllGlobals()
 })
@@ -31,6 +31,19 @@ describe('times in a filter', () => {
     expect(momentOf('2026-11-21T06:00')).toBe(new Date(2026, 10, 21, 6).toISOString())
     expect([momentOf(''), momentOf('soon')]).toEqual([undefined, undefined])
     expect(withTime({ recipient: 'acme', from: 'x' }, 'from', '')).toEqual({ recipient: 'acme' })
+  })
+})
+
+const key = (operationId: string, fieldName: string): FieldKey => ({ operationNetworkId: 'n', operationId, dynamicDataRequestId: 'R', fieldName })
+
+describe('what a filter is about', () => {
+  it('is offered as requests with their fields', () => {
+    expect(subjectsOf([key('mill', 'count'), key('mill', 'state'), key('turn', 'count')]).map(subjectText)).toEqual(['n / mill / R', 'n / mill / R / count', 'n / mill / R / state', 'n / turn / R', 'n / turn / R / count'])
+  })
+  it('is put in the place of what it was about', () => {
+    const filter = withSubject({ recipient: 'acme', kind: 'SENT', fieldName: 'old' }, { operationNetworkId: 'n' })
+    expect(filter).toEqual({ recipient: 'acme', kind: 'SENT', operationNetworkId: 'n' })
+    expect([withSubject(filter, {}), withKind(filter, '')]).toEqual([{ recipient: 'acme', kind: 'SENT' }, { recipient: 'acme', operationNetworkId: 'n' }])
   })
 })
 
@@ -65,6 +78,44 @@ describe('the ledger', () => {
     expect(Object.fromEntries(new URLSearchParams(csv.split('?')[1]))).toEqual({ format: 'csv', recipient: 'byron', from, until, language: 'en' })
     await userEvent.click(screen.getByRole('button', { name: 'Any time' }))
     await vi.waitFor(() => expect(pages(log).at(-1)?.path).toBe('/ledger?recipient=byron&limit=100'))
+  })
+
+  it('asks the connector for a kind of entries, and for a field that is typed', async () => {
+    const log = serve({ ...nothing, 'GET /ledger': page, 'GET /ledger/fields': () => ({ items: [{ key: key('mill', 'count') }] }) })
+    const { container } = render(LedgerPage)
+    await userEvent.selectOptions(await screen.findByLabelText('Outcome'), 'Sent')
+    await vi.waitFor(() => expect([...container.querySelectorAll('datalist option')].map((option) => option.getAttribute('value'))).toEqual(['n / mill / R', 'n / mill / R / count']))
+    const input = screen.getByLabelText('Request or field')
+    await fireEvent.input(input, { target: { value: 'mill / cou' } })
+    await vi.waitFor(() => expect(log.at(-1)?.path).toBe('/ledger/fields?search=mill%20%20%20cou'))
+    await fireEvent.input(input, { target: { value: 'n / mill / R / count' } })
+    const about = { kind: 'SENT', operationNetworkId: 'n', operationId: 'mill', dynamicDataRequestId: 'R', fieldName: 'count' }
+    await vi.waitFor(() => expect(Object.fromEntries(new URLSearchParams(pages(log).at(-1)?.path.split('?')[1]))).toEqual({ ...about, limit: '100' }))
+    expect(Object.fromEntries(new URLSearchParams(screen.getByRole('link', { name: 'CSV' }).getAttribute('href')?.split('?')[1]))).toMatchObject(about)
+    await userEvent.click(screen.getByRole('button', { name: 'Any request' }))
+    await vi.waitFor(() => expect(pages(log).at(-1)?.path).toBe('/ledger?kind=SENT&limit=100'))
+    expect(input).toHaveProperty('value', '')
+  })
+
+  it('begins with the field that one came from', async () => {
+    const log = serve({ ...nothing, 'GET /ledger': () => ({ recipients: ['acme'], items: [] }) })
+    render(LedgerPage, { about: { recipient: 'acme', ...key('mill', 'count') } })
+    expect(await screen.findByText('Nothing like that')).toBeTruthy()
+    expect(screen.getByLabelText('Request or field')).toHaveProperty('value', 'n / mill / R / count')
+    expect(pages(log)[0]?.path).toContain('fieldName=count')
+  })
+
+  it('lists the signed checkpoints page by page, each with what proves it', async () => {
+    const checkpoint = (number: number): Checkpoint => ({ number, recordedAt: '2026-11-21T06:00:00Z', heads: [{ recipient: 'acme', number: 100 * number, hash: 'ab' }], signedText: `{"number":${number}}`, signature: `${number}`.repeat(32), publicKey: 'c0ffee' })
+    const log = serve({ ...nothing, 'GET /ledger': page, 'GET /ledger/checkpoints': ({ path }) => (path.includes('cursor=2') ? { items: [checkpoint(1)] } : { items: [checkpoint(3), checkpoint(2)], nextCursor: '2' }) })
+    render(LedgerPage)
+    const panel = within((await screen.findByRole('heading', { name: 'Signed checkpoints' })).closest('section') as HTMLElement)
+    expect(await panel.findByText('acme 300')).toBeTruthy()
+    expect(panel.getByText('{"number":2}')).toBeTruthy()
+    await userEvent.click(panel.getByRole('button', { name: 'Load more' }))
+    expect(await panel.findByText('acme 100')).toBeTruthy()
+    expect(panel.queryByRole('button', { name: 'Load more' })).toBeNull()
+    expect(log.map(({ path }) => path).filter((path) => path.startsWith('/ledger/checkpoints'))).toEqual(['/ledger/checkpoints', '/ledger/checkpoints?cursor=2'])
   })
 
   it('exports the chain that is shown, in three forms', async () => {

@@ -23,6 +23,26 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
     .await?;
     insert(
         connection,
+        "note what writers carry",
+        "INSERT INTO carried_field (operation_network_id, operation_id, dynamic_data_request_id, field_name, writer_id, \
+         epoch, first_sequence)",
+        // After a restart a field is noted again.
+        " ON CONFLICT DO NOTHING",
+        &changes.carried_fields,
+        |values, row| {
+            let request = &row.field.request;
+            values.push_bind(request.operation_network_id.to_string());
+            values.push_bind(request.operation_id.to_string());
+            values.push_bind(request.dynamic_data_request_id.to_string());
+            values.push_bind(row.field.field_name.to_string());
+            values.push_bind(i64::from(row.data_set_writer_id));
+            values.push_bind(i64::from(row.epoch));
+            values.push_bind(i64::from(row.first_sequence));
+        },
+    )
+    .await?;
+    insert(
+        connection,
         "sign the ends of the ledger's chains",
         "INSERT INTO ledger_head (recipient, number, hash, signature, public_key)",
         " ON CONFLICT (recipient) DO UPDATE SET number = excluded.number, hash = excluded.hash, \

@@ -1,0 +1,64 @@
+//! The ledger as a file.
+
+use axum::{
+    body::Body,
+    extract::State,
+    http::header,
+    response::{IntoResponse, Response},
+};
+use daemon::web::{ApiQuery, Problem};
+use futures::StreamExt as _;
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::LedgerSelection;
+use crate::{
+    api::{Api, problems::Problems},
+    ledger::{ExportFormat, Exporter},
+    print::Language,
+    store::{LedgerReader, StoreError},
+};
+
+/// In which form to export.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct ExportQuery {
+    /// `jsonl`, `csv` or `html`.
+    #[param(value_type = String)]
+    format: ExportFormat,
+    /// Of a page to print: `en` or `de`.
+    #[param(value_type = Option<String>)]
+    language: Option<Language>,
+}
+
+/// Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains.
+#[utoipa::path(get, path = "/ledger/export", tag = "ledger", security(("session" = [])), params(LedgerSelection, ExportQuery),
+    responses((status = 200, content_type = "text/csv", body = String), Problems))]
+pub async fn export(
+    State(api): State<Api>,
+    ApiQuery(wanted): ApiQuery<LedgerSelection>,
+    ApiQuery(query): ApiQuery<ExportQuery>,
+) -> Result<Response, Problem> {
+    let exporter = Exporter::new(query.format, query.language.unwrap_or_default());
+    let filter = wanted.filter()?;
+    let connection = api.reader().await?;
+    let first = exporter.begin(api.factory_id.as_str());
+    // One part per block of entries: nothing larger is ever in memory.
+    let state = Some((connection, LedgerReader::default()));
+    let parts = futures::stream::try_unfold(state, move |state| {
+        let filter = filter.clone();
+        async move {
+            let Some((mut connection, mut reader)) = state else { return Ok(None) };
+            let rows = reader.next(&mut connection, &filter).await?;
+            if rows.is_empty() {
+                return Ok(Some((exporter.end(), None)));
+            }
+            let part: String = rows.iter().map(|row| exporter.entry(&row.entry)).collect();
+            Ok::<_, StoreError>(Some((part, Some((connection, reader)))))
+        }
+    });
+    let body = futures::stream::once(async move { Ok(first) }).chain(parts);
+    let name = format!("attachment; filename=\"ledger-{}.{}\"", api.factory_id, query.format.extension());
+    let headers = [(header::CONTENT_TYPE, query.format.media_type().to_owned()), (header::CONTENT_DISPOSITION, name)];
+    Ok((headers, Body::from_stream(body)).into_response())
+}

@@ -1,0 +1,49 @@
+//! What can be looked for in the ledger.
+
+use asi_model::FieldKey;
+use axum::{Json, extract::State};
+use daemon::web::{ApiQuery, Problem};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::{
+    api::{Api, problems::Problems, view::Page},
+    store::ledger_fields,
+};
+
+/// Fields in one answer, and most that may be asked for.
+const FIELDS: u32 = 20;
+const FIELDS_MAX: u32 = 200;
+/// Most words of a search.
+const WORDS_MAX: usize = 10;
+
+/// Which fields.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct LedgerFieldsQuery {
+    /// Fields in whose ids all these words occur.
+    search: Option<String>,
+    /// Most fields, at most 200; 20 without it.
+    limit: Option<u32>,
+}
+
+/// A field that the ledger speaks of, requested still or no more.
+#[derive(Serialize, ToSchema)]
+pub struct LedgerField {
+    /// Its address.
+    #[schema(value_type = Object)]
+    key: FieldKey,
+}
+
+/// Searches the fields that the ledger speaks of, in the order of their addresses; those of ended requests included.
+#[utoipa::path(get, path = "/ledger/fields", tag = "ledger", security(("session" = [])), params(LedgerFieldsQuery),
+    responses((status = 200, body = Page<LedgerField>), Problems))]
+pub async fn search(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<LedgerFieldsQuery>,
+) -> Result<Json<Page<LedgerField>>, Problem> {
+    let search = query.search.unwrap_or_default();
+    let words: Vec<String> = search.split_whitespace().take(WORDS_MAX).map(str::to_owned).collect();
+    let found = ledger_fields(&api.readers, &words, query.limit.unwrap_or(FIELDS).clamp(1, FIELDS_MAX)).await?;
+    Ok(Json(Page::whole(found.into_iter().map(|key| LedgerField { key }).collect())))
+}

@@ -1,0 +1,51 @@
+//! Whether the ledger is as it was written.
+
+use axum::{Json, extract::State};
+use daemon::web::Problem;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::{
+    api::{Api, problems::Problems},
+    ledger::{LEDGER_KEY_FILE, LedgerKey, Verification},
+    store::{Store, ledger_recipients, verify_ledger},
+};
+
+/// The outcome of a verification.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct VerificationView {
+    /// Nothing is wrong.
+    valid: bool,
+    /// How many chains there are.
+    chains: usize,
+    /// The first thing that is wrong, in words.
+    fault: Option<String>,
+    /// What was looked at and everything that is wrong.
+    #[serde(flatten)]
+    verification: Verification,
+}
+
+/// Reads every chain from its beginning and finds any change, deletion or reordering.
+#[utoipa::path(post, path = "/ledger/verification", tag = "ledger", security(("session" = [])),
+    responses((status = 200, body = VerificationView), Problems))]
+pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
+    // Hashing a whole ledger takes its time: it has a thread of its own.
+    let directory = api.data_directory.clone();
+    let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE)).map_err(|error| Problem::internal(&error))?;
+    let runtime = tokio::runtime::Handle::current();
+    let verified = tokio::task::spawn_blocking(move || {
+        runtime.block_on(async {
+            let mut connection = Store::connect(&directory).await?;
+            verify_ledger(&mut connection, trusted).await
+        })
+    });
+    let verification = verified.await.map_err(|error| Problem::internal(&error))??;
+    let mut connection = api.reader().await?;
+    let chains = ledger_recipients(&mut connection).await?.len();
+    let fault = verification
+        .fault_list
+        .first()
+        .map(|fault| format!("{}, entry {}: {}", fault.recipient, fault.number, fault.message));
+    Ok(Json(VerificationView { valid: verification.is_intact(), chains, fault, verification }))
+}
