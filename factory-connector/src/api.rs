@@ -11,6 +11,7 @@ mod fields;
 mod inbox;
 mod leaks;
 mod ledger;
+mod networks;
 mod operator;
 mod policies;
 mod preview;
@@ -182,9 +183,10 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(users::list))
         .routes(routes!(users::put, users::remove))
         .routes(routes!(inbox::list))
-        .routes(routes!(inbox::networks))
-        .routes(routes!(inbox::network))
-        .routes(routes!(inbox::news))
+        .routes(routes!(inbox::request))
+        .routes(routes!(networks::list))
+        .routes(routes!(networks::show))
+        .routes(routes!(networks::news))
         .routes(routes!(fields::read))
         .routes(routes!(fields::decide))
         .routes(routes!(fields::enter))

@@ -1,10 +1,9 @@
 //! What partners ask.
 
 use asi_model::{
-    DateTime, FieldKey, OperationNetworkId, RequestKey,
-    difference::{NetworkDifference, difference},
+    DateTime, DynamicDataRequestId, OperationId, OperationNetworkId, RequestKey,
     messages::MappingState,
-    network::{DynamicDataRequest, Operation, OperationNetwork},
+    network::{DynamicDataRequest, Operation},
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiPath, ApiQuery, Problem};
@@ -14,9 +13,9 @@ use utoipa::{IntoParams, ToSchema};
 use super::{
     Api,
     problems::Problems,
-    view::{Page, REMIND_AFTER, RequestView, requests},
+    view::{REMIND_AFTER, RequestView},
 };
-use crate::{books::Books, desk::now, store::revisions};
+use crate::{books::Books, desk::now};
 
 /// Requests per page, and most that a page may ask for.
 const PAGE: usize = 200;
@@ -28,8 +27,8 @@ const SEARCH_CHARS_MAX: usize = 200;
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct InboxQuery {
-    /// `nextCursor` of the page before.
-    cursor: Option<usize>,
+    /// `nextCursor` of the page before: requests behind its last one, whatever came and went meanwhile.
+    cursor: Option<String>,
     /// Requests per page, at most 200.
     limit: Option<usize>,
     /// Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`.
@@ -80,26 +79,29 @@ pub struct InboxTotals {
     refused: usize,
 }
 
-/// Lists the requests of all active networks with their fields, filtered, in pages.
+/// Lists the requests of all active networks with their fields, filtered, in pages, in the order of their addresses.
 #[utoipa::path(get, path = "/inbox", tag = "inbox", security(("session" = [])), params(InboxQuery),
     responses((status = 200, body = InboxPage), Problems))]
 pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<InboxQuery>) -> Result<Json<InboxPage>, Problem> {
     if query.search.as_ref().is_some_and(|text| text.chars().count() > SEARCH_CHARS_MAX) {
         return Err(Problem::bad_request("INVALID_SEARCH", "A search has at most 200 characters."));
     }
+    let after = query.cursor.as_deref().map(serde_json::from_str::<RequestKey>).transpose();
+    let after = after.map_err(|_| Problem::bad_request("INVALID_CURSOR", "A cursor is what the page before gave."))?;
     let now = now();
-    Ok(Json(api.desk.read(move |books| page(books, &query, now)).await?))
+    Ok(Json(api.desk.read(move |books| page(books, &query, after.as_ref(), now)).await?))
 }
 
-/// Everything is looked at, but only what is on the page is written out.
-fn page(books: &Books, query: &InboxQuery, now: DateTime) -> InboxPage {
+/// Everything is looked at, but only what is on the page is written out: the first requests behind one.
+fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: DateTime) -> InboxPage {
     let words: Vec<String> = query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
-    let from = query.cursor.unwrap_or(0);
     let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
     let mut page = InboxPage { items: Vec::new(), next_cursor: None, count: 0, totals: InboxTotals::default() };
     for (network, message) in books.networks.values().filter_map(|n| n.message.as_ref().map(|message| (n, message))) {
         let is_network = |wanted: &String| message.operation_network.operation_network_id.as_str() == wanted;
-        for (key, operation, request) in message.operation_network.requests() {
+        let mut requests: Vec<_> = message.operation_network.requests().collect();
+        requests.sort_unstable_by(|(left, ..), (right, ..)| left.cmp(right));
+        for (key, operation, request) in requests {
             let standing = Standing::of(books, &key, request, network.received_at, now);
             standing.add_to(&mut page.totals);
             let is_meant = query.state.is_none_or(|state| standing.count(state) > 0)
@@ -110,13 +112,18 @@ fn page(books: &Books, query: &InboxQuery, now: DateTime) -> InboxPage {
             if !is_meant {
                 continue;
             }
-            if page.count >= from && page.items.len() < limit {
-                page.items.push(RequestView::new(books, network, message, key, operation, request, now));
-            }
             page.count += 1;
+            if after.is_some_and(|after| key <= *after) {
+                continue;
+            }
+            if page.items.len() < limit {
+                page.items.push(RequestView::new(books, network, message, key, operation, request, now));
+            } else if page.next_cursor.is_none() {
+                let last = page.items.last().map(|last| &last.key);
+                page.next_cursor = last.map(|key| serde_json::to_string(key).expect("keys have text members"));
+            }
         }
     }
-    page.next_cursor = (page.count > from + page.items.len()).then(|| (from + page.items.len()).to_string());
     page
 }
 
@@ -195,150 +202,57 @@ fn has_words(
     words.iter().all(|word| text.contains(word.as_str()))
 }
 
-/// A network in short.
-#[derive(Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct NetworkSummary {
-    operation_network_id: String,
-    name: Option<String>,
-    collaboration_id: Option<String>,
-    revision: u64,
-    is_withdrawn: bool,
-    #[schema(value_type = String, format = "date-time")]
-    received_at: asi_model::DateTime,
-    request_count: usize,
-    field_count: usize,
-    pending_count: usize,
-}
+/// The address of a request.
+type RequestPath = (OperationNetworkId, OperationId, DynamicDataRequestId);
 
-/// Lists all networks, withdrawn ones included.
-#[utoipa::path(get, path = "/operation-networks", tag = "inbox", security(("session" = [])),
-    responses((status = 200, body = Page<NetworkSummary>), Problems))]
-pub async fn networks(State(api): State<Api>) -> Result<Json<Page<NetworkSummary>>, Problem> {
-    let items = api
-        .desk
-        .read(|books| {
-            let summary = |(id, network): (&OperationNetworkId, &crate::books::Network)| {
-                let document = network.message.as_ref().map(|message| &message.operation_network);
-                let fields = || document.into_iter().flat_map(|document| document.fields());
-                let is_pending = |key: &FieldKey| {
-                    books.field(key).is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
-                };
-                NetworkSummary {
-                    operation_network_id: id.to_string(),
-                    name: network.message.as_ref().and_then(|message| message.operation_network.name.clone()),
-                    collaboration_id: network.message.as_ref().map(|message| message.collaboration_id.to_string()),
-                    revision: network.revision,
-                    is_withdrawn: network.message.is_none(),
-                    received_at: network.received_at,
-                    request_count: document.map_or(0, |document| document.requests().count()),
-                    field_count: fields().count(),
-                    pending_count: fields().filter(|(key, ..)| is_pending(key)).count(),
-                }
-            };
-            books.networks.iter().map(summary).collect()
-        })
-        .await?;
-    Ok(Json(Page::whole(items)))
-}
-
-/// A network with its requests.
-#[derive(Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct NetworkView {
-    /// The message as received; none once withdrawn.
-    #[schema(value_type = Option<Object>)]
-    message: Option<serde_json::Value>,
-    /// Its revision.
-    revision: u64,
-    /// Its requests.
-    requests: Vec<RequestView>,
-}
-
-/// Shows a network as received, and how its fields stand.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "inbox", security(("session" = [])),
-    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), Problems))]
-pub async fn network(
+/// Shows one request of an active network with its fields.
+#[utoipa::path(get, path = "/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}", tag = "inbox",
+    security(("session" = [])), params(("operationNetworkId" = String, Path), ("operationId" = String, Path),
+    ("dynamicDataRequestId" = String, Path)), responses((status = 200, body = RequestView), Problems))]
+pub async fn request(
     State(api): State<Api>,
-    ApiPath(id): ApiPath<OperationNetworkId>,
-) -> Result<Json<NetworkView>, Problem> {
-    let wanted = id.clone();
-    let view = api
-        .desk
-        .read(move |books| {
-            books.networks.get(&wanted).map(|network| NetworkView {
-                message: network.message.as_ref().and_then(|message| serde_json::to_value(&**message).ok()),
-                revision: network.revision,
-                requests: requests(books, &wanted, now()),
-            })
-        })
-        .await?;
-    view.map(Json).ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))
-}
-
-/// What the revision in force changed.
-#[derive(Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct NetworkNews {
-    /// The revision in force.
-    revision: u64,
-    /// The one before it, where there was one.
-    previous_revision: Option<u64>,
-    /// What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
-    /// and of the consent.
-    #[schema(value_type = Object)]
-    difference: NetworkDifference,
-}
-
-/// What is new in a network against the revision before.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/news", tag = "inbox", security(("session" = [])),
-    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkNews), Problems))]
-pub async fn news(
-    State(api): State<Api>,
-    ApiPath(id): ApiPath<OperationNetworkId>,
-) -> Result<Json<NetworkNews>, Problem> {
-    let found = revisions(&api.readers, &id).await?;
-    let found = found.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
-    let nothing = OperationNetwork {
-        operation_network_id: id,
-        name: None,
-        description: None,
-        operation_list: Vec::new(),
-        operation_relation_list: Vec::new(),
-    };
-    let before = found.previous.as_ref().map_or(&nothing, |message| &message.operation_network);
-    Ok(Json(NetworkNews {
-        revision: found.current.revision,
-        previous_revision: found.previous.as_ref().map(|message| message.revision),
-        difference: difference(before, &found.current.operation_network),
-    }))
+    ApiPath((operation_network_id, operation_id, dynamic_data_request_id)): ApiPath<RequestPath>,
+) -> Result<Json<RequestView>, Problem> {
+    let key = RequestKey { operation_network_id, operation_id, dynamic_data_request_id };
+    let view = api.desk.read(move |books| RequestView::of(books, &key, now())).await?;
+    view.map(Json).ok_or_else(|| Problem::not_found("such request"))
 }
 
 #[cfg(test)]
 mod tests {
+    use asi_model::messages::OperationNetworkMessage;
     use serde_json::{Value, json};
 
     use super::*;
     use crate::books::tests::{arrive, at, books};
 
-    /// Twenty networks with a hundred requests of ten fields each.
-    fn large() -> Books {
+    /// A network with requests of so many fields each.
+    fn network_of(number: u64, revision: u64, requests: &[String], fields: usize) -> OperationNetworkMessage {
+        let requests: Vec<Value> = requests
+            .iter()
+            .enumerate()
+            .map(|(place, id)| {
+                let fields: Vec<Value> =
+                    (0..fields).map(|field| json!({ "name": format!("field{field}"), "type": 11 })).collect();
+                json!({ "dynamicDataRequestId": id, "requesterId": format!("org{}", place % 7),
+                    "recipientList": [format!("org{}", place % 7)], "purpose": format!("Plan {id}"),
+                    "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
+            })
+            .collect();
+        let message = json!({ "messageId": format!("large-{number}-{revision}"), "factoryId": "F",
+            "collaborationId": "c", "revision": revision,
+            "operationNetwork": { "operationNetworkId": format!("large-{number:02}"),
+                "operationList": [{ "operationId": "op", "operationType": "PRODUCTION",
+                    "dynamicDataRequestList": requests }] } });
+        serde_json::from_value(message).expect("a network")
+    }
+
+    /// Networks with so many requests of so many fields each, and one more request.
+    fn inbox(networks: u64, requests: usize, fields: usize) -> Books {
         let mut books = books();
-        for network in 0..20 {
-            let requests: Vec<Value> = (0..100)
-                .map(|request| {
-                    let fields: Vec<Value> =
-                        (0..10).map(|field| json!({ "name": format!("field{field}"), "type": 11 })).collect();
-                    json!({ "dynamicDataRequestId": format!("R{request}"), "requesterId": format!("org{}", request % 7),
-                        "recipientList": [format!("org{}", request % 7)], "purpose": format!("Plan {request}"),
-                        "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
-                })
-                .collect();
-            let message = json!({ "messageId": format!("large-{network}"), "factoryId": "F", "collaborationId": "c",
-                "revision": 1, "operationNetwork": { "operationNetworkId": format!("large-{network:02}"),
-                    "operationList": [{ "operationId": "op", "operationType": "PRODUCTION",
-                        "dynamicDataRequestList": requests }] } });
-            arrive(&mut books, serde_json::from_value(message).expect("a network"));
+        let requests: Vec<String> = (0..requests).map(|request| format!("R{request}")).collect();
+        for network in 0..networks {
+            arrive(&mut books, network_of(network, 1, &requests, fields));
         }
         books
     }
@@ -347,24 +261,66 @@ mod tests {
         serde_json::from_value(json).expect("a query")
     }
 
+    fn first(books: &Books, wanted: Value, now: DateTime) -> InboxPage {
+        page(books, &query(wanted), None, now)
+    }
+
+    /// Every page, from the first on; `between` happens after each.
+    fn pages(books: &mut Books, limit: usize, mut between: impl FnMut(&mut Books)) -> Vec<RequestKey> {
+        let (mut keys, mut after) = (Vec::new(), None);
+        loop {
+            let found = page(books, &query(json!({ "limit": limit })), after.as_ref(), at(0));
+            keys.extend(found.items.into_iter().map(|request| request.key));
+            let Some(cursor) = found.next_cursor else { return keys };
+            after = Some(serde_json::from_str(&cursor).expect("a cursor"));
+            between(books);
+        }
+    }
+
     #[test]
     fn pages_and_filters_hold_for_two_thousand_requests() {
-        let books = large();
-        let first = page(&books, &query(json!({ "limit": 50 })), at(0));
-        assert_eq!((first.count, first.items.len(), first.next_cursor.as_deref()), (2001, 50, Some("50")));
-        assert_eq!((first.totals.requests, first.totals.pending, first.totals.overdue_requests), (2001, 20_002, 0));
-        let last = page(&books, &query(json!({ "cursor": 2000 })), at(0));
-        assert_eq!((last.items.len(), last.next_cursor), (1, None));
-        let check = |json: Value, expected: usize| {
-            assert_eq!(page(&books, &query(json.clone()), at(0)).count, expected, "{json}")
-        };
+        let books = inbox(20, 100, 10);
+        let found = first(&books, json!({ "limit": 50 }), at(0));
+        assert_eq!((found.count, found.items.len()), (2001, 50));
+        assert_eq!((found.totals.requests, found.totals.pending, found.totals.overdue_requests), (2001, 20_002, 0));
+        let check =
+            |json: Value, expected: usize| assert_eq!(first(&books, json.clone(), at(0)).count, expected, "{json}");
         check(json!({ "operationNetworkId": "large-07" }), 100);
         check(json!({ "partner": "org3" }), 280);
         check(json!({ "search": "LARGE-07 plan field9" }), 100);
         check(json!({ "search": "note" }), 1);
         check(json!({ "state": "MAPPED" }), 0);
         check(json!({ "isOverdue": true }), 0);
-        let tomorrow = page(&books, &query(json!({ "isOverdue": true, "limit": 1 })), at(25 * 3_600_000));
+        let tomorrow = first(&books, json!({ "isOverdue": true, "limit": 1 }), at(25 * 3_600_000));
         assert_eq!((tomorrow.count, tomorrow.items[0].is_overdue), (2001, true));
+    }
+
+    #[test]
+    fn every_request_is_on_one_page() {
+        let keys = pages(&mut inbox(6, 20, 1), 7, |_| {});
+        assert_eq!(keys.len(), 121);
+        assert!(keys.is_sorted_by(|left, right| left < right), "once each");
+    }
+
+    #[test]
+    fn nothing_is_skipped_or_doubled_while_requests_come_and_go() {
+        let mut books = inbox(6, 20, 1);
+        let lasting = pages(&mut books, 200, |_| {});
+        let lasting: Vec<RequestKey> =
+            lasting.into_iter().filter(|key| key.dynamic_data_request_id.as_str() != "R12").collect();
+        let mut round = 0_u64;
+        let found = pages(&mut books, 7, |books| {
+            // Where the page ended, and behind it: one request goes, others come at the beginning, the rest turns about.
+            round += 1;
+            let here = round * 7 / 20;
+            for network in [here, here + 1].into_iter().filter(|network| *network < 6) {
+                let kept = (0..20).rev().filter(|number| *number != 12).map(|number| format!("R{number}"));
+                let requests: Vec<String> = (0..5).map(|new| format!("New{new}-{round}")).chain(kept).collect();
+                arrive(books, network_of(network, round + 1, &requests, 1));
+            }
+        });
+        assert!(found.is_sorted_by(|left, right| left < right), "nothing is doubled");
+        let missed: Vec<&RequestKey> = lasting.iter().filter(|key| !found.contains(key)).collect();
+        assert_eq!(missed, Vec::<&RequestKey>::new());
     }
 }

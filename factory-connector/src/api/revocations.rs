@@ -3,7 +3,7 @@
 mod receipt_page;
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId, messages::MappingState,
+    DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId, messages::MappingState,
 };
 use axum::{
     Json,
@@ -24,7 +24,7 @@ use crate::{
     store::{StoredRevocation, revocation_by_id, revocations},
 };
 
-/// Receipts per page.
+/// Receipts per page, and most that may be asked for.
 const PAGE: u32 = 50;
 
 /// Whose consent ends: single fields, or everything that the other members name together.
@@ -109,8 +109,9 @@ fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
 #[into_params(parameter_in = Query)]
 pub struct RevocationsQuery {
     /// `nextCursor` of the page before.
-    #[param(value_type = Option<String>)]
-    cursor: Option<DateTime>,
+    cursor: Option<String>,
+    /// Receipts per page, at most 50.
+    limit: Option<u32>,
 }
 
 /// Lists the receipts of ended consents, newest first.
@@ -120,11 +121,9 @@ pub async fn list(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<RevocationsQuery>,
 ) -> Result<Json<Page<StoredRevocation>>, Problem> {
-    let before = query.cursor.unwrap_or(DateTime::from_unix_micros(i64::MAX));
-    let items = revocations(&api.readers, before, PAGE).await?;
-    let next_cursor =
-        items.last().filter(|_| items.len() == PAGE as usize).map(|last| last.receipt.revoked_at.to_string());
-    Ok(Json(Page { items, next_cursor }))
+    let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
+    let items = revocations(&api.readers, query.cursor.as_deref(), limit).await?;
+    Ok(Json(Page::of(items, limit, |last| last.receipt.revocation_id.clone())))
 }
 
 /// Shows one receipt.

@@ -21,7 +21,7 @@ use crate::{
 
 /// Most fields listed in the preview of a rule.
 const MATCHES_MAX: usize = 500;
-/// Decisions per page.
+/// Decisions per page, and most that may be asked for.
 const PAGE: u32 = 100;
 
 /// Lists the standing rules in their newest version.
@@ -146,6 +146,8 @@ pub async fn apply(State(api): State<Api>, who: SignedIn<Principal>) -> Result<J
 pub struct DecisionsQuery {
     /// `nextCursor` of the page before.
     cursor: Option<i64>,
+    /// Decisions per page, at most 100.
+    limit: Option<u32>,
 }
 
 /// Lists what rules have decided by themselves, newest first.
@@ -155,10 +157,9 @@ pub async fn decisions(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<DecisionsQuery>,
 ) -> Result<Json<Page<RuleDecision>>, Problem> {
-    let items = rule_decisions(&api.readers, query.cursor.unwrap_or(i64::MAX), PAGE).await?;
-    let is_full = items.len() == usize::try_from(PAGE).unwrap_or(usize::MAX);
-    let next_cursor = items.last().filter(|_| is_full).map(|last| last.id.clone());
-    Ok(Json(Page { items, next_cursor }))
+    let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
+    let items = rule_decisions(&api.readers, query.cursor.unwrap_or(i64::MAX), limit).await?;
+    Ok(Json(Page::of(items, limit, |last| last.id.clone())))
 }
 
 /// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts where something

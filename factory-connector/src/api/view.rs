@@ -249,6 +249,14 @@ pub fn requests(books: &Books, network: &asi_model::OperationNetworkId, now: Dat
 }
 
 impl RequestView {
+    /// One of an active network; none where nobody asks, or no more.
+    pub fn of(books: &Books, key: &RequestKey, now: DateTime) -> Option<Self> {
+        let network = books.networks.get(&key.operation_network_id)?;
+        let message = network.message.as_ref()?;
+        let (key, operation, request) = message.operation_network.requests().find(|(known, ..)| known == key)?;
+        Some(Self::new(books, network, message, key, operation, request, now))
+    }
+
     /// As it stands.
     pub fn new(
         books: &Books,

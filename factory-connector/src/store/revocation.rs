@@ -1,6 +1,5 @@
 //! Receipts of ended consents, and what became of reports that were on their way then.
 
-use asi_model::DateTime;
 use sqlx::{Row as _, SqlitePool, sqlite::SqliteRow};
 
 use super::{StoreError, load::get};
@@ -27,20 +26,21 @@ pub struct StoredRevocation {
 
 const COLUMNS: &str = "SELECT content, signature, public_key, revoked_at FROM revocation";
 
-/// Receipts, newest first, before a time.
+/// Receipts, newest first, before another one. Several may have the same time.
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
 pub async fn revocations(
     readers: &SqlitePool,
-    before: DateTime,
+    before: Option<&str>,
     limit: u32,
 ) -> Result<Vec<StoredRevocation>, StoreError> {
     let rows = sqlx::query(
-        "SELECT content, signature, public_key, revoked_at FROM revocation WHERE revoked_at < ? \
-         ORDER BY revoked_at DESC, revocation_id DESC LIMIT ?",
+        "SELECT content, signature, public_key, revoked_at FROM revocation WHERE ?1 IS NULL OR \
+         (revoked_at, revocation_id) < (SELECT revoked_at, revocation_id FROM revocation WHERE revocation_id = ?1) \
+         ORDER BY revoked_at DESC, revocation_id DESC LIMIT ?2",
     )
-    .bind(before.unix_micros())
+    .bind(before.map(str::to_owned))
     .bind(i64::from(limit))
     .fetch_all(readers)
     .await
@@ -100,4 +100,50 @@ async fn with_arrivals(readers: &SqlitePool, mut found: StoredRevocation) -> Res
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use asi_model::{DateTime, messages::GapCause};
+
+    use super::*;
+    use crate::store::Store;
+
+    #[tokio::test]
+    async fn receipts_of_one_moment_are_each_on_one_page() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let factory_id = "F".parse().expect("an id");
+        let now = DateTime::from_unix_micros(1_000_000);
+        let mut store = Store::open(folder.path(), &factory_id, now).await.expect("a store");
+        for number in 0..7_i64 {
+            let receipt = RevocationReceipt {
+                revocation_id: format!("id-{number}"),
+                factory_id: factory_id.clone(),
+                revoked_at: now,
+                revoked_by: None,
+                reason: None,
+                cause: GapCause::Withdrawn,
+                fields: Vec::new(),
+                writers: Vec::new(),
+            };
+            sqlx::query("INSERT INTO revocation VALUES (?, ?, ?, x'00', x'00')")
+                .bind(receipt.revocation_id.clone())
+                .bind(number / 5)
+                .bind(receipt.canonical())
+                .execute(&mut store.writer)
+                .await
+                .expect("stored");
+        }
+        let readers = store.readers();
+        let (mut seen, mut last) = (Vec::new(), None::<String>);
+        loop {
+            let page = revocations(&readers, last.as_deref(), 2).await.expect("read");
+            seen.extend(page.iter().map(|found| found.receipt.revocation_id.clone()));
+            last = page.last().map(|found| found.receipt.revocation_id.clone());
+            if last.is_none() {
+                break;
+            }
+        }
+        assert_eq!(seen, ["id-6", "id-5", "id-4", "id-3", "id-2", "id-1", "id-0"]);
+    }
 }

@@ -93,6 +93,10 @@ async fn policies_and_rules_decide_and_are_undone() {
     assert_eq!((&power["mappingState"], &power["valueSource"]), (&json!("MAPPED"), &json!("EXTERNAL")), "{power:#}");
     assert_eq!(plant.get(&field("recipe")).await["mappingState"], "REFUSED");
     let decisions = plant.get("/rule-decisions").await;
+    let by_one = plant.get("/rule-decisions?limit=1").await;
+    let cursor = by_one["nextCursor"].as_str().expect("another page");
+    let next = plant.get(&format!("/rule-decisions?limit=1&cursor={cursor}")).await;
+    assert_eq!(json!([by_one["items"][0], next["items"][0]]), decisions["items"]);
     let recipe = decisions["items"].as_array().and_then(|all| all.iter().find(|d| d.to_string().contains("recipe")));
     let id = recipe.and_then(|decision| decision["id"].as_str()).expect("an id");
     assert_eq!(plant.call(Method::POST, &format!("/rule-decisions/{id}/undo"), None).await.0, 204);
@@ -196,4 +200,22 @@ async fn certificates_of_clients_are_approved_and_turned_away() {
     let rubbish = json!({ "kind": "REVOCATION_LIST", "content": "AAAA" });
     let (status, problem) = refused(&plant, Method::POST, "/client-certificates", rubbish).await;
     assert_eq!((status.as_u16(), &problem["code"]), (422, &json!("NOT_A_CERTIFICATE")), "{problem}");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn one_request_is_read_by_itself_and_pages_go_on_behind_it() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let inbox = plant.get("/inbox").await;
+    let request = plant.get("/requests/frame/MakeFrame/Req").await;
+    assert_eq!(request, inbox["items"][0]);
+    assert_eq!(request["fields"][0]["name"], "count", "{request:#}");
+    for path in ["/requests/frame/MakeFrame/Other", "/requests/other/MakeFrame/Req"] {
+        assert_eq!(plant.call(Method::GET, path, None).await.0, 404, "{path}");
+    }
+    let behind = "/inbox?cursor=%7B%22operationNetworkId%22:%22frame%22,%22operationId%22:%22MakeFrame%22,\
+                  %22dynamicDataRequestId%22:%22Req%22%7D";
+    let page = plant.get(behind).await;
+    assert_eq!((&page["items"], &page["count"]), (&json!([]), &json!(1)), "{page:#}");
+    let (status, problem) = refused(&plant, Method::GET, "/inbox?cursor=40", Value::Null).await;
+    assert_eq!((status.as_u16(), &problem["code"]), (400, &json!("INVALID_CURSOR")), "{problem}");
 }

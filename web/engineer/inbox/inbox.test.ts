@@ -38,10 +38,11 @@ const parameters = ({ path }: Asked): Record<string, string> => Object.fromEntri
 
 /** An inbox of many requests, searched and paged as the connector does it. */
 function inbox(asked: Asked): unknown {
-  const { cursor = '0', limit = '200', search = '' } = parameters(asked)
+  const { cursor, limit = '200', search = '' } = parameters(asked)
   const meant = Array.from({ length: REQUESTS }, (_, number) => number).filter((number) => `lot ${number}\nop${number}`.includes(search.toLowerCase().split(' ')[0] ?? ''))
-  const [from, count] = [Number(cursor), Number(limit)]
-  const next = from + count < meant.length ? String(from + count) : null
+  const count = Number(limit)
+  const from = cursor === undefined ? 0 : meant.findIndex((number) => `behind op${number}` === cursor) + 1
+  const next = from + count < meant.length ? `behind op${meant[from + count - 1] ?? ''}` : null
   return { items: meant.slice(from, from + count).map((number) => request(number)), nextCursor: next, count: meant.length, totals }
 }
 
@@ -78,14 +79,7 @@ describe('a list of requests', () => {
     expect(list.answer.value?.items.map(({ key }) => key.operationId)).toEqual(Array.from({ length: 120 }, (_, number) => `op${number}`))
     await list.answer.refresh()
     expect(list.answer.value?.items).toHaveLength(120)
-    expect(log.map(parameters)).toEqual([{ limit: '40' }, { cursor: '40', limit: '40' }, { cursor: '80', limit: '40' }, { limit: '120' }])
-  })
-  it('has each request once, where others came before it in between', async () => {
-    const list = new RequestList()
-    await list.answer.refresh()
-    serve({ 'GET /inbox': (asked) => inbox({ ...asked, path: asked.path.replace('cursor=40', 'cursor=39') }) })
-    await list.more()
-    expect(list.answer.value?.items.map(({ key }) => key.operationId)).toEqual(Array.from({ length: 79 }, (_, number) => `op${number}`))
+    expect(log.map(parameters)).toEqual([{ limit: '40' }, { cursor: 'behind op39', limit: '40' }, { cursor: 'behind op79', limit: '40' }, { limit: '120' }])
   })
   it('keeps what it has, and says why no more came', async () => {
     const list = new RequestList()
@@ -94,12 +88,14 @@ describe('a list of requests', () => {
     await list.more()
     expect([list.answer.value?.items.length, list.problem?.message]).toEqual([40, 'Busy.'])
   })
-  it('finds the one request of a field among those with like names', async () => {
-    const log = serve({ 'GET /inbox': inbox })
-    expect((await requestOf(field(19, 'power').key, new AbortController().signal)).items.map(({ key }) => key.operationId)).toEqual(['op19'])
-    expect(log.map(parameters)).toEqual([{ operationNetworkId: 'n', search: 'op19 R', limit: '200' }])
-    serve({ 'GET /inbox': () => ({ items: [], count: 0, totals }) })
-    expect((await requestOf(field(19, 'power').key, new AbortController().signal)).items).toEqual([])
+  it('is not read where one request is wanted, or where that is gone', async () => {
+    const log = serve({ 'GET /requests/n/op19/R': () => request(19) })
+    const wanted = (number: number): Promise<{ items: InboxRequest[] }> => requestOf(field(number, 'power').key, new AbortController().signal)
+    expect((await wanted(19)).items.map(({ key }) => key.operationId)).toEqual(['op19'])
+    expect((await wanted(20)).items).toEqual([])
+    expect(log.map(({ path }) => path)).toEqual(['/requests/n/op19/R', '/requests/n/op20/R'])
+    serve({ 'GET /requests/n/op19/R': () => problem(503, 'Busy.') })
+    await expect(wanted(19)).rejects.toThrow('Busy.')
   })
 })
 

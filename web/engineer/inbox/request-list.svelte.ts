@@ -2,14 +2,11 @@ import { Problem } from '@/transport/problem'
 import { Resource } from '@/transport/resource.svelte'
 import { connector } from '../api/client'
 import type { FieldKey, InboxAnswer, InboxQuery, InboxRequest } from '../api/types'
-import { nameOf, sameRequest } from '../plant.svelte'
 
 /** Requests that are read at once while somebody scrolls, and at most. */
 const PAGE = 40
 const PAGE_MAX = 200
 const PAGES_MAX = 100
-/** The longest search that the connector takes. */
-const SEARCH_CHARS_MAX = 200
 
 /** The requests that a query means, read as far as somebody has scrolled. */
 export class RequestList {
@@ -66,15 +63,12 @@ export async function everyRequest(query: InboxQuery, signal: AbortSignal): Prom
 
 /** The request that a field belongs to: a page of one, or of none where nobody asks any more. */
 export async function requestOf(key: FieldKey, signal: AbortSignal): Promise<{ items: InboxRequest[] }> {
-  const words = `${key.operationId} ${key.dynamicDataRequestId}`
-  let cursor: string | null | undefined
-  do {
-    const page = await connector.inbox({ operationNetworkId: key.operationNetworkId, ...(words.length <= SEARCH_CHARS_MAX ? { search: words } : {}), ...(cursor ? { cursor } : {}), limit: PAGE_MAX }, signal)
-    const items = page.items.filter((request) => sameRequest(request.key, key))
-    if (items.length > 0) return { items }
-    cursor = page.nextCursor
-  } while (cursor)
-  return { items: [] }
+  try {
+    return { items: [await connector.request(key, signal)] }
+  } catch (failure) {
+    if (Problem.from(failure).status === 404) return { items: [] }
+    throw failure
+  }
 }
 
 async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Promise<InboxAnswer> {
@@ -83,8 +77,7 @@ async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Pr
   return answer
 }
 
-/** Two pages as one. Requests that came or went in between have moved the others: each stays once. */
+/** Two pages as one: the second begins behind the last request of the first, whatever came or went in between. */
 function joined(known: InboxAnswer, next: InboxAnswer): InboxAnswer {
-  const names = new Set(known.items.map(({ key }) => nameOf(key)))
-  return { ...next, items: [...known.items, ...next.items.filter(({ key }) => !names.has(nameOf(key)))] }
+  return { ...next, items: [...known.items, ...next.items] }
 }

@@ -75,6 +75,23 @@ describe('policies and rules', () => {
     await vi.waitFor(() => expect(choice).toHaveProperty('value', ''))
   })
 
+  it('decisions of rules are read page by page, and all of them again after one was undone', async () => {
+    const decision = (id: number): object => ({ id: String(id), field: { operationNetworkId: 'n', operationId: `op${id}`, dynamicDataRequestId: 'R', fieldName: 'power' }, action: 'ACCEPT', rules: [{ id: 'power', version: 3 }], decidedAt: '2026-11-21T06:00:00Z' })
+    const log = connector({
+      'GET /rule-decisions': ({ path }) => (path.includes('cursor=4') ? { items: [decision(3)] } : { items: [decision(5), decision(4)], nextCursor: '4' }),
+      'POST /rule-decisions/3/undo': () => ({}),
+      'GET /inbox': () => nothing,
+    })
+    render(PoliciesPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Load more' }))
+    const row = (await screen.findByText('op3 / power')).closest('tr') as HTMLElement
+    expect(screen.queryByRole('button', { name: 'Load more' })).toBeNull()
+    await userEvent.click(within(row).getByRole('button', { name: 'Undo' }))
+    const pages = (): string[] => log.map(({ path }) => path).filter((path) => path.startsWith('/rule-decisions') && !path.endsWith('undo'))
+    await vi.waitFor(() => expect(pages()).toEqual(['/rule-decisions', '/rule-decisions?cursor=4', '/rule-decisions', '/rule-decisions?cursor=4']))
+    expect(screen.getByText('op5 / power')).toBeTruthy()
+  })
+
   it('are not for everybody to change', async () => {
     session.state = { is: 'signedIn', who: { userName: 'ida', role: 'VIEWER', csrfToken: 't' } }
     connector()

@@ -1,0 +1,138 @@
+//! Operation networks as received, and what their revisions changed.
+
+use asi_model::{
+    FieldKey, OperationNetworkId,
+    difference::{NetworkDifference, difference},
+    messages::MappingState,
+    network::OperationNetwork,
+};
+use axum::{Json, extract::State};
+use daemon::web::{ApiPath, Problem};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    Api,
+    problems::Problems,
+    view::{Page, RequestView, requests},
+};
+use crate::{desk::now, store::revisions};
+
+/// A network in short.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NetworkSummary {
+    operation_network_id: String,
+    name: Option<String>,
+    collaboration_id: Option<String>,
+    revision: u64,
+    is_withdrawn: bool,
+    #[schema(value_type = String, format = "date-time")]
+    received_at: asi_model::DateTime,
+    request_count: usize,
+    field_count: usize,
+    pending_count: usize,
+}
+
+/// Lists all networks, withdrawn ones included.
+#[utoipa::path(get, path = "/operation-networks", tag = "inbox", security(("session" = [])),
+    responses((status = 200, body = Page<NetworkSummary>), Problems))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Page<NetworkSummary>>, Problem> {
+    let items = api
+        .desk
+        .read(|books| {
+            let summary = |(id, network): (&OperationNetworkId, &crate::books::Network)| {
+                let document = network.message.as_ref().map(|message| &message.operation_network);
+                let fields = || document.into_iter().flat_map(|document| document.fields());
+                let is_pending = |key: &FieldKey| {
+                    books.field(key).is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
+                };
+                NetworkSummary {
+                    operation_network_id: id.to_string(),
+                    name: network.message.as_ref().and_then(|message| message.operation_network.name.clone()),
+                    collaboration_id: network.message.as_ref().map(|message| message.collaboration_id.to_string()),
+                    revision: network.revision,
+                    is_withdrawn: network.message.is_none(),
+                    received_at: network.received_at,
+                    request_count: document.map_or(0, |document| document.requests().count()),
+                    field_count: fields().count(),
+                    pending_count: fields().filter(|(key, ..)| is_pending(key)).count(),
+                }
+            };
+            books.networks.iter().map(summary).collect()
+        })
+        .await?;
+    Ok(Json(Page::whole(items)))
+}
+
+/// A network with its requests.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NetworkView {
+    /// The message as received; none once withdrawn.
+    #[schema(value_type = Option<Object>)]
+    message: Option<serde_json::Value>,
+    /// Its revision.
+    revision: u64,
+    /// Its requests.
+    requests: Vec<RequestView>,
+}
+
+/// Shows a network as received, and how its fields stand.
+#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "inbox", security(("session" = [])),
+    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), Problems))]
+pub async fn show(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+) -> Result<Json<NetworkView>, Problem> {
+    let wanted = id.clone();
+    let view = api
+        .desk
+        .read(move |books| {
+            books.networks.get(&wanted).map(|network| NetworkView {
+                message: network.message.as_ref().and_then(|message| serde_json::to_value(&**message).ok()),
+                revision: network.revision,
+                requests: requests(books, &wanted, now()),
+            })
+        })
+        .await?;
+    view.map(Json).ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))
+}
+
+/// What the revision in force changed.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NetworkNews {
+    /// The revision in force.
+    revision: u64,
+    /// The one before it, where there was one.
+    previous_revision: Option<u64>,
+    /// What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
+    /// and of the consent.
+    #[schema(value_type = Object)]
+    difference: NetworkDifference,
+}
+
+/// What is new in a network against the revision before.
+#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/news", tag = "inbox", security(("session" = [])),
+    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkNews), Problems))]
+pub async fn news(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<OperationNetworkId>,
+) -> Result<Json<NetworkNews>, Problem> {
+    let found = revisions(&api.readers, &id).await?;
+    let found = found.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
+    let nothing = OperationNetwork {
+        operation_network_id: id,
+        name: None,
+        description: None,
+        operation_list: Vec::new(),
+        operation_relation_list: Vec::new(),
+    };
+    let before = found.previous.as_ref().map_or(&nothing, |message| &message.operation_network);
+    Ok(Json(NetworkNews {
+        revision: found.current.revision,
+        previous_revision: found.previous.as_ref().map(|message| message.revision),
+        difference: difference(before, &found.current.operation_network),
+    }))
+}
