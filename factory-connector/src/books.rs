@@ -37,7 +37,7 @@ use asi_model::{
 };
 use uuid::Uuid;
 
-pub use aftermath::{Aftermath, ConnectorEvent, FieldNews, MappingWork, TwinWork};
+pub use aftermath::{Aftermath, ConnectorEvent, Decisions, FieldNews, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision};
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
@@ -188,7 +188,11 @@ impl Books {
 
     /// What the store has to write, and what is to be done after it.
     pub fn take(&mut self) -> (Changes, Aftermath) {
-        (std::mem::take(&mut self.changes), std::mem::take(&mut self.aftermath))
+        let mut aftermath = std::mem::take(&mut self.aftermath);
+        if aftermath.decisions.count > 0 {
+            aftermath.events.push(ConnectorEvent::Decisions(aftermath.decisions));
+        }
+        (std::mem::take(&mut self.changes), aftermath)
     }
 
     /// There is something to write that must not wait for the publishing interval.

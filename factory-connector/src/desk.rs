@@ -40,6 +40,8 @@ const GROUP_MAX: usize = 1024;
 const CANDIDATE_BATCHES_MAX: usize = 64;
 /// How long gate and transform states without a report may stay unwritten.
 const UNREPORTED_STATE_MAX: Duration = Duration::from_secs(1);
+/// How often open pages hear that the ledger grows.
+const LEDGER_NEWS_INTERVAL: Duration = Duration::from_secs(2);
 /// How long to wait after a failed transaction.
 const PAUSE_AFTER_FAILURE: Duration = Duration::from_secs(1);
 
@@ -123,6 +125,9 @@ pub struct Desk {
     /// The time of day when it was looked at last.
     clock: DateTime,
     oldest_unwritten: Option<Instant>,
+    /// The ledger has entries that pages have not heard of, and when they heard last.
+    has_ledger_news: bool,
+    ledger_told_at: Instant,
 }
 
 /// Opens the way to a desk that is yet to be made.
@@ -160,6 +165,8 @@ impl Desk {
             next_publish: Instant::now(),
             clock: now(),
             oldest_unwritten: None,
+            has_ledger_news: false,
+            ledger_told_at: Instant::now(),
         })
     }
 
@@ -202,6 +209,7 @@ impl Desk {
             if self.must_commit() {
                 self.commit().await?;
             }
+            self.tell_of_ledger();
         }
         self.commit().await?;
         self.store.close().await;
@@ -264,7 +272,7 @@ impl Desk {
         self.next_publish = Instant::now() + self.config.publishing_interval;
         self.oldest_unwritten = None;
         let (changes, aftermath) = self.books.take();
-        let reports = changes.reports.len();
+        let (reports, has_entries) = (changes.reports.len(), !changes.ledger.is_empty());
         if !changes.is_empty()
             && let Err(error) = self.store.commit(changes).await
         {
@@ -275,7 +283,16 @@ impl Desk {
             reply.give(true);
         }
         self.follow(aftermath).await;
+        self.has_ledger_news |= has_entries;
         Ok(())
+    }
+
+    /// Values leave many times a second; pages that show the ledger read it again now and then.
+    fn tell_of_ledger(&mut self) {
+        if self.has_ledger_news && self.ledger_told_at.elapsed() >= LEDGER_NEWS_INTERVAL {
+            (self.has_ledger_news, self.ledger_told_at) = (false, Instant::now());
+            self.rooms.events.publish([ConnectorEvent::Ledger]);
+        }
     }
 
     /// After a failed transaction: nothing of it happened.

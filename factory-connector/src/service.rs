@@ -1,6 +1,7 @@
 //! The whole connector: opens everything that can fail, then starts its tasks.
 
 mod mappings;
+mod status_news;
 
 use std::{net::SocketAddr, str::FromStr as _, sync::Arc};
 
@@ -136,6 +137,12 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let web_listener = listen(config.web.listen).await?;
     let web_address = web_listener.local_addr()?;
     let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
+    let token = shutdown.clone();
+    let (news, link_state, source_states) = (events.clone(), link_handle.state(), floor_handle.watch());
+    lifecycle.spawn("status news", Importance::Essential, async move {
+        status_news::tell(news, link_state, source_states, token).await;
+        anyhow::Ok(())
+    });
     let router = api::router(
         Api::new(api::Parts {
             desk: desk_handle,

@@ -4,9 +4,10 @@ import { connector, feed } from './api/client'
 import type { Field, InboxRequest, InboxTotals, RequestKey } from './api/types'
 import { talks } from './conversation/talks.svelte'
 
-const STATUS_EVERY_MS = 3_000
-/** Events tell of values and of decisions here; only asking tells how many fields rules have decided elsewhere. */
-const TOTALS_EVERY_MS = 15_000
+/** Events tell when a state changes; only asking tells how much waits, and when the last message left. */
+const STATUS_EVERY_MS = 5_000
+/** Events tell of requests and decisions; only asking tells what time alone has changed: what is overdue or has ended. */
+const TOTALS_EVERY_MS = 300_000
 const TOGETHER_MS = 100
 
 /** Requests that a page shows. */
@@ -34,7 +35,7 @@ class Plant {
       poll(STATUS_EVERY_MS, this.status),
       poll(TOTALS_EVERY_MS, this.totals),
       talks.open(),
-      feed.keepFresh(['inbox'], this),
+      feed.keepFresh(['inbox', 'decisions'], this),
       feed.on('field', (event) => {
         this.#take(event)
       }),
@@ -98,11 +99,7 @@ class Plant {
     }
     const field = event as Field
     const known = this.#known(field)
-    if (known === undefined) {
-      // Values flow under a consent only: what is told of any other field is a decision.
-      if (field.mappingState !== 'MAPPED') this.refreshSoon()
-      return
-    }
+    if (known === undefined) return
     // A decision has more members than the event tells: that field is read again.
     if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
       void connector.field(field.key).then((whole) => {

@@ -21,6 +21,18 @@ pub struct Aftermath {
     pub is_receipted: bool,
     /// What pages are told.
     pub events: Vec<ConnectorEvent>,
+    /// How many decisions were made.
+    pub decisions: Decisions,
+}
+
+/// How many decisions one transaction has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Decisions {
+    /// All of them.
+    pub count: usize,
+    /// Of them, those that standing rules made.
+    pub rule_count: usize,
 }
 
 impl Aftermath {
@@ -31,6 +43,7 @@ impl Aftermath {
             && self.values.is_empty()
             && self.mappings.is_empty()
             && self.events.is_empty()
+            && self.decisions.count == 0
             && !(self.is_spool_filled || self.is_spool_rewound || self.is_receipted)
     }
 }
@@ -68,6 +81,10 @@ pub enum ConnectorEvent {
     Comment(OperationNetworkId),
     /// Something was entered about an operation.
     Operator(OperationKey),
+    /// Fields were decided, one or many at once.
+    Decisions(Decisions),
+    /// The ledger has new entries; told from time to time.
+    Ledger,
     /// Policies or rules changed.
     Policies,
     /// A consent ended; the receipt's id.

@@ -278,6 +278,7 @@ impl Books {
         self.store_field(key);
         self.note_due(key);
         self.aftermath.twin.push(TwinWork::Decision(key.clone()));
+        self.aftermath.decisions.count += 1;
         self.tell_pages(key);
     }
 

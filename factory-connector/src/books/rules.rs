@@ -190,6 +190,7 @@ impl Books {
         }
         let consent_version = self.fields.get(key).map_or(0, |field| field.decision.version);
         self.last_rule_decision += 1;
+        self.aftermath.decisions.rule_count += 1;
         metrics::counter!("verbund_rule_decisions_total").increment(1);
         self.changes.rule_decisions.push(RuleDecisionRow {
             id: self.last_rule_decision,

@@ -1,5 +1,7 @@
 //! The whole connector in this process, over real machines of the simulator; the platform stays away.
 
 mod control;
+mod events;
+mod ledger;
 mod mappings;
 mod plant;

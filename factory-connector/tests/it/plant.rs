@@ -19,6 +19,7 @@ use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
 use tempfile::TempDir;
+use tokio::sync::mpsc;
 use tokio_util::sync::{CancellationToken, DropGuard};
 
 const FACTORY: &str = "FOR_MUC";
@@ -179,6 +180,30 @@ impl SignedIn {
     async fn answer(request: reqwest::RequestBuilder) -> (StatusCode, String) {
         let answer = request.send().await.expect("an answer");
         (answer.status(), answer.text().await.expect("a text"))
+    }
+
+    /// The names of live events with their bodies, as they come.
+    pub async fn events(&self) -> mpsc::UnboundedReceiver<(String, Value)> {
+        let mut answer = self.request(Method::GET, "/events", None).send().await.expect("an answer");
+        let (sender, receiver) = mpsc::unbounded_channel();
+        tokio::spawn(async move {
+            let mut text = String::new();
+            while let Ok(Some(part)) = answer.chunk().await {
+                text.push_str(&String::from_utf8_lossy(&part));
+                while let Some((event, rest)) =
+                    text.split_once("\n\n").map(|(event, rest)| (event.to_owned(), rest.to_owned()))
+                {
+                    text = rest;
+                    let line = |name: &str| event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
+                    if let Some((name, data)) = line("event:").zip(line("data:"))
+                        && sender.send((name.to_owned(), serde_json::from_str(data).unwrap_or_default())).is_err()
+                    {
+                        return;
+                    }
+                }
+            }
+        });
+        receiver
     }
 
     /// Imports a file or a table; the outcome or the problem.

@@ -151,4 +151,4 @@ export const connector = {
 }
 
 /** What happens at the connector, as it happens. */
-export const feed = new LiveFeed('/api/v1/events', ['field', 'inbox', 'comment', 'operator', 'policies', 'revocation', 'status'])
+export const feed = new LiveFeed('/api/v1/events', ['field', 'decisions', 'inbox', 'comment', 'operator', 'policies', 'revocation', 'ledger', 'status'])

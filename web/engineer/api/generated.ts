@@ -498,9 +498,11 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `field` with the field's key, its state and its newest disclosed value, `inbox` and `comment`
-         *     with the network's id, `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `status`, and `reset`
-         *     where events were missed and the page must load afresh.
+         * Server-sent events: `field` with the field's key, its state and its newest disclosed value, `decisions` with how many
+         *     fields were decided at once and how many of them by standing rules, `inbox` and `comment` with the network's id,
+         *     `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `ledger` every other second
+         *     while it grows, `status` where the link or a local server changes its state, and `reset` where events were missed
+         *     and the page must load afresh.
          */
         get: {
             parameters: {
@@ -2350,12 +2352,12 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the requests of all active networks with their fields, filtered, in pages. */
+        /** Lists the requests of all active networks with their fields, filtered, in pages, in the order of their addresses. */
         get: {
             parameters: {
                 query?: {
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: number;
+                    /** @description `nextCursor` of the page before: requests behind its last one, whatever came and went meanwhile. */
+                    cursor?: string;
                     /** @description Requests per page, at most 200. */
                     limit?: number;
                     /** @description Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`. */
@@ -2557,6 +2559,107 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/leak-budgets/summary": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What each partner learns in short: how many fields, how much at most, how exactly, and how many conclusions. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description One organisation only. */
+                    partner?: string;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_PartnerSummary"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ledger": {
         parameters: {
             query?: never;
@@ -2564,16 +2667,29 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the entries of a recipient's chain, newest first, with what left. */
+        /**
+         * Lists the entries of a recipient's chain, newest first, with what left; of the first recipient by name where none is
+         *     named.
+         */
         get: {
             parameters: {
                 query?: {
-                    /** @description Whose chain; the first by name without it. */
+                    /** @description Of this recipient's chain. */
                     recipient?: string;
                     /** @description Recorded at this time or later. */
                     from?: string;
                     /** @description Recorded before this time. */
                     until?: string;
+                    /** @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
+                    kind?: string;
+                    /** @description About this network: decisions about its fields, reports that carried them, and what became of those. */
+                    operationNetworkId?: string;
+                    /** @description Of it, only about this operation. */
+                    operationId?: string;
+                    /** @description Of it, only about this request. */
+                    dynamicDataRequestId?: string;
+                    /** @description Of it, only about this field. */
+                    fieldName?: string;
                     /** @description `nextCursor` of the page before. */
                     after?: number;
                     /** @description Entries on the page, 1 to 500; 100 without it. */
@@ -2666,6 +2782,109 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/ledger/checkpoints": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the signed checkpoints over all chains, newest first. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description `nextCursor` of the page before. */
+                    cursor?: number;
+                    /** @description Checkpoints per page, at most 200; 20 without it. */
+                    limit?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_CheckpointView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ledger/export": {
         parameters: {
             query?: never;
@@ -2673,18 +2892,28 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Everything that left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains. */
+        /** Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains. */
         get: {
             parameters: {
                 query: {
-                    /** @description `jsonl`, `csv` or `html`. */
-                    format: string;
-                    /** @description Of this chain only. */
+                    /** @description Of this recipient's chain. */
                     recipient?: string;
                     /** @description Recorded at this time or later. */
                     from?: string;
                     /** @description Recorded before this time. */
                     until?: string;
+                    /** @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
+                    kind?: string;
+                    /** @description About this network: decisions about its fields, reports that carried them, and what became of those. */
+                    operationNetworkId?: string;
+                    /** @description Of it, only about this operation. */
+                    operationId?: string;
+                    /** @description Of it, only about this request. */
+                    dynamicDataRequestId?: string;
+                    /** @description Of it, only about this field. */
+                    fieldName?: string;
+                    /** @description `jsonl`, `csv` or `html`. */
+                    format: string;
                     /** @description Of a page to print: `en` or `de`. */
                     language?: string;
                 };
@@ -2700,6 +2929,109 @@ export interface paths {
                     };
                     content: {
                         "text/csv": string;
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ledger/fields": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Searches the fields that the ledger speaks of, in the order of their addresses; those of ended requests included. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description Fields in whose ids all these words occur. */
+                    search?: string;
+                    /** @description Most fields, at most 200; 20 without it. */
+                    limit?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_LedgerField"];
                     };
                 };
                 /** @description The request cannot be understood. */
@@ -4873,6 +5205,108 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows one request of an active network with its fields. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    operationNetworkId: string;
+                    operationId: string;
+                    dynamicDataRequestId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["RequestView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/revocations": {
         parameters: {
             query?: never;
@@ -4886,6 +5320,8 @@ export interface paths {
                 query?: {
                     /** @description `nextCursor` of the page before. */
                     cursor?: string;
+                    /** @description Receipts per page, at most 50. */
+                    limit?: number;
                 };
                 header?: never;
                 path?: never;
@@ -5276,6 +5712,8 @@ export interface paths {
                 query?: {
                     /** @description `nextCursor` of the page before. */
                     cursor?: number;
+                    /** @description Decisions per page, at most 100. */
+                    limit?: number;
                 };
                 header?: never;
                 path?: never;
@@ -7568,6 +8006,39 @@ export interface components {
             problem: boolean;
             start: boolean;
         };
+        /** @description The head of one chain. */
+        CheckpointHead: {
+            /** @description The hash of its last entry, hexadecimal. */
+            hash: string;
+            /**
+             * Format: int64
+             * @description The number of its last entry.
+             */
+            number: number;
+            /** @description Whose chain. */
+            recipient: string;
+        };
+        /** @description A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it held then. */
+        CheckpointView: {
+            /** @description The last entry of each chain then. */
+            heads: components["schemas"]["CheckpointHead"][];
+            /**
+             * Format: int64
+             * @description Its place, from 1 without gaps.
+             */
+            number: number;
+            /** @description The key it is verified with, hexadecimal. */
+            publicKey: string;
+            /**
+             * Format: date-time
+             * @description When it was made.
+             */
+            recordedAt: string;
+            /** @description The Ed25519 signature over that text, hexadecimal. */
+            signature: string;
+            /** @description The exact text that was signed: factory, number, time, and of each chain the last number and hash. */
+            signedText: string;
+        };
         /** @description The endpoint in use. */
         ChosenEndpoint: {
             /** @description The server's application URI. */
@@ -7627,7 +8098,7 @@ export interface components {
          */
         Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
         /** @description With what the consent for a field begins. */
-        ConsentOffer: {
+        ConsentOffer: components["schemas"]["Statement"] & {
             /** @description The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period. */
             disclosure: components["schemas"]["DisclosurePolicy"];
             /**
@@ -7643,8 +8114,6 @@ export interface components {
             requestedIntervalMs?: number | null;
             /** @description The rules behind it. */
             rules: components["schemas"]["RuleReference"][];
-            /** @description The same in words. */
-            statement: string;
             /**
              * Format: double
              * @description Values per hour at that period.
@@ -7866,6 +8335,8 @@ export interface components {
             isFelt: boolean;
             /** @description Which part. */
             kind: components["schemas"]["EffectKind"];
+            /** @description The same as codes with parameters. */
+            parts: components["schemas"]["StatementPart"][];
             /** @description In words. */
             text: string;
         };
@@ -7925,6 +8396,10 @@ export interface components {
             /** @description The precision under each consent that the entry names, by field, in the words that the partner was told. */
             precision: {
                 [key: string]: string;
+            };
+            /** @description The same as codes with parameters. */
+            precisionParts: {
+                [key: string]: components["schemas"]["StatementPart"][];
             };
             /** @description Whose chain. */
             recipientId: string;
@@ -8006,7 +8481,7 @@ export interface components {
             operationNetworkId: string;
         };
         /** @description What one field tells. */
-        FieldLeak: {
+        FieldLeak: components["schemas"]["Statement"] & {
             /**
              * Format: double
              * @description The most that one value can tell, in bits; none for texts and other values without bound.
@@ -8016,8 +8491,6 @@ export interface components {
             key: Record<string, never>;
             /** @description What was measured. */
             measured: components["schemas"]["Measured"];
-            /** @description Its precision in words. */
-            statement: string;
             /**
              * Format: int64
              * @description How exactly changes are timed, in milliseconds; 0: as they happen.
@@ -8048,6 +8521,8 @@ export interface components {
             description?: string | null;
             /** @description How values are coarsened at least, as decided. */
             disclosure: components["schemas"]["DisclosurePolicy"];
+            /** @description The same as codes with parameters; none while undecided. */
+            disclosureParts: components["schemas"]["StatementPart"][];
             /** @description The same in words, as the partner is told. */
             disclosureStatement?: string | null;
             /** @description How they are coarsened: the strictest of that, of the named policy and of the recipients' policies. */
@@ -8262,9 +8737,43 @@ export interface components {
             /** @description What can be concluded. */
             warnings: components["schemas"]["LeakWarning"][];
         };
+        /** @description What a partner learns in sum, in short. */
+        LeakSummary: {
+            /**
+             * Format: double
+             * @description Bits per hour at most; none where a field has no limit.
+             */
+            bitsPerHourMax?: number | null;
+            /**
+             * Format: double
+             * @description The most that one value of any field can tell, in bits; none where a field has no bound.
+             */
+            bitsPerValueMax?: number | null;
+            /** @description What, each once. */
+            conclusions: components["schemas"]["Conclusion"][];
+            /** @description How many fields. */
+            fieldCount: number;
+            /**
+             * Format: int64
+             * @description How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they happen.
+             */
+            timeResolutionMs: number;
+            /**
+             * Format: double
+             * @description Values per hour at most; none where a field has no limit.
+             */
+            valuesPerHourMax?: number | null;
+            /**
+             * Format: double
+             * @description Values per hour as measured.
+             */
+            valuesPerHourMeasured: number;
+            /** @description How many things can be concluded. */
+            warningCount: number;
+        };
         /** @description A warning. */
         LeakWarning: {
-            /** @description What can be concluded. */
+            /** @description What can be concluded, as a code; its parameters are the other members. */
             conclusion: components["schemas"]["Conclusion"];
             /** @description From which fields. */
             fields: Record<string, never>[];
@@ -8273,7 +8782,12 @@ export interface components {
              * @description The time from which on it could not be concluded, in milliseconds, where that helps.
              */
             neededMs?: number | null;
-            /** @description In words, with what would prevent it. */
+            /**
+             * Format: int64
+             * @description How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan says so.
+             */
+            pieceMs?: number | null;
+            /** @description In English, with what would prevent it. */
             text: string;
         };
         /** @description Something that is not as it was written. */
@@ -8287,6 +8801,11 @@ export interface components {
             number: number;
             /** @description Whose chain; empty where no single chain is concerned. */
             recipient: string;
+        };
+        /** @description A field that the ledger speaks of, requested still or no more. */
+        LedgerField: {
+            /** @description Its address. */
+            key: Record<string, never>;
         };
         /** @description Entries of one chain, newest first. */
         LedgerView: {
@@ -8731,6 +9250,32 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_CheckpointView: {
+            /** @description The items. */
+            items: {
+                /** @description The last entry of each chain then. */
+                heads: components["schemas"]["CheckpointHead"][];
+                /**
+                 * Format: int64
+                 * @description Its place, from 1 without gaps.
+                 */
+                number: number;
+                /** @description The key it is verified with, hexadecimal. */
+                publicKey: string;
+                /**
+                 * Format: date-time
+                 * @description When it was made.
+                 */
+                recordedAt: string;
+                /** @description The Ed25519 signature over that text, hexadecimal. */
+                signature: string;
+                /** @description The exact text that was signed: factory, number, time, and of each chain the last number and hash. */
+                signedText: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_ClientCertificateView: {
             /** @description The items. */
             items: {
@@ -8798,6 +9343,16 @@ export interface components {
                 message?: string | null;
                 /** @description `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again. */
                 result: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_LedgerField: {
+            /** @description The items. */
+            items: {
+                /** @description Its address. */
+                key: Record<string, never>;
             }[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
@@ -8879,6 +9434,16 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_PartnerSummary: {
+            /** @description The items. */
+            items: (components["schemas"]["LeakSummary"] & {
+                /** @description The organisation: a requester or a recipient. */
+                partner: string;
+            })[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_PeerCertificate: {
             /** @description The items. */
             items: {
@@ -8907,27 +9472,25 @@ export interface components {
         /** @description A page of a list. */
         Page_PolicyUse: {
             /** @description The items. */
-            items: {
+            items: (components["schemas"]["Statement"] & {
                 /** @description The field. */
                 key: Record<string, never>;
-                /** @description What its partner reads now. */
-                statement: string;
                 /** @description What it would read with the draft. */
                 statementThen: string;
-            }[];
+                /** @description The same as codes with parameters. */
+                statementThenParts: components["schemas"]["StatementPart"][];
+            })[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PolicyView: {
             /** @description The items. */
-            items: (components["schemas"]["Versioned_NamedPolicy"] & {
+            items: (components["schemas"]["Versioned_NamedPolicy"] & components["schemas"]["Statement"] & {
                 /** @description How many mapped fields take it by name. */
                 fieldCount: number;
                 /** @description The recipients that it is set for. */
                 recipients: string[];
-                /** @description In words, as partners read it. */
-                statement: string;
             })[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
@@ -9188,6 +9751,11 @@ export interface components {
             /** @description The organisation: a requester or a recipient. */
             partner: string;
         };
+        /** @description What one partner learns, in short. */
+        PartnerSummary: components["schemas"]["LeakSummary"] & {
+            /** @description The organisation: a requester or a recipient. */
+            partner: string;
+        };
         /** @description A server's certificate that we have met. */
         PeerCertificate: {
             /** @description The length of its RSA key in bits. */
@@ -9227,25 +9795,23 @@ export interface components {
             outcome: components["schemas"]["Placed"];
         };
         /** @description What a change of a policy would do to a field. */
-        PolicyUse: {
+        PolicyUse: components["schemas"]["Statement"] & {
             /** @description The field. */
             key: Record<string, never>;
-            /** @description What its partner reads now. */
-            statement: string;
             /** @description What it would read with the draft. */
             statementThen: string;
+            /** @description The same as codes with parameters. */
+            statementThenParts: components["schemas"]["StatementPart"][];
         };
         /** @description A named policy and where it holds. */
-        PolicyView: components["schemas"]["Versioned_NamedPolicy"] & {
+        PolicyView: components["schemas"]["Versioned_NamedPolicy"] & components["schemas"]["Statement"] & {
             /** @description How many mapped fields take it by name. */
             fieldCount: number;
             /** @description The recipients that it is set for. */
             recipients: string[];
-            /** @description In words, as partners read it. */
-            statement: string;
         };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
-        Preview: {
+        Preview: components["schemas"]["Statement"] & {
             candidate?: components["schemas"]["ShownValue"] | null;
             /** @description What is wrong or doubtful about the mapping. */
             diagnostics: components["schemas"]["MappingDiagnostic"][];
@@ -9265,8 +9831,6 @@ export interface components {
             isWithheld: boolean;
             /** @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times. */
             message?: string | null;
-            /** @description The precision in words, as the partner reads it. */
-            statement: string;
             /** @description What the mapping makes of it, function by function. */
             steps: components["schemas"]["StepView"][];
             /** @description What partners could conclude if this were decided. */
@@ -9631,7 +10195,7 @@ export interface components {
             wouldDecide: boolean;
         };
         /** @description What standing rules say about a field. */
-        RuleOfferView: {
+        RuleOfferView: components["schemas"]["Statement"] & {
             /** @description What they come to. */
             action: components["schemas"]["RuleAction"];
             /** @description The precision. */
@@ -9642,8 +10206,6 @@ export interface components {
             reason?: string | null;
             /** @description The rules, the one that gives reason and source first. */
             rules: components["schemas"]["RuleReference"][];
-            /** @description The same in words. */
-            statement: string;
             /** @description Where values would come from. */
             valueSource?: string | null;
         };
@@ -9964,6 +10526,98 @@ export interface components {
         };
         /** @description A state as a plain value. */
         StateValue: boolean | number | string;
+        /** @description A precision as the partner is told it. */
+        Statement: {
+            /** @description In words: the English sentence that the partner gets. */
+            statement: string;
+            /** @description The same as codes with parameters. */
+            statementParts: components["schemas"]["StatementPart"][];
+        };
+        /** @description A part of a policy as the partner is told it: a code with its parameters, for who says it in another language. */
+        StatementPart: {
+            /** @enum {string} */
+            code: "UNCHANGED";
+        } | {
+            /** @enum {string} */
+            code: "AGGREGATED";
+            /** @description What is made of a window's values. */
+            function: components["schemas"]["AggregateFunction"];
+            /**
+             * Format: int64
+             * @description Its length in milliseconds.
+             */
+            windowMs: number;
+        } | {
+            /** @enum {string} */
+            code: "ROUNDED";
+            /**
+             * Format: double
+             * @description The step.
+             */
+            step: number;
+            /** @description The field's unit. */
+            unit?: string | null;
+        } | {
+            /** @description The bounds, ascending. */
+            bounds: number[];
+            /** @enum {string} */
+            code: "BANDED";
+            /** @description The field's unit. */
+            unit?: string | null;
+        } | {
+            /** @enum {string} */
+            code: "DIGITS";
+            /**
+             * Format: int32
+             * @description How many.
+             */
+            digits: number;
+        } | {
+            /** @enum {string} */
+            code: "INTERVAL";
+            /**
+             * Format: int64
+             * @description The interval in milliseconds.
+             */
+            periodMs: number;
+        } | {
+            /** @enum {string} */
+            code: "RATE";
+            /**
+             * Format: int64
+             * @description The period in milliseconds.
+             */
+            periodMs: number;
+            /**
+             * Format: int32
+             * @description How many.
+             */
+            values: number;
+        } | {
+            /** @enum {string} */
+            code: "TIME_STEP";
+            /**
+             * Format: int64
+             * @description The step in milliseconds.
+             */
+            periodMs: number;
+        } | {
+            /** @enum {string} */
+            code: "DELAYED";
+            /**
+             * Format: int64
+             * @description By so many milliseconds.
+             */
+            periodMs: number;
+        } | {
+            /** @enum {string} */
+            code: "HOURS";
+            /** @description The hours. */
+            hours: components["schemas"]["WorkingHours"];
+        } | {
+            /** @enum {string} */
+            code: "WITHHELD";
+        };
         /** @description How the connector stands. */
         Status: {
             factoryId: string;
@@ -10531,8 +11185,11 @@ export const PATHS: readonly string[] = [
   "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback",
   "/api/v1/inbox",
   "/api/v1/leak-budgets",
+  "/api/v1/leak-budgets/summary",
   "/api/v1/ledger",
+  "/api/v1/ledger/checkpoints",
   "/api/v1/ledger/export",
+  "/api/v1/ledger/fields",
   "/api/v1/ledger/verification",
   "/api/v1/mapping-templates",
   "/api/v1/mapping-templates/{templateId}",
@@ -10551,6 +11208,7 @@ export const PATHS: readonly string[] = [
   "/api/v1/policies/{policyId}/versions",
   "/api/v1/recipients",
   "/api/v1/recipients/{recipient}/policy",
+  "/api/v1/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}",
   "/api/v1/revocations",
   "/api/v1/revocations/{revocationId}",
   "/api/v1/revocations/{revocationId}/print",
