@@ -19,6 +19,7 @@ export default defineConfig({
   },
   projects: [
     { name: 'story', testMatch: /story\.spec\.ts/ },
+    { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
     { name: 'scale', testMatch: /scale\.spec\.ts/ },
     { name: 'accessibility', testMatch: /accessibility\.spec\.ts/, timeout: 300_000 },

@@ -40,6 +40,7 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
     seen_from_outside(world, &cast, steps).await?;
     steps.run("a change on the machine reaches the buyer", latency::of_values(world, &cast.platform, 20)).await?;
     steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
+    steps.run("an operator works on without a network", browser::operators_page(world)).await?;
     let cast = crash::every_program_in_turn(world, cast, steps).await?;
     steps.run("no report was lost and none counted twice", crash::nothing_lost(&cast)).await?;
     steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await

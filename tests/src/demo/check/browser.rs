@@ -1,4 +1,4 @@
-//! The partners' page in a real browser.
+//! The pages in a real browser.
 
 use std::{process::Stdio, time::Duration};
 
@@ -13,6 +13,11 @@ use crate::{
 /// Drives both pages through the story of the browser tests: a question, its answer, and the value on the page.
 pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=story"]).await
+}
+
+/// An operator's tablet loses the network while somebody works with it.
+pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
+    run(world, "test", &["--project=operator"]).await
 }
 
 /// Runs a script of `tests/browser` against this world.
