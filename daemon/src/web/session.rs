@@ -43,10 +43,12 @@ pub struct SessionConfig {
     pub lifetime: Duration,
     /// How attempts to sign in are slowed down.
     pub throttle: ThrottleConfig,
+    /// How often a live stream looks whether its session has ended.
+    pub stream_look: Duration,
 }
 
 impl SessionConfig {
-    /// Twelve hours, the default throttle.
+    /// Twelve hours, the default throttle; live streams end within five seconds after their session.
     #[must_use]
     pub fn new(cookie_name: impl Into<String>, is_secure: bool) -> Self {
         Self {
@@ -54,6 +56,7 @@ impl SessionConfig {
             is_secure,
             lifetime: Duration::from_secs(12 * 3600),
             throttle: ThrottleConfig::default(),
+            stream_look: Duration::from_secs(5),
         }
     }
 }
@@ -165,6 +168,13 @@ impl<A: Accounts> Sessions<A> {
         }
         let principal = self.inner.accounts.principal(&session.user_name).await?;
         Ok(principal.map(|principal| SignedIn { session: id, principal, csrf_token: session.csrf_token }))
+    }
+
+    /// Waits a little, and says whether somebody is still signed in with a cookie's token.
+    async fn is_good(&self, token: &str) -> bool {
+        tokio::time::sleep(self.inner.config.stream_look).await;
+        // A store that fails for a moment ends nobody's session.
+        self.resume(token).await.map_or(true, |signed_in| signed_in.is_some())
     }
 
     fn cookie(&self, token: String, max_age: Duration) -> Cookie<'static> {

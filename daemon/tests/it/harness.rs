@@ -1,12 +1,13 @@
 //! A small daemon: one user, one store in memory, the real web parts.
 
-use std::{collections::HashMap, net::SocketAddr, sync::Arc};
+use std::{collections::HashMap, convert::Infallible, net::SocketAddr, sync::Arc, time::Duration};
 
 use async_trait::async_trait;
 use axum::{
     Json, Router,
     extract::{ConnectInfo, State},
     middleware,
+    response::sse::{Event, Sse},
     routing::get,
 };
 use axum_extra::extract::CookieJar;
@@ -26,6 +27,7 @@ use daemon::{
         },
     },
 };
+use futures::{Stream, StreamExt as _, stream};
 use parking_lot::Mutex;
 use serde::Deserialize;
 use tokio_util::sync::CancellationToken;
@@ -97,6 +99,11 @@ async fn sign_out(
     Ok(jar.add(sessions.sign_out(&signed_in.session).await?))
 }
 
+/// Says something once, and is never over.
+async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+    Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
+}
+
 fn view(signed_in: &SignedIn<String>) -> Json<serde_json::Value> {
     Json(serde_json::json!({ "userName": signed_in.principal, "csrfToken": signed_in.csrf_token }))
 }
@@ -115,12 +122,16 @@ impl Harness {
         let memory = Memory::default();
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
-        let sessions = Sessions::new(SessionConfig::new("verbund_test", false), memory.clone());
+        let mut config = SessionConfig::new("verbund_test", false);
+        config.stream_look = Duration::from_millis(20);
+        let sessions = Sessions::new(config, memory.clone());
         let readiness = Readiness::new();
         let guarded = get(who)
             .delete(sign_out)
             .layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
+        let live = get(live).layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
         let router = Router::new()
+            .route("/api/v1/live", live)
             .route("/api/v1/session", guarded.post(sign_in))
             .with_state(sessions)
             .merge(health::routes(readiness.clone(), Metrics::install().expect("the recorder")))

@@ -1,6 +1,6 @@
 //! Signing in and out.
 
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use serde_json::{Value, json};
 
@@ -78,4 +78,18 @@ async fn a_session_ends_by_time_and_with_its_user() {
     assert_eq!(who(&harness).await, 200);
     harness.memory.users.lock().clear();
     assert_eq!(who(&harness).await, 401);
+}
+
+#[tokio::test]
+async fn who_is_no_longer_signed_in_hears_no_more() {
+    let harness = Harness::start().await;
+    assert_eq!(harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer").status(), 401);
+    sign_in(&harness, "ann", "correct horse").await;
+    let mut live = harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer");
+    assert!(live.chunk().await.expect("it goes on").is_some());
+    let silence = tokio::time::timeout(Duration::from_millis(200), live.chunk()).await;
+    assert!(silence.is_err(), "it goes on while the session does: {silence:?}");
+    harness.memory.sessions.lock().clear();
+    let end = tokio::time::timeout(Duration::from_secs(20), live.chunk()).await.expect("it ends with the session");
+    assert_eq!(end.expect("it ends well"), None);
 }

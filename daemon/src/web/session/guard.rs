@@ -1,12 +1,14 @@
 //! The middleware before every route that needs a session, and the extractor behind it.
 
 use axum::{
+    body::Body,
     extract::{FromRequestParts, Request, State},
-    http::request::Parts,
+    http::{header::CONTENT_TYPE, request::Parts},
     middleware::Next,
     response::{IntoResponse, Response},
 };
 use axum_extra::extract::CookieJar;
+use futures::StreamExt as _;
 use subtle::ConstantTimeEq;
 
 use super::{
@@ -69,5 +71,19 @@ pub async fn require_session<A: Accounts>(
         }
     }
     request.extensions_mut().insert(signed_in);
-    next.run(request).await
+    let token = cookie.value().to_owned();
+    let answer = next.run(request).await;
+    if !is_live(&answer) {
+        return answer;
+    }
+    // Whoever is no longer signed in hears no more either.
+    answer.map(|body| {
+        let ended = async move { while sessions.is_good(&token).await {} };
+        Body::from_stream(body.into_data_stream().take_until(Box::pin(ended)))
+    })
+}
+
+/// Whether an answer goes on for as long as somebody listens.
+fn is_live(answer: &Response) -> bool {
+    answer.headers().get(CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/event-stream"))
 }

@@ -119,6 +119,25 @@ mod tests {
     }
 
     #[test]
+    fn hashes_cost_what_is_recommended() {
+        // OWASP Password Storage Cheat Sheet: Argon2id with at least 19 MiB of memory, 2 passes and 1 lane.
+        for hash in [
+            PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough").0,
+            NOBODY.into(),
+        ] {
+            let parsed = ParsedHash::new(&hash).expect("well-formed");
+            assert_eq!((parsed.algorithm.as_str(), parsed.version), ("argon2id", Some(0x13)));
+            let cost = |name| parsed.params.get_decimal(name).expect("a parameter");
+            assert!(cost("m") >= 19 * 1024 && cost("t") >= 2 && cost("p") >= 1, "{hash}");
+        }
+        let of = || PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
+        assert_ne!(of(), of(), "each has a salt of its own");
+        let hash = of();
+        let parsed = ParsedHash::new(&hash.0).expect("well-formed");
+        assert!(parsed.salt.expect("a salt").as_str().len() >= 22, "16 bytes in base64");
+    }
+
+    #[test]
     fn short_and_endless_passwords_are_refused() {
         let policy = PasswordPolicy::default();
         assert!(matches!(PasswordHash::of(&"short".into(), policy), Err(PasswordError::TooShort { min: 10 })));
