@@ -1,6 +1,8 @@
 //! Pages and API of the factory engineer.
 
 mod accounts;
+mod application_certificate;
+mod client_authorities;
 mod client_certificates;
 mod comments;
 mod configuration;
@@ -51,6 +53,7 @@ use mapping_engine::MappingEngineHandle;
 use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
 use sqlx::{Sqlite, SqlitePool, pool::PoolConnection};
+use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 use utoipa::OpenApi;
@@ -103,6 +106,8 @@ pub struct Parts {
     pub settings: Vec<Setting>,
     /// Cookies are for TLS only.
     pub has_tls: bool,
+    /// Tells the twin that people were changed.
+    pub users_changed: Arc<Notify>,
 }
 
 /// The API's state; clones share it.
@@ -215,8 +220,14 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(search::search))
         .routes(routes!(sources::certificates))
         .routes(routes!(sources::trust))
+        .routes(routes!(application_certificate::show, application_certificate::install))
+        .routes(routes!(application_certificate::request))
         .routes(routes!(client_certificates::list, client_certificates::add))
         .routes(routes!(client_certificates::trust))
+        .routes(routes!(client_authorities::list))
+        .routes(routes!(client_authorities::remove))
+        .routes(routes!(client_authorities::revocation_lists))
+        .routes(routes!(client_authorities::remove_revocation_list))
         .routes(routes!(comments::list, comments::add))
         .routes(routes!(ledger::list))
         .routes(routes!(ledger::fields::search))

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod certificate;
 mod ledger;
 mod spool;
 
@@ -57,6 +58,9 @@ enum Command {
     /// Check or show the configuration.
     #[command(subcommand)]
     Config(ConfigCommand),
+    /// The OPC UA server's own certificate.
+    #[command(subcommand)]
+    Certificate(certificate::CertificateCommand),
     /// The ledger of everything that left.
     #[command(subcommand)]
     Ledger(ledger::LedgerCommand),
@@ -127,6 +131,7 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
                 let factory = enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }
+            Command::Certificate(command) => certificate::run(command, &config).await,
             Command::Ledger(command) => ledger::run(command, &config).await,
             Command::Spool(command) => spool::run(command, &config).await,
             Command::Users(command) => manage_users(command, &config).await,

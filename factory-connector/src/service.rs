@@ -33,7 +33,7 @@ use crate::{
     ledger::{LEDGER_KEY_FILE, LedgerKey},
     outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
     store::{Enrolment, Role, SpoolReader, Store, User, count_users, enrolment, put_user},
-    twin_side::{DeskWriter, StoredUsers},
+    twin_side::{DeskWriter, StoredUsers, UserWatch},
 };
 
 /// Events kept for pages that catch up.
@@ -82,6 +82,8 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         Arc::new(DeskWriter(desk_handle.clone())),
         Arc::new(StoredUsers(readers.clone())),
     )?;
+    let users_changed = Arc::new(tokio::sync::Notify::new());
+    let user_watch = UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
     let floor_config = shop_floor::Config::new(
         directory.join("source-pki"),
         "Verbund factory connector",
@@ -162,6 +164,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             shutdown: shutdown.clone(),
             settings: config.settings.clone(),
             has_tls: tls.is_some(),
+            users_changed,
         }),
         tls.is_some(),
     );
@@ -170,6 +173,11 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     lifecycle.spawn("desk", Importance::Essential, async move { desk.run(token).await.map_err(anyhow::Error::from) });
     let token = shutdown.clone();
     lifecycle.spawn("twin", Importance::Essential, async move { twin.run(token).await.map_err(anyhow::Error::from) });
+    let token = shutdown.clone();
+    lifecycle.spawn("user watch", Importance::Essential, async move {
+        user_watch.run(token).await;
+        anyhow::Ok(())
+    });
     let token = shutdown.clone();
     lifecycle.spawn("shop floor", Importance::Essential, async move {
         floor.run(token).await;

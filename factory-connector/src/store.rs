@@ -22,7 +22,7 @@ mod spool;
 mod spooled;
 mod verify;
 
-pub use accounts::{Role, User, count_users, put_user, remove_user, user, users};
+pub use accounts::{Role, User, count_users, everybody, put_user, remove_user, user, users};
 pub use changes::{
     CarriedFieldRow, Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow, FieldRow,
     FieldValueRow, NetworkRow, NewReport, ReportMove, RevocationRow, SourceRow, WriterRow,

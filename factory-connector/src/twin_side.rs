@@ -1,4 +1,9 @@
-//! The connector's answers to the twin's two questions: who is this, and may this value become the field's?
+//! The connector's answers to the twin's two questions: who is this, and may this value become the field's? And the end
+//! of OPC UA sessions whose users changed.
+
+mod user_watch;
+
+pub use user_watch::UserWatch;
 
 use asi_model::{
     DataValue, FieldKey, StatusCode,

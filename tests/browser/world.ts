@@ -133,6 +133,8 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
     { name: 'mappings', hash: '#/mappings' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
     { name: 'certificate', hash: '#/sources', act: (shown) => press(shown, /^(add a certificate|zertifikat hinzufügen)$/i) },
+    { name: 'certificate-request', hash: '#/sources', act: (shown) => press(shown, /^(request a certificate|zertifikat beantragen)$/i) },
+    { name: 'certificate-installation', hash: '#/sources', act: (shown) => press(shown, /^(install an issued certificate|ausgestelltes zertifikat installieren)$/i) },
     { name: 'ledger', hash: '#/ledger' },
     { name: 'ledger-filtered', hash: '#/ledger', act: filterAndVerify },
     ...((await offers(page.request, site, '/users'))

@@ -1,4 +1,7 @@
 //! Who is signed in. Users lie in the store; sessions live in memory and end with the connector.
+//!
+//! A session is good for the password it was begun with: a new password ends it, whoever set it, on a page or on the
+//! command line. The one exception is the session in which somebody changes the own password.
 
 use std::{collections::HashMap, sync::Arc, time::SystemTime};
 
@@ -44,8 +47,15 @@ pub(super) fn operator_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
 #[derive(Clone)]
 pub struct StoredAccounts {
     readers: SqlitePool,
-    sessions: Arc<Mutex<HashMap<SessionId, StoredSession>>>,
+    sessions: Arc<Mutex<HashMap<SessionId, Kept>>>,
     changing: Arc<tokio::sync::Mutex<()>>,
+}
+
+/// A session, and the password hashes of its user for which it is good.
+#[derive(Clone)]
+struct Kept {
+    session: StoredSession,
+    good_for: Vec<String>,
 }
 
 impl StoredAccounts {
@@ -62,7 +72,16 @@ impl StoredAccounts {
 
     /// Ends a person's sessions, except the one from which it is done.
     pub(super) fn end_sessions_of(&self, user_name: &str, except: Option<&SessionId>) {
-        self.sessions.lock().retain(|id, session| session.user_name != user_name || Some(id) == except);
+        self.sessions.lock().retain(|id, kept| kept.session.user_name != user_name || Some(id) == except);
+    }
+
+    /// Somebody is about to change the own password: the session in which it is done stays good.
+    pub(super) fn stay_good_for(&self, session: &SessionId, password_hash: &str) {
+        if let Some(kept) = self.sessions.lock().get_mut(session) {
+            // The one that is good now, and the one to come.
+            kept.good_for.truncate(1);
+            kept.good_for.insert(0, password_hash.to_owned());
+        }
     }
 }
 
@@ -81,20 +100,25 @@ impl Accounts for StoredAccounts {
     }
 
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
+        let owner = user(&self.readers, &session.user_name).await.map_err(AccountsError::new)?;
+        let good_for = owner.into_iter().map(|user| user.password_hash).collect();
         let mut sessions = self.sessions.lock();
         let now = SystemTime::now();
-        sessions.retain(|_, session| session.expires_at > now);
+        sessions.retain(|_, kept| kept.session.expires_at > now);
         if sessions.len() >= SESSIONS_MAX
-            && let Some(first) = sessions.values().min_by_key(|session| session.expires_at).map(|s| s.id.clone())
+            && let Some(first) = sessions.values().map(|kept| &kept.session).min_by_key(|session| session.expires_at)
         {
+            let first = first.id.clone();
             sessions.remove(&first);
         }
-        sessions.insert(session.id.clone(), session.clone());
+        sessions.insert(session.id.clone(), Kept { session: session.clone(), good_for });
         Ok(())
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
-        Ok(self.sessions.lock().get(id).cloned())
+        let Some(Kept { session, good_for }) = self.sessions.lock().get(id).cloned() else { return Ok(None) };
+        let owner = user(&self.readers, &session.user_name).await.map_err(AccountsError::new)?;
+        Ok(owner.is_some_and(|user| good_for.contains(&user.password_hash)).then_some(session))
     }
 
     async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {

@@ -1,11 +1,13 @@
-//! The trust list of the OPC UA server: certificates of clients, authorities and their revocation lists.
+//! The trust list of the OPC UA server: certificates of clients. Files for the whole list are added here, too.
+
+use std::net::IpAddr;
 
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
 use serde::{Deserialize, Serialize};
-use twin::{CertificateState, ClientCertificate, TwinError};
+use twin::{CertificateState, ClientCertificate, RejectionReason, TrustFault, TwinError};
 use utoipa::ToSchema;
 
 use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
@@ -18,24 +20,92 @@ pub struct ClientCertificateView {
     thumbprint: String,
     /// The subject's distinguished name.
     subject: String,
+    /// The application it was made for, as it says.
+    application_uri: Option<String>,
     /// Beginning of its validity.
-    #[schema(value_type = Option<String>, format = "date-time")]
-    not_before: Option<DateTime>,
+    #[schema(value_type = String, format = "date-time")]
+    not_before: DateTime,
     /// End of its validity.
+    #[schema(value_type = String, format = "date-time")]
+    not_after: DateTime,
+    /// Whether it opens the door.
+    state: ClientTrust,
+    /// When its bearer was turned away last; null where that was never, or before it was trusted.
     #[schema(value_type = Option<String>, format = "date-time")]
-    not_after: Option<DateTime>,
-    /// `TRUSTED`, or `REJECTED`: its bearer was turned away and waits for an approval.
-    state: &'static str,
+    rejected_at: Option<DateTime>,
+    /// Why it was turned away then.
+    rejection_reason: Option<ClientRejection>,
+    /// The address that it came from then; null where the twin itself had called.
+    #[schema(value_type = Option<String>)]
+    rejected_address: Option<IpAddr>,
+    /// What the application called itself then; nothing of it is proven.
+    rejected_application_name: Option<String>,
+}
+
+/// Whether a certificate opens the door.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum ClientTrust {
+    /// Its bearer may connect.
+    Trusted,
+    /// Its bearer was turned away and waits for an approval.
+    Rejected,
+}
+
+/// Why a certificate was turned away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum ClientRejection {
+    /// Nobody has approved it, or somebody took the approval back.
+    NotTrusted,
+    /// It is not valid at this time.
+    OutOfTime,
+    /// It may not be used for signing.
+    Usage,
+    /// Its key is too short or too long for the security policy.
+    KeyLength,
+    /// It cannot be read.
+    Unreadable,
+    /// Its issuer revoked it.
+    Revoked,
+    /// There is no current revocation list of its issuer.
+    RevocationUnknown,
+}
+
+impl From<RejectionReason> for ClientRejection {
+    fn from(reason: RejectionReason) -> Self {
+        match reason {
+            RejectionReason::NotTrusted => Self::NotTrusted,
+            RejectionReason::OutOfTime => Self::OutOfTime,
+            RejectionReason::Usage => Self::Usage,
+            RejectionReason::KeyLength => Self::KeyLength,
+            RejectionReason::Unreadable => Self::Unreadable,
+            RejectionReason::Revoked => Self::Revoked,
+            RejectionReason::RevocationUnknown => Self::RevocationUnknown,
+        }
+    }
 }
 
 impl From<ClientCertificate> for ClientCertificateView {
     fn from(certificate: ClientCertificate) -> Self {
-        let ClientCertificate { thumbprint, subject, not_before, not_after, state } = certificate;
+        let ClientCertificate { thumbprint, subject, application_uri, not_before, not_after, state, rejection } =
+            certificate;
         let state = match state {
-            CertificateState::Trusted => "TRUSTED",
-            CertificateState::Rejected => "REJECTED",
+            CertificateState::Trusted => ClientTrust::Trusted,
+            CertificateState::Rejected => ClientTrust::Rejected,
         };
-        Self { thumbprint, subject, not_before, not_after, state }
+        Self {
+            thumbprint,
+            subject,
+            application_uri,
+            not_before,
+            not_after,
+            state,
+            rejected_at: rejection.as_ref().map(|rejection| rejection.rejected_at),
+            rejection_reason: rejection.as_ref().map(|rejection| rejection.reason.into()),
+            rejected_address: rejection.as_ref().and_then(|rejection| rejection.address),
+            rejected_application_name: rejection.and_then(|rejection| rejection.application_name),
+        }
     }
 }
 
@@ -68,16 +138,19 @@ pub async fn trust(
     ApiJson(body): ApiJson<ClientTrustBody>,
 ) -> Result<Json<ClientCertificateView>, Problem> {
     engineer_only(&who)?;
-    let list = api.twin.trust_list().clone();
+    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
     let found = blocking(move || {
+        let is_meant = |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
+        let Some(before) = list.list()?.into_iter().find(is_meant) else { return Ok(None) };
         // Where it stands already as wanted, nothing moves, which is no failure.
         if body.is_trusted {
-            list.trust(&thumbprint)?
+            list.trust(&thumbprint, &by)?
         } else {
-            list.reject(&thumbprint)?
+            list.reject(&thumbprint, &by)?
         };
-        let known = list.list()?;
-        Ok(known.into_iter().find(|certificate| certificate.thumbprint.eq_ignore_ascii_case(&thumbprint)))
+        // An authority's certificate, once trusted, is listed among the authorities.
+        let after = list.list()?.into_iter().find(is_meant);
+        Ok(Some(after.unwrap_or(ClientCertificate { state: CertificateState::Trusted, rejection: None, ..before })))
     })
     .await?;
     found.map(|certificate| Json(certificate.into())).ok_or_else(|| Problem::not_found("such certificate"))
@@ -101,7 +174,7 @@ pub enum TrustFileKind {
 pub struct TrustFileBody {
     /// What it is.
     kind: TrustFileKind,
-    /// Its content: PEM, or DER in base64.
+    /// Its content: PEM, or DER in base64. One certificate or list.
     content: String,
 }
 
@@ -114,40 +187,70 @@ pub async fn add(
     ApiJson(body): ApiJson<TrustFileBody>,
 ) -> Result<StatusCode, Problem> {
     engineer_only(&who)?;
-    let der = der(&body.content).ok_or_else(|| {
-        Problem::unprocessable("NOT_A_FILE", "The content is neither PEM nor DER in base64.", Vec::new())
-    })?;
-    let list = api.twin.trust_list().clone();
+    let der = der(&body.content).map_err(|fault| refused(&[fault]))?;
+    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
     blocking(move || match body.kind {
-        TrustFileKind::Certificate => list.trust_new(&der).map(drop),
-        TrustFileKind::Issuer => list.add_issuer(&der),
-        TrustFileKind::RevocationList => list.put_revocation_list(&der),
+        TrustFileKind::Certificate => list.trust_new(&der, &by),
+        TrustFileKind::Issuer => list.add_issuer(&der, &by),
+        TrustFileKind::RevocationList => list.put_revocation_list(&der, &by),
     })
     .await?;
     Ok(StatusCode::CREATED)
 }
 
 /// Files are read and written beside the threads that serve.
-async fn blocking<T: Send + 'static>(
+pub(super) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, TwinError> + Send + 'static,
 ) -> Result<T, Problem> {
     let done = tokio::task::spawn_blocking(work).await.map_err(|error| Problem::internal(&error))?;
     done.map_err(|error| match error {
-        TwinError::Certificate { reason } => {
-            Problem::unprocessable("NOT_A_CERTIFICATE", format!("It cannot be used: {reason}."), Vec::new())
-        }
+        TwinError::Refused { faults } => refused(&faults),
         other => Problem::internal(&other),
     })
 }
 
-/// The bytes of a file given as PEM or base64; of several in one PEM file the first.
-fn der(content: &str) -> Option<Vec<u8>> {
+/// Everything that is wrong with a file.
+pub(super) fn refused(faults: &[TrustFault]) -> Problem {
+    let list = faults
+        .iter()
+        .map(|fault| ProblemFault {
+            pointer: "/content".to_owned(),
+            code: fault.code.to_owned(),
+            message: fault.message.clone(),
+        })
+        .collect();
+    Problem::unprocessable("NOT_USABLE", "It cannot be used.", list)
+}
+
+/// The bytes of a file given as PEM or base64.
+fn der(content: &str) -> Result<Vec<u8>, TrustFault> {
+    let fault = |code, message: &str| TrustFault { code, message: message.to_owned() };
+    let unreadable = || fault("NOT_A_FILE", "The content is neither PEM nor DER in base64.");
     let text = match content.split_once("-----BEGIN") {
-        Some((_, rest)) => rest.split_once("-----")?.1.split_once("-----END")?.0,
+        Some((_, rest)) => {
+            let (label, rest) = rest.split_once("-----").ok_or_else(unreadable)?;
+            let (text, rest) = rest.split_once("-----END").ok_or_else(unreadable)?;
+            if label.contains("PRIVATE KEY") {
+                return Err(fault(
+                    "PRIVATE_KEY",
+                    "This is a private key. It must not leave the machine it belongs to, and nothing here needs it.",
+                ));
+            }
+            if label.contains("CERTIFICATE REQUEST") {
+                return Err(fault(
+                    "NOT_ISSUED",
+                    "This is a request for a certificate. Add the certificate that the authority makes of it.",
+                ));
+            }
+            if rest.contains("-----BEGIN") {
+                return Err(fault("SEVERAL", "The file holds more than one certificate or list. Add them one by one."));
+            }
+            text
+        }
         None => content,
     };
     let text: String = text.split_whitespace().collect();
-    STANDARD.decode(text).ok().filter(|der| !der.is_empty())
+    STANDARD.decode(text).ok().filter(|der| !der.is_empty()).ok_or_else(unreadable)
 }
 
 #[cfg(test)]
@@ -156,11 +259,18 @@ mod tests {
 
     #[test]
     fn files_are_pem_or_base64() {
-        let check = |content: &str, expected: Option<&[u8]>| assert_eq!(der(content).as_deref(), expected, "{content}");
-        check("MAMC\nAQE=", Some(&[0x30, 3, 2, 1, 1]));
-        check("-----BEGIN X509 CRL-----\nMAMC\r\nAQE=\n-----END X509 CRL-----\n", Some(&[0x30, 3, 2, 1, 1]));
-        check("-----BEGIN CERTIFICATE-----\nMAMCAQE=", None);
-        check("not base64!", None);
-        check("", None);
+        let check = |content: &str, expected: Result<&[u8], &str>| {
+            let found = der(content);
+            assert_eq!(found.as_deref().map_err(|fault| fault.code), expected, "{content}");
+        };
+        check("MAMC\nAQE=", Ok(&[0x30, 3, 2, 1, 1]));
+        let list = "-----BEGIN X509 CRL-----\nMAMC\r\nAQE=\n-----END X509 CRL-----\n";
+        check(list, Ok(&[0x30, 3, 2, 1, 1]));
+        check(&format!("{list}{list}"), Err("SEVERAL"));
+        check("-----BEGIN CERTIFICATE-----\nMAMCAQE=", Err("NOT_A_FILE"));
+        check("-----BEGIN RSA PRIVATE KEY-----\nMAMCAQE=\n-----END RSA PRIVATE KEY-----", Err("PRIVATE_KEY"));
+        check("-----BEGIN CERTIFICATE REQUEST-----\nMAMC\n-----END CERTIFICATE REQUEST-----", Err("NOT_ISSUED"));
+        check("not base64!", Err("NOT_A_FILE"));
+        check("", Err("NOT_A_FILE"));
     }
 }

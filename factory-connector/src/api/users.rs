@@ -50,7 +50,8 @@ pub struct UserBody {
     password: Option<Confidential<String>>,
 }
 
-/// Adds a person, or changes role or password; with a new password the person's sessions end.
+/// Adds a person, or changes role or password. With a new password the person's sessions end, except the one in which
+/// the person did it; those of OPC UA clients also end with another role.
 #[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path)), request_body = UserBody, responses((status = 200, body = UserView), Problems))]
 pub async fn put(
@@ -77,11 +78,15 @@ pub async fn put(
         (None, Some(known)) => known.password_hash,
         (None, None) => return Err(fault("/password", "A new person needs a password.")),
     };
+    if has_new_password && user_name == who.principal.user_name {
+        api.accounts.stay_good_for(&who.session, &password_hash);
+    }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
     on_store(&api, move |mut connection| async move { put_user(&mut connection, &changed, now()).await }).await?;
     if has_new_password {
         api.accounts.end_sessions_of(&user_name, Some(&who.session));
     }
+    api.users_changed.notify_one();
     tracing::info!(
         user.name = user_name,
         user.role = body.role.name(),
@@ -107,6 +112,7 @@ pub async fn remove(
         return Err(Problem::not_found(format_args!("user {user_name}")));
     }
     api.accounts.end_sessions_of(&user_name, None);
+    api.users_changed.notify_one();
     tracing::info!(user.name = user_name, by = who.principal.user_name, "A user was removed.");
     Ok(StatusCode::NO_CONTENT)
 }

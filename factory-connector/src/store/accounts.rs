@@ -1,5 +1,7 @@
 //! People who may sign in, at the pages and at the twin.
 
+use std::collections::HashMap;
+
 use asi_model::DateTime;
 use sqlx::{Row as _, SqliteConnection, SqlitePool};
 
@@ -69,6 +71,21 @@ pub async fn user(readers: &SqlitePool, user_name: &str) -> Result<Option<User>,
         })
     })
     .transpose()
+}
+
+/// Everybody with role and password, by name.
+///
+/// # Errors
+/// [`StoreError`] where the table cannot be read.
+pub async fn everybody(readers: &SqlitePool) -> Result<HashMap<String, (String, String)>, StoreError> {
+    let rows = sqlx::query("SELECT user_name, role, password_hash FROM user")
+        .fetch_all(readers)
+        .await
+        .map_err(StoreError::while_doing("list the users"))?;
+    rows.iter()
+        .map(|row| Ok((row.try_get(0)?, (row.try_get(1)?, row.try_get(2)?))))
+        .collect::<Result<_, sqlx::Error>>()
+        .map_err(StoreError::while_doing("read a column"))
 }
 
 /// How many people may sign in.

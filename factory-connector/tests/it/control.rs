@@ -1,5 +1,6 @@
 //! Who may do what, and what partners may see: users, policies, rules, revocations, the ledger.
 
+use opcua_stack::opcua::crypto::PrivateKey;
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 
@@ -185,8 +186,16 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
 async fn certificates_of_clients_are_approved_and_turned_away() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     assert_eq!(plant.get("/client-certificates").await["items"], json!([]));
-    let certificate = rcgen::generate_simple_self_signed(vec!["client.plant".to_owned()]).expect("a certificate");
-    let file = json!({ "kind": "CERTIFICATE", "content": certificate.cert.pem() });
+    // No security policy of ours takes its key.
+    let elliptic = rcgen::generate_simple_self_signed(vec!["client.plant".to_owned()]).expect("a certificate");
+    let file = json!({ "kind": "CERTIFICATE", "content": elliptic.cert.pem() });
+    let (status, problem) = refused(&plant, Method::POST, "/client-certificates", file).await;
+    assert_eq!((status.as_u16(), &problem["faults"][0]["code"]), (422, &json!("WRONG_KEY")), "{problem}");
+    let key = PrivateKey::new(2048).expect("a key").to_der().expect("a key as DER");
+    let key = rcgen::KeyPair::try_from(key.as_bytes()).expect("a key");
+    let certificate = rcgen::CertificateParams::new(vec!["client.plant".to_owned()]).expect("parameters");
+    let certificate = certificate.self_signed(&key).expect("a certificate");
+    let file = json!({ "kind": "CERTIFICATE", "content": certificate.pem() });
     let (status, text) = plant.call(Method::POST, "/client-certificates", Some(file.to_string())).await;
     assert_eq!(status, 201, "{text}");
     let listed = plant.get("/client-certificates").await;
@@ -199,7 +208,8 @@ async fn certificates_of_clients_are_approved_and_turned_away() {
     assert_eq!(status, 404);
     let rubbish = json!({ "kind": "REVOCATION_LIST", "content": "AAAA" });
     let (status, problem) = refused(&plant, Method::POST, "/client-certificates", rubbish).await;
-    assert_eq!((status.as_u16(), &problem["code"]), (422, &json!("NOT_A_CERTIFICATE")), "{problem}");
+    assert_eq!((status.as_u16(), &problem["code"]), (422, &json!("NOT_USABLE")), "{problem}");
+    assert_eq!(problem["faults"][0]["code"], "NOT_A_REVOCATION_LIST", "{problem}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -5,3 +5,4 @@ mod events;
 mod ledger;
 mod mappings;
 mod plant;
+mod trust;

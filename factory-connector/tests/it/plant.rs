@@ -30,7 +30,7 @@ pub struct Plant {
     engineer: SignedIn,
     lifecycle: Lifecycle,
     pub machines: SimulatorHandle,
-    _directory: TempDir,
+    directory: TempDir,
     _machines_stop: DropGuard,
 }
 
@@ -99,8 +99,7 @@ impl Plant {
         let handle = service::start(config, &lifecycle).await.expect("the connector starts");
         let base = format!("http://{}/api/v1", handle.web_address);
         let engineer = SignedIn::new(base, "engineer", PASSWORD).await.expect("the engineer comes in");
-        let plant =
-            Self { engineer, lifecycle, machines, _directory: directory, _machines_stop: machines_stop.drop_guard() };
+        let plant = Self { engineer, lifecycle, machines, directory, _machines_stop: machines_stop.drop_guard() };
         for name in ["Mill1", "Belt1"] {
             let endpoint = plant.machines.machine(name).expect("a machine").endpoint_url().to_owned();
             let source = json!({ "sourceId": name, "endpointUrl": endpoint, "security": { "choice": "none" } });
@@ -113,6 +112,11 @@ impl Plant {
             })
             .await;
         plant
+    }
+
+    /// Where the connector keeps everything.
+    pub fn data_directory(&self) -> PathBuf {
+        self.directory.path().join("data")
     }
 
     /// A machine's variable as text.

@@ -2,6 +2,8 @@
 
 use std::{net::SocketAddr, path::PathBuf};
 
+use crate::security::trust::TrustFault;
+
 /// Why the twin could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
@@ -27,6 +29,12 @@ pub enum TwinError {
         /// What is wrong with it.
         reason: String,
     },
+    /// What was brought for the trust list, or as the own certificate, is not taken.
+    #[error("it cannot be used: {}", faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join(" "))]
+    Refused {
+        /// Everything that is wrong with it.
+        faults: Vec<TrustFault>,
+    },
     /// The configuration contradicts itself.
     #[error("the twin's configuration is wrong: {}", faults.join("; "))]
     Faults {
@@ -48,4 +56,10 @@ pub enum TwinError {
     /// The twin ended before it listened.
     #[error("the twin has stopped")]
     Stopped,
+}
+
+impl From<TrustFault> for TwinError {
+    fn from(fault: TrustFault) -> Self {
+        Self::Refused { faults: vec![fault] }
+    }
 }

@@ -3,16 +3,20 @@
 use std::sync::Arc;
 
 use asi_model::{DataValue, FieldKey, OperationNetworkId};
-use opcua_stack::opcua::types::{DataValue as StackValue, NodeId};
+use opcua_stack::opcua::{
+    server::ServerHandle,
+    types::{DataValue as StackValue, NodeId},
+};
 use tokio::sync::watch;
 
 use crate::{
     asi::AsiProvider,
     document::{Applied, AsiDocument, FieldRecord},
     error::TwinError,
+    events::EventReporter,
     host::NodeHost,
     provider::NodeProvider,
-    security::trust::TrustList,
+    security::{login::user_of, own::ApplicationCertificate, trust::TrustList},
 };
 
 /// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be called before the twin
@@ -21,18 +25,29 @@ use crate::{
 pub struct TwinHandle {
     interfaces: Arc<AsiProvider>,
     host: Arc<NodeHost>,
-    trust_list: TrustList,
+    server: ServerHandle,
+    events: Arc<EventReporter>,
+    files: TrustFiles,
     endpoint: watch::Receiver<Option<Arc<str>>>,
+}
+
+/// What lies in the folder of certificates.
+#[derive(Clone)]
+pub(crate) struct TrustFiles {
+    pub trust_list: TrustList,
+    pub application_certificate: ApplicationCertificate,
 }
 
 impl TwinHandle {
     pub(crate) fn new(
         interfaces: Arc<AsiProvider>,
         host: Arc<NodeHost>,
-        trust_list: TrustList,
+        server: ServerHandle,
+        events: Arc<EventReporter>,
+        files: TrustFiles,
         endpoint: watch::Receiver<Option<Arc<str>>>,
     ) -> Self {
-        Self { interfaces, host, trust_list, endpoint }
+        Self { interfaces, host, server, events, files, endpoint }
     }
 
     /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the nodes of the one that
@@ -89,7 +104,24 @@ impl TwinHandle {
     /// The certificates of clients, for the engineer to approve or reject.
     #[must_use]
     pub fn trust_list(&self) -> &TrustList {
-        &self.trust_list
+        &self.files.trust_list
+    }
+
+    /// The twin's own certificate, for an authority to issue it.
+    #[must_use]
+    pub fn application_certificate(&self) -> &ApplicationCertificate {
+        &self.files.application_certificate
+    }
+
+    /// Ends the sessions of a user and their subscriptions, as after a change of password or role: a session keeps the
+    /// role it began with. The client may sign in anew. How many there were.
+    pub async fn end_sessions_of(&self, user_name: &str) -> usize {
+        let ended = self.server.close_sessions(|token| &*user_of(token).name == user_name).await;
+        let count = ended.len();
+        for (session_id, user_token) in ended {
+            self.events.report_terminated(session_id, user_token);
+        }
+        count
     }
 
     /// The endpoint URL, once the twin listens.

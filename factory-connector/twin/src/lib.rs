@@ -28,5 +28,9 @@ pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 pub use document::{Applied, AsiDocument, FieldRecord};
 pub use error::TwinError;
 pub use handle::TwinHandle;
-pub use security::trust::{CertificateState, ClientCertificate, TrustList};
+pub use security::own::{ApplicationCertificate, OwnCertificate, RequestedSubject};
+pub use security::trust::{
+    Authority, CertificateState, ClientCertificate, Rejection, RejectionReason, RevocationKnowledge, RevocationList,
+    TrustFault, TrustList,
+};
 pub use server::Twin;

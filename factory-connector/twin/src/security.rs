@@ -3,6 +3,7 @@
 pub(crate) mod certificate;
 pub(crate) mod connections;
 pub(crate) mod login;
+pub(crate) mod own;
 pub(crate) mod renewal;
 pub(crate) mod throttle;
 pub(crate) mod trust;

@@ -29,10 +29,15 @@ use crate::{
     discovery::Discovery,
     error::TwinError,
     events::{EventReporter, SessionAudit},
-    handle::TwinHandle,
+    handle::{TrustFiles, TwinHandle},
     host::{HostManager, NodeHost},
     security::{
-        certificate, connections::ConnectionLimits, login::Login, renewal::Renewal, trust::TrustList,
+        certificate,
+        connections::ConnectionLimits,
+        login::Login,
+        own::{ApplicationCertificate, application_uri},
+        renewal::Renewal,
+        trust::TrustList,
         validation::Validator,
     },
 };
@@ -68,7 +73,7 @@ impl Twin {
         if !faults.is_empty() {
             return Err(TwinError::Faults { faults });
         }
-        let application_uri = format!("urn:verbund:twin:{factory_id}");
+        let application_uri = application_uri(&factory_id);
         certificate::ensure(&config, &application_uri, DateTime::from(std::time::SystemTime::now()))?;
         let (listener, address) = listen(&config)?;
         let port = address.port();
@@ -97,16 +102,25 @@ impl Twin {
 
         let reporter = Arc::new(EventReporter::new(Arc::clone(handle.subscriptions()), application_uri.clone()));
         events.get_or_init(|| Arc::clone(&reporter));
-        let interfaces = Arc::new(interfaces(&factory_id, host, &handle, writer, reporter));
+        let interfaces = Arc::new(interfaces(&factory_id, host, &handle, writer, Arc::clone(&reporter)));
         host.add_provider(Arc::clone(&interfaces) as _);
         announce_auditing(&handle);
         warn_of_development_settings(&config);
 
         let (endpoint, receiver) = watch::channel(None);
-        let trust_list = TrustList::new(&config.pki_directory);
-        let twin_handle = TwinHandle::new(interfaces, Arc::clone(host), trust_list, receiver);
+        let twin_handle = TwinHandle::new(
+            interfaces,
+            Arc::clone(host),
+            handle.clone(),
+            Arc::clone(&reporter),
+            TrustFiles {
+                trust_list: TrustList::new(&config.pki_directory, events),
+                application_certificate: ApplicationCertificate::new(&factory_id, config.clone()),
+            },
+            receiver,
+        );
         let discovery = Discovery::new(&config, address, &handle, validator);
-        let renewal = Renewal { config, application_uri, handle: handle.clone() };
+        let renewal = Renewal { config, application_uri, handle: handle.clone(), events: reporter };
         Ok((Self { server, handle, listener, url, endpoint, discovery, renewal }, twin_handle))
     }
 

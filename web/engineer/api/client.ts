@@ -5,10 +5,13 @@ import type { Entry } from '../operator/entries'
 import { PATHS } from './generated'
 import { ledgerOf, statusOf, type LedgerAnswer, type StatusAnswer } from './answers'
 import type {
+  ApplicationCertificate,
   BrowsedNode,
   Certificate,
   Checkpoint,
+  ClientAuthority,
   ClientCertificate,
+  ClientRevocationList,
   Comment,
   DataValue,
   DeadLetter,
@@ -133,6 +136,13 @@ export const connector = {
   clientCertificates: (signal?: AbortSignal) => request<Page<ClientCertificate>>('GET', '/client-certificates', { signal }),
   trustClient: (thumbprint: string, isTrusted: boolean) => request<ClientCertificate>('PUT', path('client-certificates', thumbprint), { body: { isTrusted } }),
   addClientCertificate: (certificate: NewClientCertificate) => request<unknown>('POST', '/client-certificates', { body: certificate }),
+  applicationCertificate: (signal?: AbortSignal) => request<ApplicationCertificate>('GET', '/application-certificate', { signal }),
+  requestApplicationCertificate: (wanted: { commonName?: string; organization?: string; withNewKey: boolean }) => request<{ content: string }>('POST', '/application-certificate/request', { body: wanted }),
+  installApplicationCertificate: (content: string) => request<ApplicationCertificate>('PUT', '/application-certificate', { body: { content } }),
+  clientAuthorities: (signal?: AbortSignal) => request<Page<ClientAuthority>>('GET', '/client-authorities', { signal }),
+  removeClientAuthority: (thumbprint: string) => request<unknown>('DELETE', path('client-authorities', thumbprint)),
+  clientRevocationLists: (signal?: AbortSignal) => request<Page<ClientRevocationList>>('GET', '/client-revocation-lists', { signal }),
+  removeClientRevocationList: (id: string) => request<unknown>('DELETE', path('client-revocation-lists', id)),
   nodes: (sourceId: string, parent?: string, cursor?: string, signal?: AbortSignal) =>
     request<Page<BrowsedNode>>('GET', `${path('sources', sourceId, 'nodes')}${query({ parent, cursor })}`, { signal }),
   search: (sourceId: string, text: string, signal?: AbortSignal) => request<Found>('GET', `${path('sources', sourceId, 'search')}${query({ text, limit: 500 })}`, { signal }),

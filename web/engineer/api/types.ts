@@ -159,13 +159,13 @@ export type Source = SourceStatus & SourceConfig
 export type Certificate = Schemas['PeerCertificate']
 
 /** The certificate of an OPC UA client that has knocked at the twin. */
-export interface ClientCertificate {
-  thumbprint: string
-  subject: string
-  notBefore?: string | null
-  notAfter?: string | null
-  state: 'TRUSTED' | 'REJECTED'
-}
+export type ClientCertificate = Schemas['ClientCertificateView']
+/** The certificate that the twin shows its clients. */
+export type ApplicationCertificate = Schemas['ApplicationCertificateView']
+/** An authority that issues certificates of clients. */
+export type ClientAuthority = Schemas['ClientAuthorityView']
+/** What an authority has revoked. */
+export type ClientRevocationList = Schemas['ClientRevocationListView']
 
 export interface NewClientCertificate {
   kind: 'CERTIFICATE' | 'ISSUER' | 'REVOCATION_LIST'

@@ -2,7 +2,7 @@ import { toasts } from '@/design/toasts.svelte'
 import { words } from '@/language/words'
 import type { Resource } from '@/transport/resource.svelte'
 import { connector } from '../api/client'
-import type { Certificate, SourceStatus } from '../api/types'
+import type { Certificate, ClientCertificate, SourceStatus } from '../api/types'
 import { texts } from '../language/texts'
 
 /** A certificate as the list shows it, whoever showed it. */
@@ -13,6 +13,8 @@ export interface ShownCertificate {
   validTo?: string | null | undefined
   keyBits?: number | null | undefined
   isTrusted: boolean
+  /** When its bearer was turned away last, why, and what is known of it. */
+  knock?: { at: string; reason: string; address: string | null; applicationName: string | null } | undefined
 }
 
 /** The certificates of servers, as the list shows them. */
@@ -20,10 +22,27 @@ export function ofServers(certificates: readonly Certificate[]): ShownCertificat
   return certificates.map(({ trust, ...others }) => ({ ...others, isTrusted: trust === 'trusted' }))
 }
 
-/** Whether a certificate is valid at a time, where it says when it is. */
-export function validity({ validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>, now: number): 'early' | 'valid' | 'over' {
+/** The certificates of clients, as the list shows them. */
+export function ofClients(certificates: readonly ClientCertificate[]): ShownCertificate[] {
+  return certificates.map(({ thumbprint, subject, notBefore, notAfter, state, rejectedAt, rejectionReason, rejectedAddress, rejectedApplicationName }) => ({
+    thumbprint,
+    subject,
+    validFrom: notBefore,
+    validTo: notAfter,
+    isTrusted: state === 'TRUSTED',
+    knock: rejectedAt == null ? undefined : { at: rejectedAt, reason: rejectionReason ?? '', address: rejectedAddress ?? null, applicationName: rejectedApplicationName ?? null },
+  }))
+}
+
+const DAY_MS = 86_400_000
+/** So long before its end a certificate is to be renewed. */
+export const SOON_DAYS = 30
+
+/** Whether something is valid at a time, and how much longer, where it says when it is. */
+export function validity({ validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>, now: number, soonDays = SOON_DAYS): 'early' | 'valid' | 'soon' | 'over' {
   if (validTo != null && Date.parse(validTo) < now) return 'over'
-  return validFrom != null && Date.parse(validFrom) > now ? 'early' : 'valid'
+  if (validFrom != null && Date.parse(validFrom) > now) return 'early'
+  return validTo != null && Date.parse(validTo) < now + soonDays * DAY_MS ? 'soon' : 'valid'
 }
 
 /** The certificate that a source waits for: its problem names the thumbprint. */

@@ -5,11 +5,13 @@ import { toasts } from '@/design/toasts.svelte'
 import { clock } from '@/format/clock.svelte'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { ClientCertificate } from '../api/types'
+import type { ClientAuthority, ClientCertificate, ClientRevocationList } from '../api/types'
 import ClientCertificates from './ClientCertificates.svelte'
 
 const THUMBPRINT = 'ab12cd34'
 let known: ClientCertificate[]
+let authorities: ClientAuthority[]
+let lists: ClientRevocationList[]
 
 /** A trust list as the twin keeps it. */
 function twin(): Asked[] {
@@ -18,13 +20,28 @@ function twin(): Asked[] {
     known = known.map((each) => (path.endsWith(each.thumbprint) ? { ...each, state } : each))
     return known[0]
   }
-  return serve({ 'GET /client-certificates': () => ({ items: known }), [`PUT /client-certificates/${THUMBPRINT}`]: trust, 'POST /client-certificates': () => new Response(null, { status: 204 }) })
+  return serve({
+    'GET /client-certificates': () => ({ items: known }),
+    'GET /client-authorities': () => ({ items: authorities }),
+    'GET /client-revocation-lists': () => ({ items: lists }),
+    'DELETE /client-authorities/ca01': () => {
+      authorities = authorities.slice(1)
+      return new Response(null, { status: 204 })
+    },
+    'DELETE /client-revocation-lists/crl01': () => {
+      lists = []
+      return new Response(null, { status: 204 })
+    },
+    [`PUT /client-certificates/${THUMBPRINT}`]: trust,
+    'POST /client-certificates': () => new Response(null, { status: 204 }),
+  })
 }
 const changes = (log: Asked[]): unknown[] => log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
 const inDays = (days: number): string => new Date(clock.now + days * 86_400_000).toISOString()
 const signIn = (role: string): void => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
 }
+const row = (subject: string): string => screen.getByText(subject).closest('tr')?.textContent.replace(/\s+/g, ' ') ?? ''
 async function openDialog(): Promise<ReturnType<typeof within>> {
   await userEvent.click(await screen.findByRole('button', { name: 'Add a certificate' }))
   return within(screen.getByRole('dialog'))
@@ -34,10 +51,27 @@ beforeEach(() => {
   signIn('ENGINEER')
   toasts.list = []
   known = [
-    { thumbprint: THUMBPRINT, subject: 'CN=Planner', notBefore: inDays(-10), notAfter: inDays(300), state: 'REJECTED' },
-    { thumbprint: 'ef56', subject: 'CN=Old', notBefore: inDays(-300), notAfter: inDays(-1), state: 'TRUSTED' },
+    {
+      thumbprint: THUMBPRINT,
+      subject: 'CN=Planner',
+      notBefore: inDays(-10),
+      notAfter: inDays(300),
+      state: 'REJECTED',
+      rejectedAt: inDays(-1),
+      rejectionReason: 'NOT_TRUSTED',
+      rejectedAddress: '10.0.0.7',
+      rejectedApplicationName: 'Line planner',
+    },
+    { thumbprint: 'ef56', subject: 'CN=Old', notBefore: inDays(-300), notAfter: inDays(-1), state: 'TRUSTED', rejectedAt: inDays(-0.5), rejectionReason: 'OUT_OF_TIME' },
     { thumbprint: '0789', subject: 'CN=Early', notBefore: inDays(2), notAfter: inDays(300), state: 'TRUSTED' },
+    { thumbprint: '0abc', subject: 'CN=Ending', notBefore: inDays(-300), notAfter: inDays(10), state: 'TRUSTED' },
   ]
+  const authority = { issuer: 'CN=Root', notBefore: inDays(-300), notAfter: inDays(300) }
+  authorities = [
+    { ...authority, thumbprint: 'ca01', subject: 'CN=Root', isTrusted: true, revocationList: 'OUTDATED', nextUpdate: inDays(-1) },
+    { ...authority, thumbprint: 'ca02', subject: 'CN=Between', isTrusted: false, revocationList: 'CURRENT', nextUpdate: inDays(1) },
+  ]
+  lists = [{ revocationListId: 'crl01', issuer: 'CN=Between', thisUpdate: inDays(-6), nextUpdate: inDays(1), revokedCount: 3, isSignedByKnownAuthority: false }]
 })
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -48,11 +82,32 @@ describe('certificates of OPC UA clients', () => {
     twin()
     render(ClientCertificates)
     await screen.findByText('CN=Planner')
-    const rows = screen.getAllByRole('row').slice(1).map((row) => row.textContent.replace(/\s+/g, ' '))
-    expect(rows[0]).toMatch(/CN=Planner\s*AB12 CD34.* to .*Waits for you/)
-    expect(rows[0]).not.toMatch(/Expired|Not valid yet/)
-    expect(rows[1]).toMatch(/CN=Old.*Expired.*Trusted/)
-    expect(rows[2]).toMatch(/CN=Early.*Not valid yet/)
+    expect(row('CN=Planner')).toMatch(/AB12 CD34.* to .*24 h ago Line planner, from 10\.0\.0\.7.*Waits for you/)
+    expect(row('CN=Planner')).not.toMatch(/Expired|Not valid yet|Ends soon|not trusted/)
+    expect(row('CN=Old')).toMatch(/Expired.*12 h ago.*It is not valid at this time\..*Trusted/)
+    expect(row('CN=Early')).toMatch(/Not valid yet/)
+    expect(row('CN=Ending')).toMatch(/Ends soon/)
+  })
+
+  it('have authorities, which need current revocation lists', async () => {
+    twin()
+    render(ClientCertificates)
+    await screen.findByText('Trusted with all its clients')
+    const panel = (name: string): string => screen.getByRole('region', { name }).textContent.replace(/\s+/g, ' ')
+    expect(panel('Authorities of OPC UA clients')).toMatch(/CN=Root.*Outdated Its clients stay outside.*CN=Between In between.*issued by CN=Root.*Current/)
+    expect(panel('Revocation lists')).toMatch(/CN=Between Signed by nobody known here.*3.*Ends soon/)
+  })
+
+  it('have authorities and lists that can be removed, after a question', async () => {
+    const log = twin()
+    render(ClientCertificates)
+    for (const [button, told] of [['Remove: CN=Root', 'Authority removed.'], ['Remove: CN=Between', 'Revocation list removed.']] as const) {
+      await userEvent.click((await screen.findAllByRole('button', { name: button })).at(-1) as HTMLElement)
+      await userEvent.click(within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }))
+      await vi.waitFor(() => expect(toasts.list.at(-1)?.text).toBe(told))
+    }
+    expect(log.filter(({ method }) => method === 'DELETE').map(({ path }) => path)).toEqual(['/client-authorities/ca01', '/client-revocation-lists/crl01'])
+    expect(await screen.findByText('No revocation list.')).toBeTruthy()
   })
 
   it('are trusted at once, and taken back', async () => {
@@ -100,7 +155,7 @@ describe('certificates of OPC UA clients', () => {
     expect(await dialog.findByText('The file is larger than 256 KiB: it cannot be a certificate.')).toBeTruthy()
     expect(changes(log)).toEqual([])
 
-    serve({ 'GET /client-certificates': () => ({ items: known }), 'POST /client-certificates': () => problem(422, 'It cannot be used: no certificate.') })
+    serve({ 'GET /client-certificates': () => ({ items: known }), 'GET /client-authorities': () => ({ items: [] }), 'GET /client-revocation-lists': () => ({ items: [] }), 'POST /client-certificates': () => problem(422, 'It cannot be used: no certificate.') })
     await userEvent.type(dialog.getByLabelText('Content'), 'MAMC')
     await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
     expect((await dialog.findByRole('alert')).textContent).toContain('It cannot be used: no certificate.')

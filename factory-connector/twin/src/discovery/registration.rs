@@ -10,7 +10,7 @@ use opcua_stack::opcua::{
     },
     core::{RequestMessage, ResponseMessage},
     crypto::{SecurityPolicy, X509},
-    server::CertificateValidator,
+    server::{CertificateBearer, CertificateValidator},
     types::{
         DateTime, EndpointDescription, Error, MessageSecurityMode, NodeId, RegisterServer2Request,
         RegisterServerRequest, RegisteredServer, RequestHeader, StatusCode,
@@ -160,7 +160,8 @@ impl Registration {
     fn check_certificate(&self, endpoint: &EndpointDescription) -> Result<(), RegistrationError> {
         let policy = SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
         let certificate = X509::from_byte_string(&endpoint.server_certificate)?;
-        self.validator.validate(&certificate, policy).map_err(|_| RegistrationError::Untrusted)
+        let bearer = CertificateBearer { address: None, application: &endpoint.server };
+        self.validator.validate(&certificate, policy, &bearer).map_err(|_| RegistrationError::Untrusted)
     }
 
     /// Opens the channel, sends one request, closes; the status of the answer.

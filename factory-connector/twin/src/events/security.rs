@@ -21,6 +21,7 @@ const NAME_BYTES_MAX: usize = 256;
 mod system {
     pub const OPEN_SECURE_CHANNEL: &str = "System/OpenSecureChannel";
     pub const CREATE_SESSION: &str = "System/CreateSession";
+    pub const UPDATE_CERTIFICATE: &str = "System/UpdateCertificate";
 }
 
 /// Tells the Server object's subscribers about channels and sessions.
@@ -138,6 +139,36 @@ impl EventReporter {
             Variant::from(shown.map_or_else(ExtensionObject::null, ExtensionObject::from_message)),
         );
         event
+    }
+
+    /// A session was ended because its user changed.
+    pub fn report_terminated(&self, session_id: NodeId, user_token: UserToken) {
+        if self.is_listened_to() {
+            let message = "A session was ended, for its user got another password or role, or is gone.".to_owned();
+            let token = Some(user_token);
+            self.send(&self.session_ended("Session/Terminated", session_id, token, StatusCode::Good, message));
+        }
+    }
+
+    /// TrustListUpdatedAuditEventType (OPC 10000-12 §7.8.2.12): somebody changed who may come in.
+    pub fn report_trust_list(&self, by: &str, message: String) {
+        if self.is_listened_to() {
+            let event_type = ObjectTypeId::TrustListUpdatedAuditEventType;
+            let mut event = self.audit(event_type, by, StatusCode::Good, message);
+            event.set("SourceName", "Method/UpdateTrustList");
+            self.send(&event);
+        }
+    }
+
+    /// CertificateUpdatedAuditEventType (OPC 10000-12 §7.10.18): the twin shows another certificate from now on.
+    pub fn report_own_certificate(&self, certificate: &X509) {
+        if self.is_listened_to() {
+            let message = format!("The server uses the certificate {} now.", certificate.thumbprint().as_hex_string());
+            let event_type = ObjectTypeId::CertificateUpdatedAuditEventType;
+            let mut event = self.audit(event_type, system::UPDATE_CERTIFICATE, StatusCode::Good, message);
+            event.set("SourceName", "Method/UpdateCertificate");
+            self.send(&event);
+        }
     }
 
     /// AuditCertificateEventType (OPC 10000-5 §6.4.12) and its subtypes: a certificate was not accepted.

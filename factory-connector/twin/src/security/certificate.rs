@@ -14,17 +14,22 @@ use opcua_stack::opcua::{
 };
 use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
+use super::{
+    own::names_host,
+    trust::{faults::application_uri as application_uri_of, knocks},
+};
 use crate::{config::TwinConfig, discovery::local_host_name, error::TwinError};
 
 /// Size of a new key; every policy we offer takes 2048 to 4096 bits.
-const KEY_BITS: u32 = 2048;
+pub(crate) const KEY_BITS: u32 = 2048;
 /// The certificate within the folder.
 pub(crate) const CERTIFICATE_FILE: &str = "own/cert.der";
 /// The key within the folder.
 pub(crate) const KEY_FILE: &str = "private/private.pem";
 
-/// The flaw of a certificate that is good for now.
+/// The flaws with which a certificate is still better than one that nobody issued.
 const EXPIRES_SOON: &str = "it expires soon";
+const LACKS_HOST_NAME: &str = "it lacks a configured host name";
 
 /// The names under which clients reach the twin, the advertised one first.
 pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
@@ -39,7 +44,7 @@ pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
 }
 
 /// The names that the certificate has to carry.
-fn certified_names(config: &TwinConfig) -> Vec<String> {
+pub(crate) fn certified_names(config: &TwinConfig) -> Vec<String> {
     let mut names = host_names(config);
     if config.discovery.announce_by_multicast_dns {
         names.push(local_host_name());
@@ -57,11 +62,13 @@ pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) 
     prepare_folders(folder)?;
     let hosts = certified_names(config);
     let Some(flaw) = flaw(folder, config, application_uri, &hosts, now) else { return Ok(false) };
-    if flaw == EXPIRES_SOON && is_issued(folder) {
+    if [EXPIRES_SOON, LACKS_HOST_NAME].contains(&flaw) && is_issued(folder) {
         tracing::warn!(
             path = %folder.join(CERTIFICATE_FILE).display(),
-            "The twin's certificate expires soon. An authority issued it, so the twin does not replace it: put a new \
-             one and its key in their place and restart."
+            reason = flaw,
+            "The twin needs a new certificate. An authority issued the present one, so the twin does not replace it by \
+             one of its own: run `factory-connector certificate request`, have the request signed, and install the \
+             result with `factory-connector certificate install`. No restart is needed."
         );
         return Ok(false);
     }
@@ -70,15 +77,28 @@ pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) 
     Ok(true)
 }
 
-/// The certificate and key that are there, as a pair.
+/// Makes a certificate where there is none to speak of, as before the first start.
+///
+/// # Errors
+/// As [`ensure`].
+pub(crate) fn create_if_missing(config: &TwinConfig, application_uri: &str) -> Result<(), TwinError> {
+    let exists = [CERTIFICATE_FILE, KEY_FILE].iter().all(|file| config.pki_directory.join(file).exists());
+    if exists {
+        return prepare_folders(&config.pki_directory);
+    }
+    ensure(config, application_uri, DateTime::from(std::time::SystemTime::now())).map(drop)
+}
+
+/// The certificate and key that are there, as a pair; none while they do not fit each other.
 ///
 /// # Errors
 /// [`TwinError::Certificate`] when one of them cannot be read.
-pub(crate) fn load(config: &TwinConfig) -> Result<ServerIdentity, TwinError> {
+pub(crate) fn load(config: &TwinConfig) -> Result<Option<ServerIdentity>, TwinError> {
     let failed = |reason: String| TwinError::Certificate { reason };
     let certificate = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE)).map_err(failed)?;
     let private_key = CertificateStore::read_pkey(&config.pki_directory.join(KEY_FILE)).map_err(failed)?;
-    Ok(ServerIdentity { certificate: Some(certificate), private_key: Some(private_key) })
+    let fits = is_pair(&certificate, &private_key);
+    Ok(fits.then_some(ServerIdentity { certificate: Some(certificate), private_key: Some(private_key) }))
 }
 
 /// When the certificate that is there has to be renewed, from now; zero where it is time.
@@ -100,8 +120,8 @@ fn is_issued(folder: &Path) -> bool {
     X509Certificate::from_der(&der).is_ok_and(|(_, certificate)| certificate.issuer() != certificate.subject())
 }
 
-fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
-    for name in ["own", "private", "trusted", "rejected", "issuers", "crl"] {
+pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
+    for name in ["own", "private", "trusted", "rejected", "issuers", "crl", knocks::FOLDER] {
         let path = folder.join(name);
         fs::create_dir_all(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
     }
@@ -109,14 +129,14 @@ fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
 }
 
 #[cfg(unix)]
-fn restrict(path: &Path, mode: u32) -> Result<(), TwinError> {
+pub(crate) fn restrict(path: &Path, mode: u32) -> Result<(), TwinError> {
     use std::os::unix::fs::PermissionsExt;
     fs::set_permissions(path, fs::Permissions::from_mode(mode))
         .map_err(|source| TwinError::Pki { path: path.to_owned(), source })
 }
 
 #[cfg(not(unix))]
-fn restrict(_path: &Path, _mode: u32) -> Result<(), TwinError> {
+pub(crate) fn restrict(_path: &Path, _mode: u32) -> Result<(), TwinError> {
     Ok(())
 }
 
@@ -135,16 +155,18 @@ fn flaw(
     if !is_pair(&certificate, &key) {
         return Some("it does not belong to its key");
     }
-    if certificate.is_application_uri_valid(application_uri).is_err() {
+    let der = certificate.as_byte_string();
+    let Ok((_, parsed)) = X509Certificate::from_der(der.as_ref()) else { return Some("it cannot be read") };
+    if application_uri_of(&parsed) != Some(application_uri) {
         return Some("it was made for another factory");
     }
-    if hosts.iter().any(|host| certificate.is_hostname_valid(host).is_err()) {
-        return Some("it lacks a configured host name");
+    if hosts.iter().any(|host| !names_host(&parsed, host)) {
+        return Some(LACKS_HOST_NAME);
     }
     (seconds_left(&certificate, config, now) <= 0).then_some(EXPIRES_SOON)
 }
 
-fn is_pair(certificate: &X509, key: &PrivateKey) -> bool {
+pub(crate) fn is_pair(certificate: &X509, key: &PrivateKey) -> bool {
     use opcua_stack::opcua::crypto::KeySize;
     let (probe, mut signature) = (b"the same pair", vec![0; key.size()]);
     key.sign_sha256(probe, &mut signature).is_ok()

@@ -1,22 +1,36 @@
-//! The trust list: certificates of clients that an engineer approved, and those that wait for it.
+//! The trust list: certificates of clients that an engineer approved, those that wait for it, authorities and their
+//! revocation lists.
 //!
 //! A certificate that is new to the twin lands among the rejected ones; approving moves it to the trusted ones. The
 //! folders are the truth: the server looks into them at every connection.
 
+mod authorities;
+pub(crate) mod faults;
+pub(crate) mod knocks;
+mod revocation_lists;
+
 use std::{
     fs,
     path::{Path, PathBuf},
+    sync::{Arc, OnceLock},
 };
 
 use asi_model::DateTime;
 use opcua_stack::opcua::crypto::{CertificateStore, X509};
+use x509_parser::{certificate::X509Certificate, prelude::FromDer, time::ASN1Time};
 
-use x509_parser::{prelude::FromDer, revocation_list::CertificateRevocationList};
+pub use authorities::{Authority, RevocationKnowledge};
+pub use faults::TrustFault;
+pub use knocks::{Rejection, RejectionReason};
+pub use revocation_lists::RevocationList;
 
-use crate::error::TwinError;
+use self::knocks::{Knocks, thumbprint};
+use crate::{error::TwinError, events::EventReporter};
 
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";
+const ISSUERS: &str = "issuers";
+const REVOCATION_LISTS: &str = "crl";
 /// Most certificates listed of a folder: rejected ones come from anybody.
 const LISTED_MAX: usize = 1000;
 
@@ -36,38 +50,48 @@ pub struct ClientCertificate {
     pub thumbprint: String,
     /// The subject's distinguished name.
     pub subject: String,
+    /// The application it was made for, as it says.
+    pub application_uri: Option<String>,
     /// Beginning of its validity.
-    pub not_before: Option<DateTime>,
+    pub not_before: DateTime,
     /// End of its validity.
-    pub not_after: Option<DateTime>,
+    pub not_after: DateTime,
     /// Where it stands.
     pub state: CertificateState,
+    /// When its bearer was turned away last; none where that was never since it stands so.
+    pub rejection: Option<Rejection>,
 }
 
-/// Lists, approves and rejects client certificates.
-#[derive(Debug, Clone)]
+/// Lists, approves and rejects client certificates, authorities and revocation lists. Changes name who makes them, for
+/// the log and the audit trail.
+#[derive(Clone)]
 pub struct TrustList {
     folder: PathBuf,
+    knocks: Knocks,
+    /// Known once the server is built.
+    events: Arc<OnceLock<Arc<EventReporter>>>,
 }
 
 impl TrustList {
-    pub(crate) fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned() }
+    pub(crate) fn new(folder: &Path, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
+        Self { folder: folder.to_owned(), knocks: Knocks::new(folder), events }
     }
 
-    /// Every certificate known, rejected ones first.
+    /// Every client's certificate known, rejected ones first, latest knock first.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn list(&self) -> Result<Vec<ClientCertificate>, TwinError> {
         let mut all = Vec::new();
         for (name, state) in [(REJECTED, CertificateState::Rejected), (TRUSTED, CertificateState::Trusted)] {
-            for path in self.files(name)?.into_iter().take(LISTED_MAX) {
-                if let Ok(certificate) = CertificateStore::read_cert(&path) {
-                    all.push(describe(&certificate, state));
-                }
+            for path in self.files(name, "der")?.into_iter().take(LISTED_MAX) {
+                all.extend(CertificateStore::read_cert(&path).ok().and_then(|found| self.describe(&found, state)));
             }
         }
+        all.sort_by_key(|certificate| {
+            let last = certificate.rejection.as_ref().map(|rejection| rejection.rejected_at);
+            (certificate.state == CertificateState::Trusted, std::cmp::Reverse(last))
+        });
         Ok(all)
     }
 
@@ -75,97 +99,125 @@ impl TrustList {
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
-    pub fn trust(&self, thumbprint: &str) -> Result<bool, TwinError> {
-        self.shift(thumbprint, REJECTED, TRUSTED)
+    pub fn trust(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
+        let is_moved = self.shift(thumbprint, REJECTED, TRUSTED)?;
+        if is_moved {
+            self.knocks.forget(thumbprint);
+            self.changed(by, format!("The certificate {thumbprint} is trusted."));
+        }
+        Ok(is_moved)
     }
 
     /// Turns the bearer of a certificate away from the next connection on. False where it was not trusted.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
-    pub fn reject(&self, thumbprint: &str) -> Result<bool, TwinError> {
-        self.shift(thumbprint, TRUSTED, REJECTED)
-    }
-
-    /// Trusts a certificate that was brought here another way, as DER.
-    ///
-    /// # Errors
-    /// [`TwinError::Certificate`] when these are not a certificate's bytes, [`TwinError::Pki`] when it cannot be stored.
-    pub fn trust_new(&self, der: &[u8]) -> Result<ClientCertificate, TwinError> {
-        let certificate = X509::from_der(der)
-            .map_err(|_| TwinError::Certificate { reason: "the bytes are no certificate in DER".to_owned() })?;
-        let description = describe(&certificate, CertificateState::Trusted);
-        if !self.trust(&description.thumbprint)? {
-            self.write(TRUSTED, &CertificateStore::cert_file_name(&certificate), der)?;
+    pub fn reject(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
+        let is_moved = self.shift(thumbprint, TRUSTED, REJECTED)?;
+        if is_moved {
+            self.changed(by, format!("The certificate {thumbprint} is no longer trusted."));
         }
-        Ok(description)
+        Ok(is_moved)
     }
 
-    /// Lets an authority's certificates take part in chains without being trusted itself, as DER.
+    /// Trusts a certificate that was brought here another way, as DER: a client's, or an authority's whose clients are
+    /// to be trusted.
     ///
     /// # Errors
-    /// [`TwinError::Certificate`] when these are not a certificate's bytes, [`TwinError::Pki`] when it cannot be stored.
-    pub fn add_issuer(&self, der: &[u8]) -> Result<(), TwinError> {
-        let certificate = X509::from_der(der)
-            .map_err(|_| TwinError::Certificate { reason: "the bytes are no certificate in DER".to_owned() })?;
-        self.write("issuers", &CertificateStore::cert_file_name(&certificate), der)
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    pub fn trust_new(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
+        let parsed = faults::certificate(der)?;
+        let is_authority = faults::is_authority(&parsed);
+        let now = ASN1Time::now();
+        refuse(if is_authority { faults::of_authority(&parsed, now) } else { faults::of_client(der, &parsed, now) })?;
+        let certificate = read(der)?;
+        let thumbprint = thumbprint(&certificate);
+        if !self.trust(&thumbprint, by)? {
+            self.write(TRUSTED, &CertificateStore::cert_file_name(&certificate), der)?;
+            let what = if is_authority { "authority's certificate" } else { "certificate" };
+            self.changed(by, format!("The {what} {thumbprint} was added and is trusted."));
+        }
+        Ok(())
     }
 
-    /// Takes an authority's revocation list as DER; it replaces the one before of the same authority. Certificates of an
-    /// authority open the door only while its current list is here.
-    ///
-    /// # Errors
-    /// [`TwinError::Certificate`] when these are not a list's bytes, [`TwinError::Pki`] when it cannot be stored.
-    pub fn put_revocation_list(&self, der: &[u8]) -> Result<(), TwinError> {
-        let (_, list) = CertificateRevocationList::from_der(der)
-            .map_err(|_| TwinError::Certificate { reason: "the bytes are no revocation list in DER".to_owned() })?;
-        let name: String = list
-            .issuer()
-            .to_string()
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '=' | ' ') { c } else { '_' })
-            .take(120)
-            .collect();
-        self.write("crl", &format!("{name}.crl"), der)
+    /// A client's certificate to be shown; none where it is a trusted authority's, which has a list of its own.
+    fn describe(&self, certificate: &X509, state: CertificateState) -> Option<ClientCertificate> {
+        let thumbprint = thumbprint(certificate);
+        let der = certificate.as_byte_string();
+        let (_, parsed) = X509Certificate::from_der(der.as_ref()).ok()?;
+        if state == CertificateState::Trusted && faults::is_authority(&parsed) {
+            return None;
+        }
+        Some(ClientCertificate {
+            subject: certificate.subject_name(),
+            application_uri: faults::application_uri(&parsed).map(str::to_owned),
+            not_before: time(parsed.validity().not_before),
+            not_after: time(parsed.validity().not_after),
+            state,
+            rejection: self.knocks.last(&thumbprint),
+            thumbprint,
+        })
+    }
+
+    /// Says who changed what: to the log, and to whoever listens to the server's audit trail.
+    fn changed(&self, by: &str, message: String) {
+        tracing::info!(by, change = message, "The trust list of the twin was changed.");
+        if let Some(events) = self.events.get() {
+            events.report_trust_list(by, message);
+        }
     }
 
     fn write(&self, folder: &str, name: &str, bytes: &[u8]) -> Result<(), TwinError> {
-        let path = self.folder.join(folder).join(name);
-        fs::write(&path, bytes).map_err(|source| TwinError::Pki { path, source })
+        replace(&self.folder.join(folder).join(name), bytes)
     }
 
     fn shift(&self, thumbprint: &str, from: &str, to: &str) -> Result<bool, TwinError> {
-        for path in self.files(from)? {
-            let fits = CertificateStore::read_cert(&path)
-                .is_ok_and(|certificate| certificate.thumbprint().as_hex_string().eq_ignore_ascii_case(thumbprint));
-            if fits && let Some(name) = path.file_name() {
-                let target = self.folder.join(to).join(name);
-                fs::rename(&path, &target).map_err(|source| TwinError::Pki { path: target, source })?;
-                tracing::info!(certificate.thumbprint = thumbprint, folder = to, "A client's certificate was moved.");
-                return Ok(true);
-            }
-        }
-        Ok(false)
+        let Some(path) = self.find(from, thumbprint)? else { return Ok(false) };
+        let target = self.folder.join(to).join(path.file_name().expect("a file of a folder has a name"));
+        fs::rename(&path, &target).map_err(|source| TwinError::Pki { path: target, source })?;
+        Ok(true)
     }
 
-    fn files(&self, name: &str) -> Result<Vec<PathBuf>, TwinError> {
+    /// The file of a certificate in a folder.
+    fn find(&self, folder: &str, wanted: &str) -> Result<Option<PathBuf>, TwinError> {
+        let fits = |path: &PathBuf| {
+            CertificateStore::read_cert(path)
+                .is_ok_and(|certificate| thumbprint(&certificate).eq_ignore_ascii_case(wanted))
+        };
+        Ok(self.files(folder, "der")?.into_iter().find(fits))
+    }
+
+    fn files(&self, name: &str, wanted: &str) -> Result<Vec<PathBuf>, TwinError> {
         let folder = self.folder.join(name);
         let entries = fs::read_dir(&folder).map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
         let mut files: Vec<PathBuf> = entries
             .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| path.extension().is_some_and(|extension| extension == "der"))
+            .filter(|path| path.extension().is_some_and(|extension| extension == wanted))
             .collect();
         files.sort();
         Ok(files)
     }
 }
 
-fn describe(certificate: &X509, state: CertificateState) -> ClientCertificate {
-    ClientCertificate {
-        thumbprint: certificate.thumbprint().as_hex_string().to_ascii_lowercase(),
-        subject: certificate.subject_name(),
-        not_before: certificate.not_before().ok().map(|t| DateTime::from_unix_micros(t.timestamp_micros())),
-        not_after: certificate.not_after().ok().map(|t| DateTime::from_unix_micros(t.timestamp_micros())),
-        state,
-    }
+fn read(der: &[u8]) -> Result<X509, TwinError> {
+    X509::from_der(der).map_err(|_| {
+        TrustFault::new("NOT_A_CERTIFICATE", "These bytes are a certificate that the OPC UA stack cannot read.").into()
+    })
+}
+
+pub(crate) fn refuse(faults: Vec<TrustFault>) -> Result<(), TwinError> {
+    if faults.is_empty() { Ok(()) } else { Err(TwinError::Refused { faults }) }
+}
+
+pub(crate) fn time(at: ASN1Time) -> DateTime {
+    DateTime::from_unix_micros(at.timestamp().saturating_mul(1_000_000))
+}
+
+/// Writes a file so that nobody ever reads half of it.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TwinError> {
+    let mut new = path.as_os_str().to_owned();
+    new.push(".new");
+    let failed = |source| TwinError::Pki { path: path.to_owned(), source };
+    fs::write(&new, bytes).map_err(failed)?;
+    fs::rename(&new, path).map_err(failed)
 }

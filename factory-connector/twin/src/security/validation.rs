@@ -10,23 +10,28 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
+use asi_model::DateTime;
 use opcua_stack::opcua::{
     crypto::{CertificateStore, KeySize, SecurityPolicy, X509},
-    server::CertificateValidator,
+    server::{CertificateBearer, CertificateValidator},
     types::{Error, StatusCode},
 };
 use x509_parser::{
     certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
 };
 
+use super::trust::{
+    Rejection, RejectionReason,
+    knocks::{Knocks, thumbprint},
+};
 use crate::events::EventReporter;
 
 /// Most authorities between a client's certificate and a trusted one.
-const CHAIN_LENGTH_MAX: usize = 5;
+pub(crate) const CHAIN_LENGTH_MAX: usize = 5;
 /// Most certificates that wait for an approval; the oldest make room, as anybody may send new ones.
 const REJECTED_MAX: usize = 200;
 /// Longest certificate or revocation list read, in bytes.
-const FILE_BYTES_MAX: u64 = 4 * 1024 * 1024;
+pub(crate) const FILE_BYTES_MAX: u64 = 4 * 1024 * 1024;
 
 /// Why a certificate opens no door.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -49,9 +54,24 @@ pub(crate) enum Verdict {
     RevocationUnknown,
 }
 
+impl Verdict {
+    const fn reason(self) -> RejectionReason {
+        match self {
+            Self::Unreadable => RejectionReason::Unreadable,
+            Self::Rejected | Self::Unknown => RejectionReason::NotTrusted,
+            Self::OutOfTime => RejectionReason::OutOfTime,
+            Self::KeyLength => RejectionReason::KeyLength,
+            Self::Usage => RejectionReason::Usage,
+            Self::Revoked => RejectionReason::Revoked,
+            Self::RevocationUnknown => RejectionReason::RevocationUnknown,
+        }
+    }
+}
+
 /// Judges client certificates by the folders.
 pub(crate) struct Validator {
     folder: PathBuf,
+    knocks: Knocks,
     trust_unknown: bool,
     /// Known once the server is built.
     events: Arc<OnceLock<Arc<EventReporter>>>,
@@ -59,7 +79,7 @@ pub(crate) struct Validator {
 
 impl Validator {
     pub fn new(folder: &Path, trust_unknown: bool, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
-        Self { folder: folder.to_owned(), trust_unknown, events }
+        Self { folder: folder.to_owned(), knocks: Knocks::new(folder), trust_unknown, events }
     }
 
     /// Whether the bearer may come in now.
@@ -112,14 +132,31 @@ impl Validator {
             .collect();
         waiting.sort();
         for (_, oldest) in waiting.iter().take((waiting.len() + 1).saturating_sub(REJECTED_MAX)) {
+            if let Ok(gone) = CertificateStore::read_cert(oldest) {
+                self.knocks.forget(&thumbprint(&gone));
+            }
             remove(oldest);
         }
         store(&folder, certificate, der);
     }
+
+    /// Notes who knocked in vain, for certificates that the engineer finds in the list.
+    fn note(&self, certificate: &X509, der: &[u8], verdict: Verdict, bearer: &CertificateBearer<'_>) {
+        let is_listed = |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
+        if is_listed("rejected") || is_listed("trusted") {
+            let now = DateTime::from(std::time::SystemTime::now());
+            self.knocks.remember(certificate, &Rejection::new(now, verdict.reason(), bearer));
+        }
+    }
 }
 
 impl CertificateValidator for Validator {
-    fn validate(&self, certificate: &X509, security_policy: SecurityPolicy) -> Result<(), Error> {
+    fn validate(
+        &self,
+        certificate: &X509,
+        security_policy: SecurityPolicy,
+        bearer: &CertificateBearer<'_>,
+    ) -> Result<(), Error> {
         let der = certificate.as_byte_string();
         let mut verdict = self.judge(der.as_ref());
         if verdict == Err(Verdict::Unknown) {
@@ -136,9 +173,11 @@ impl CertificateValidator for Validator {
             tracing::warn!(
                 certificate.subject = certificate.subject_name(),
                 certificate.thumbprint = certificate.thumbprint().as_hex_string(),
+                peer.address = bearer.address.map(tracing::field::display),
                 reason = %verdict,
                 "The twin turned a certificate away."
             );
+            self.note(certificate, der.as_ref(), verdict, bearer);
             metrics::counter!("twin_certificates_refused_total").increment(1);
             if let Some(events) = self.events.get() {
                 events.report_certificate(certificate, verdict);
@@ -150,12 +189,18 @@ impl CertificateValidator for Validator {
 }
 
 /// Whether an authority issued and signed a certificate, as one that may.
-fn is_issued_by(subject: &X509Certificate<'_>, authority: &X509Certificate<'_>) -> bool {
-    let is_authority = matches!(authority.basic_constraints(), Ok(Some(constraints)) if constraints.value.ca);
+pub(crate) fn is_issued_by(subject: &X509Certificate<'_>, authority: &X509Certificate<'_>) -> bool {
+    let is_authority = matches!(authority.basic_constraints(), Ok(Some(constraints)) if constraints.value.ca)
+        && !matches!(authority.key_usage(), Ok(Some(usage)) if !usage.value.key_cert_sign());
     is_authority
         && authority.validity().is_valid()
         && subject.issuer().as_raw() == authority.subject().as_raw()
         && subject.verify_signature(Some(authority.public_key())).is_ok()
+}
+
+/// Whether an authority signed a revocation list.
+pub(crate) fn is_signed_by(list: &CertificateRevocationList<'_>, authority: &X509Certificate<'_>) -> bool {
+    list.verify_signature(authority.public_key()).is_ok()
 }
 
 /// A certificate that was issued by an authority needs that authority's current word that it still stands.
@@ -169,7 +214,7 @@ fn check_revocation(
         .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
         .filter(|list| list.issuer().as_raw() == authority.subject().as_raw())
         .filter(|list| list.next_update().is_none_or(|next| next >= ASN1Time::now()))
-        .filter(|list| list.verify_signature(authority.public_key()).is_ok());
+        .filter(|list| is_signed_by(list, authority));
     let mut is_known = false;
     for list in current {
         is_known = true;
@@ -181,7 +226,7 @@ fn check_revocation(
 }
 
 /// The files of a folder with their content; what cannot be read is left out.
-fn files(folder: &Path, extension: &'static str) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
+pub(crate) fn files(folder: &Path, extension: &'static str) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     entries.filter_map(move |entry| {
         let path = entry.ok()?.path();

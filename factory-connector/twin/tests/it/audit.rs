@@ -15,10 +15,11 @@ use crate::{
     harness::{Client, DEADLINE, TestTwin, document, message, next},
 };
 
-const FIELDS: [&str; 7] = ["EventType", "SourceName", "ClientUserId", "Status", "StatusCodeId", "SessionId", "Message"];
+pub const FIELDS: [&str; 7] =
+    ["EventType", "SourceName", "ClientUserId", "Status", "StatusCodeId", "SessionId", "Message"];
 
 /// The next event of a type; what else happens meanwhile is passed over.
-async fn next_of(heard: &mut UnboundedReceiver<Vec<Variant>>, of: ObjectTypeId) -> Vec<Variant> {
+pub async fn next_of(heard: &mut UnboundedReceiver<Vec<Variant>>, of: ObjectTypeId) -> Vec<Variant> {
     loop {
         let event = next(heard).await;
         if event[0] == NodeId::from(of).into() {
@@ -50,6 +51,12 @@ async fn coming_and_going_is_audited() {
     assert_eq!((&refused[2], &refused[3]), (&"otto".into(), &false.into()));
     assert_eq!(refused[4], StatusCode::BadIdentityTokenRejected.into());
 
+    let list = twin.handle.trust_list();
+    assert!(list.reject(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
+    let changed = next_of(&mut heard, ObjectTypeId::TrustListUpdatedAuditEventType).await;
+    assert_eq!((&changed[1], &changed[2]), (&"Method/UpdateTrustList".into(), &"anna".into()));
+    assert!(list.trust(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
+
     let (identity, pki) = (IdentityToken::new_user_name("otto", "otto-secret"), twin.folder.path().join("client-otto"));
     let silence = Duration::from_secs(1);
     let silent = Client::connect_for(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256, silence).await.unwrap();
@@ -61,11 +68,38 @@ async fn coming_and_going_is_audited() {
 }
 
 #[tokio::test]
+async fn sessions_of_a_user_can_be_ended() {
+    let twin = TestTwin::start().await;
+    twin.handle.apply(document(message("net", 1)));
+    let anna = twin.client("anna").await;
+    let (otto, vera) = (twin.client("otto").await, twin.client("vera").await);
+    let mut heard = events(&anna, ObjectTypeId::AuditEventType, &FIELDS).await;
+    let state = crate::harness::instance("net#Revision");
+    let mut values = otto.subscribe(&[state]).await;
+    next(&mut values).await;
+
+    assert_eq!(twin.handle.end_sessions_of("otto").await, 1);
+    let ended = next_of(&mut heard, ObjectTypeId::AuditSessionEventType).await;
+    assert_eq!((&ended[1], &ended[2]), (&"Session/Terminated".into(), &"otto".into()));
+    assert!(vera.read("net#Revision").await.status().is_good(), "others stay");
+    assert_eq!(twin.handle.end_sessions_of("nobody").await, 0);
+    // The subscription is gone with the session.
+    twin.handle.apply(document(message("net", 2)));
+    assert!(vera.read("net#Revision").await.status().is_good());
+    let silence = tokio::time::timeout(Duration::from_millis(300), values.recv()).await;
+    assert!(!matches!(silence, Ok(Some(_))), "nothing more is told: {silence:?}");
+    otto.vanish();
+    anna.close().await;
+    vera.close().await;
+    twin.stop().await;
+}
+
+#[tokio::test]
 async fn who_is_turned_away_is_audited() {
     let twin = TestTwin::start_with(|_| {}).await;
     assert!(twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.is_err());
     let list = twin.handle.trust_list();
-    list.trust(&list.list().unwrap()[0].thumbprint).unwrap();
+    list.trust(&list.list().unwrap()[0].thumbprint, "anna").unwrap();
     let client = twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.unwrap();
     let mut heard = events(&client, ObjectTypeId::AuditSecurityEventType, &FIELDS).await;
 
@@ -149,12 +183,12 @@ async fn the_certificate_is_renewed_under_running_sessions() {
 }
 
 /// The certificate that the twin showed this client.
-fn shown(client: &Client) -> Vec<u8> {
+pub fn shown(client: &Client) -> Vec<u8> {
     client.session.endpoint_info().endpoint.server_certificate.as_ref().to_vec()
 }
 
 /// Between asking for the endpoints and connecting the certificate may change, so one more attempt is fair.
-async fn connect_anew(twin: &TestTwin) -> Client {
+pub async fn connect_anew(twin: &TestTwin) -> Client {
     for _ in 0..2 {
         let identity = IdentityToken::new_user_name("otto", "otto-secret");
         let pki = twin.folder.path().join("client-otto");

@@ -124,14 +124,17 @@ async fn a_discovery_server_is_trusted_like_anybody_else() {
     let list = twin.handle.trust_list();
     let deadline = Instant::now() + PATIENCE;
     let certificate = loop {
-        if let Some(certificate) = list.list().unwrap().pop() {
+        if let Some(certificate) = list.list().unwrap().pop()
+            && let Some(knock) = &certificate.rejection
+        {
+            assert_eq!(knock.address, None, "the twin called it");
             break certificate;
         }
         assert!(Instant::now() < deadline, "the server's certificate waits for an approval");
         tokio::time::sleep(Duration::from_millis(20)).await;
     };
     assert_eq!(certificate.state, CertificateState::Rejected);
-    list.trust(&certificate.thumbprint).unwrap();
+    list.trust(&certificate.thumbprint, "anna").unwrap();
     server.hear("registered").await;
     twin.stop().await;
     server.stop().await;

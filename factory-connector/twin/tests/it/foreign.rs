@@ -262,7 +262,7 @@ async fn foreign_clients_are_refused_with_the_right_status() {
         assert_eq!(untrusted["ok"], false, "{peer:?}: {untrusted}");
         let list = twin.handle.trust_list().list().unwrap();
         for certificate in list {
-            twin.handle.trust_list().trust(&certificate.thumbprint).unwrap();
+            twin.handle.trust_list().trust(&certificate.thumbprint, "anna").unwrap();
         }
         let trusted = client.run(&read).await;
         assert_eq!(trusted["ok"], true, "{peer:?}: {trusted}");

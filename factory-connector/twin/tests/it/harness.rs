@@ -135,8 +135,14 @@ impl TestTwin {
     }
 
     pub async fn stop(self) {
+        drop(self.stop_but_keep().await);
+    }
+
+    /// Stops, and leaves what it wrote for a look or another one.
+    pub async fn stop_but_keep(self) -> tempfile::TempDir {
         self.shutdown.cancel();
         tokio::time::timeout(DEADLINE, self.running).await.unwrap().unwrap().unwrap();
+        self.folder
     }
 
     pub async fn client(&self, user: &str) -> Client {

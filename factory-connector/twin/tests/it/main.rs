@@ -5,11 +5,13 @@
 
 mod address_space;
 mod audit;
+mod authority;
 mod changes;
 mod discovery;
 mod foreign;
 mod harness;
 mod hostile;
+mod own_certificate;
 mod providers;
 mod scale;
 mod security;

@@ -5,9 +5,12 @@ use opcua_stack::opcua::{
     crypto::SecurityPolicy,
     types::{ObjectId, StatusCode, UserTokenType},
 };
-use twin::CertificateState;
+use twin::{CertificateState, RejectionReason, RevocationKnowledge, TwinError};
 
-use crate::harness::{Client, TestTwin};
+use crate::{
+    authority::Authority,
+    harness::{Client, DEADLINE, TestTwin, now},
+};
 
 #[tokio::test]
 async fn every_offered_policy_works() {
@@ -72,66 +75,22 @@ async fn a_certificate_waits_for_its_approval() {
     let list = twin.handle.trust_list().list().unwrap();
     assert_eq!(list.len(), 1);
     assert_eq!(list[0].state, CertificateState::Rejected);
-    assert!(twin.handle.trust_list().trust(&list[0].thumbprint).unwrap());
+    assert_eq!(list[0].application_uri.as_deref(), Some("urn:verbund:test:client"));
+    let first = list[0].rejection.clone().expect("it says who knocked");
+    assert_eq!((first.reason, first.address), (RejectionReason::NotTrusted, Some("127.0.0.1".parse().unwrap())));
+    assert_eq!(first.application_name.as_deref(), Some("test client"));
+    assert!(now().since(first.rejected_at) < DEADLINE);
+    assert!(twin.handle.trust_list().trust(&list[0].thumbprint, "anna").unwrap());
     twin.connect("vera", "vera-secret", policy).await.unwrap().close().await;
-    assert!(twin.handle.trust_list().reject(&list[0].thumbprint).unwrap());
+    let trusted = twin.handle.trust_list().list().unwrap();
+    assert_eq!((trusted[0].state, &trusted[0].rejection), (CertificateState::Trusted, &None));
+    assert!(twin.handle.trust_list().reject(&list[0].thumbprint, "anna").unwrap());
+    assert_eq!(twin.handle.trust_list().list().unwrap()[0].rejection, None, "nobody has knocked since");
     assert!(twin.connect("vera", "vera-secret", policy).await.is_err());
-    assert!(!twin.handle.trust_list().trust("00").unwrap());
+    let again = twin.handle.trust_list().list().unwrap()[0].rejection.clone().expect("it knocked again");
+    assert!(again.rejected_at > first.rejected_at);
+    assert!(!twin.handle.trust_list().trust("00", "anna").unwrap());
     twin.stop().await;
-}
-
-/// A certificate authority of the plant.
-struct Authority {
-    issuer: rcgen::Issuer<'static, rcgen::KeyPair>,
-    certificate: Vec<u8>,
-}
-
-impl Authority {
-    fn new(name: &str) -> Self {
-        let mut params = rcgen::CertificateParams::default();
-        params.distinguished_name.push(rcgen::DnType::CommonName, name);
-        params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
-        params.key_usages = vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
-        let key = rcgen::KeyPair::generate().unwrap();
-        let certificate = params.self_signed(&key).unwrap().der().to_vec();
-        Self { issuer: rcgen::Issuer::new(params, key), certificate }
-    }
-
-    /// Writes a key and a certificate with this serial number where a client looks for them.
-    fn issue(&self, folder: &std::path::Path, serial: u64) {
-        let key = opcua_stack::opcua::crypto::PrivateKey::new(2048).unwrap().to_der().unwrap();
-        let key = rcgen::KeyPair::try_from(key.as_bytes()).unwrap();
-        let mut params = rcgen::CertificateParams::new(vec!["localhost".to_owned()]).unwrap();
-        params.distinguished_name.push(rcgen::DnType::CommonName, format!("client {serial}"));
-        params.serial_number = Some(serial.into());
-        params.subject_alt_names.insert(0, rcgen::SanType::URI("urn:verbund:test:client".try_into().unwrap()));
-        params.key_usages = vec![rcgen::KeyUsagePurpose::DigitalSignature, rcgen::KeyUsagePurpose::KeyEncipherment];
-        let certificate = params.signed_by(&key, &self.issuer).unwrap();
-        for name in ["own", "private"] {
-            std::fs::create_dir_all(folder.join(name)).unwrap();
-        }
-        std::fs::write(folder.join("own/cert.der"), certificate.der()).unwrap();
-        std::fs::write(folder.join("private/private.pem"), key.serialize_pem()).unwrap();
-    }
-
-    /// The list of what was revoked.
-    fn revocation_list(&self, serials: &[u64]) -> Vec<u8> {
-        let revoked = serials.iter().map(|serial| rcgen::RevokedCertParams {
-            serial_number: (*serial).into(),
-            revocation_time: rcgen::date_time_ymd(2026, 1, 1),
-            reason_code: None,
-            invalidity_date: None,
-        });
-        let params = rcgen::CertificateRevocationListParams {
-            this_update: rcgen::date_time_ymd(2026, 1, 1),
-            next_update: rcgen::date_time_ymd(2096, 1, 1),
-            crl_number: 1_u64.into(),
-            issuing_distribution_point: None,
-            revoked_certs: revoked.collect(),
-            key_identifier_method: rcgen::KeyIdMethod::Sha256,
-        };
-        params.signed_by(&self.issuer).unwrap().der().to_vec()
-    }
 }
 
 #[tokio::test]
@@ -144,23 +103,90 @@ async fn certificates_of_a_trusted_authority_open_the_door_until_they_are_revoke
     };
     let folder = |name: &str| twin.folder.path().join(name);
     let list = twin.handle.trust_list();
-    list.trust_new(&plant.certificate).unwrap();
+    list.trust_new(&plant.certificate, "anna").unwrap();
     for (name, authority, serial) in [("a", &plant, 1), ("b", &plant, 2), ("c", &stranger, 3), ("d", &plant, 4)] {
         authority.issue(&folder(name), serial);
     }
 
     assert_eq!(connect(&folder("a")).await.err(), Some(StatusCode::BadSecurityChecksFailed), "no revocation list yet");
-    list.put_revocation_list(&stranger.revocation_list(&[])).unwrap();
+    // By hand, as it would not be taken.
+    std::fs::write(folder("pki/crl/stranger.crl"), stranger.revocation_list(&[])).unwrap();
     assert!(connect(&folder("a")).await.is_err(), "the list of another of the same name");
-    list.put_revocation_list(&plant.revocation_list(&[2])).unwrap();
+    list.put_revocation_list(&plant.revocation_list(&[2]), "anna").unwrap();
     connect(&folder("a")).await.unwrap().close().await;
     assert_eq!(connect(&folder("b")).await.err(), Some(StatusCode::BadSecurityChecksFailed), "revoked");
     assert!(connect(&folder("c")).await.is_err(), "another authority of the same name");
-    list.put_revocation_list(&plant.revocation_list(&[1, 2])).unwrap();
+    list.put_revocation_list(&plant.revocation_list(&[1, 2]), "anna").unwrap();
     assert!(connect(&folder("a")).await.is_err(), "revoked now");
     connect(&folder("d")).await.unwrap().close().await;
 
-    assert!(list.add_issuer(b"nonsense").is_err() && list.put_revocation_list(b"nonsense").is_err());
+    let authority = list.authorities().unwrap().remove(0);
+    assert!(list.remove_authority(&authority.thumbprint, "anna").unwrap());
+    assert!(connect(&folder("d")).await.is_err(), "its authority is no longer trusted");
+    assert!(!list.remove_authority(&authority.thumbprint, "anna").unwrap());
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn authorities_and_their_lists_are_shown_with_what_they_lack() {
+    let twin = TestTwin::start_with(|_| {}).await;
+    let list = twin.handle.trust_list();
+    let (root, between) = (Authority::new("Root"), Authority::new("Between"));
+    list.trust_new(&root.certificate, "anna").unwrap();
+    list.add_issuer(&between.certificate, "anna").unwrap();
+    // Lists that were there before, under any name, give way to the newer one.
+    std::fs::write(twin.folder.path().join("pki/crl/old.crl"), root.revocation_list_of(&[1], 2024, 2025)).unwrap();
+    let shown = list.authorities().unwrap();
+    let names: Vec<_> = shown.iter().map(|one| (one.subject.as_str(), one.is_trusted)).collect();
+    assert_eq!(names, [("CN=Root", true), ("CN=Between", false)]);
+    assert!(matches!(shown[0].revocation, RevocationKnowledge::Outdated { .. }), "{:?}", shown[0].revocation);
+    assert_eq!(shown[1].revocation, RevocationKnowledge::Missing);
+    assert!(list.list().unwrap().is_empty(), "an authority is no client");
+
+    list.put_revocation_list(&root.revocation_list(&[1, 2]), "anna").unwrap();
+    let lists = list.revocation_lists().unwrap();
+    assert_eq!(lists.len(), 1, "{lists:?}");
+    assert_eq!((lists[0].issuer.as_str(), lists[0].revoked), ("CN=Root", 2));
+    assert!(lists[0].is_signed_by_known_authority && lists[0].next_update.is_some());
+    assert!(matches!(list.authorities().unwrap()[0].revocation, RevocationKnowledge::Current { .. }));
+
+    assert!(list.remove_authority(&shown[0].thumbprint, "anna").unwrap());
+    assert!(!list.revocation_lists().unwrap()[0].is_signed_by_known_authority);
+    assert!(list.remove_revocation_list(&lists[0].id, "anna").unwrap());
+    assert!(!list.remove_revocation_list("../trusted/x", "anna").unwrap());
+    assert!(list.revocation_lists().unwrap().is_empty());
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn files_for_the_trust_list_are_refused_with_everything_that_is_wrong() {
+    let twin = TestTwin::start_with(|_| {}).await;
+    let list = twin.handle.trust_list();
+    let codes = |result: Result<(), TwinError>| match result {
+        Err(TwinError::Refused { faults }) => faults.into_iter().map(|fault| fault.code).collect::<Vec<_>>(),
+        other => panic!("it should be refused, not {other:?}"),
+    };
+    let (plant, stranger) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
+    let current = plant.revocation_list(&[]);
+    let old = plant.revocation_list_of(&[], 2024, 2025);
+    assert_eq!(codes(list.trust_new(b"nonsense", "anna")), ["NOT_A_CERTIFICATE"]);
+    assert_eq!(codes(list.trust_new(&current, "anna")), ["NOT_A_CERTIFICATE"]);
+    assert_eq!(codes(list.put_revocation_list(&plant.certificate, "anna")), ["NOT_A_REVOCATION_LIST"]);
+    assert_eq!(codes(list.put_revocation_list(&current, "anna")), ["UNKNOWN_ISSUER"]);
+    assert_eq!(codes(list.put_revocation_list(&old, "anna")), ["UNKNOWN_ISSUER", "OUTDATED"]);
+    list.trust_new(&plant.certificate, "anna").unwrap();
+    assert_eq!(codes(list.put_revocation_list(&stranger.revocation_list(&[]), "anna")), ["WRONG_SIGNATURE"]);
+    list.put_revocation_list(&current, "anna").unwrap();
+    assert_eq!(codes(list.put_revocation_list(&old, "anna")), ["OUTDATED", "OLDER_THAN_KNOWN"]);
+
+    // The client's key is none for RSA policies and not for signing, and it expired; that of an authority neither.
+    let mut params = rcgen::CertificateParams::default();
+    params.not_after = rcgen::date_time_ymd(2020, 1, 1);
+    params.key_usages = vec![rcgen::KeyUsagePurpose::KeyEncipherment];
+    let wrong = params.self_signed(&rcgen::KeyPair::generate().unwrap()).unwrap();
+    assert_eq!(codes(list.trust_new(wrong.der(), "anna")), ["EXPIRED", "WRONG_USAGE", "WRONG_KEY"]);
+    assert_eq!(codes(list.add_issuer(wrong.der(), "anna")), ["NOT_AN_AUTHORITY", "WRONG_USAGE", "EXPIRED"]);
+    assert!(list.list().unwrap().is_empty());
     twin.stop().await;
 }
 

@@ -4,7 +4,7 @@ use std::{any::Any, net::SocketAddr};
 
 use opcua_crypto::{PrivateKey, SecurityPolicy, X509};
 use opcua_types::{
-    Error, ExtensionObject, MessageSecurityMode, NodeId, SecurityTokenRequestType, StatusCode,
+    ApplicationDescription, Error, ExtensionObject, MessageSecurityMode, NodeId, SecurityTokenRequestType, StatusCode,
 };
 
 use crate::authenticator::UserToken;
@@ -20,7 +20,21 @@ pub trait ConnectionFilter: Send + Sync + 'static {
 /// certificate chains and revocation lists.
 pub trait CertificateValidator: Send + Sync + 'static {
     /// Called when a client creates a session on a secured channel.
-    fn validate(&self, certificate: &X509, security_policy: SecurityPolicy) -> Result<(), Error>;
+    fn validate(
+        &self,
+        certificate: &X509,
+        security_policy: SecurityPolicy,
+        bearer: &CertificateBearer<'_>,
+    ) -> Result<(), Error>;
+}
+
+/// Who shows a certificate.
+#[derive(Debug, Clone, Copy)]
+pub struct CertificateBearer<'a> {
+    /// Where the connection comes from, as far as that is known.
+    pub address: Option<SocketAddr>,
+    /// What the application says of itself; nothing of it is proven.
+    pub application: &'a ApplicationDescription,
 }
 
 /// The application instance certificate of the server with its key. A connection keeps the one it began with.

@@ -30,7 +30,7 @@ mod subscriptions;
 mod transport;
 
 pub use admission::{
-    CertificateValidator, ChannelDescription, ConnectionFilter, ServerIdentity, SessionEvent,
+    CertificateBearer, CertificateValidator, ChannelDescription, ConnectionFilter, ServerIdentity, SessionEvent,
     SessionObserver,
 };
 pub use builder::ServerBuilder;

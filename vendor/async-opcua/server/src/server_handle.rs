@@ -8,9 +8,14 @@ use tokio_util::sync::CancellationToken;
 use tracing::info;
 
 use opcua_core::sync::RwLock;
-use opcua_types::{AttributeId, DataValue, LocalizedText, ServerState, VariableId};
+use opcua_types::{AttributeId, DataValue, LocalizedText, NodeId, ServerState, VariableId};
 
-use crate::{reverse_connect::ReverseConnectHandle, ServerStatusWrapper};
+use crate::{
+    authenticator::UserToken,
+    reverse_connect::ReverseConnectHandle,
+    session::manager::terminate_sessions,
+    ServerStatusWrapper,
+};
 
 use super::{
     info::ServerInfo, node_manager::NodeManagers, session::manager::SessionManager,
@@ -117,6 +122,21 @@ impl ServerHandle {
     /// with; discovery shows the new certificate at once.
     pub fn set_identity(&self, identity: crate::ServerIdentity) {
         self.info.identity.store(Arc::new(identity));
+    }
+
+    /// Close the sessions of the users that are meant, together with their subscriptions: whoever may no longer come in
+    /// must not stay either. Returns the ids of the sessions with their users.
+    pub async fn close_sessions(
+        &self,
+        is_meant: impl Fn(&UserToken) -> bool,
+    ) -> Vec<(NodeId, UserToken)> {
+        terminate_sessions(
+            &self.session_manager,
+            self.node_managers.clone(),
+            self.subscriptions.clone(),
+            is_meant,
+        )
+        .await
     }
 
     /// Shorthand for getting the index of a namespace defined in the global server type tree.

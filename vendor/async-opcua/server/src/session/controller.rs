@@ -369,6 +369,7 @@ impl SessionController {
                     &mut self.channel,
                     &self.certificate_store,
                     &self.identity,
+                    self.transport.peer_address,
                     &request,
                 );
                 drop(mgr);

@@ -1,5 +1,6 @@
 use std::{
     collections::HashMap,
+    net::SocketAddr,
     sync::{
         atomic::{AtomicU32, Ordering},
         Arc,
@@ -13,7 +14,10 @@ use parking_lot::RwLock;
 use tokio::sync::Notify;
 use tracing::{error, info};
 
-use crate::{identity_token::IdentityToken, info::ServerInfo, ServerIdentity};
+use crate::{
+    authenticator::UserToken, identity_token::IdentityToken, info::ServerInfo, CertificateBearer,
+    node_manager::NodeManagers, subscriptions::SubscriptionCache, ServerIdentity,
+};
 use opcua_types::{
     ActivateSessionRequest, ActivateSessionResponse, ByteString, CloseSessionRequest, CloseSessionResponse,
     CreateSessionRequest, CreateSessionResponse, Error, NodeId, ResponseHeader, SignatureData,
@@ -66,6 +70,7 @@ impl SessionManager {
         channel: &mut SecureChannel,
         certificate_store: &RwLock<CertificateStore>,
         identity: &ServerIdentity,
+        peer_address: Option<SocketAddr>,
         request: &CreateSessionRequest,
     ) -> Result<CreateSessionResponse, StatusCode> {
         if !self.info.endpoint_exists(
@@ -112,7 +117,13 @@ impl SessionManager {
         let client_certificate = if security_policy != SecurityPolicy::None {
             let cert = opcua_crypto::X509::from_byte_string(&request.client_certificate)?;
             match &self.info.certificate_validator {
-                Some(validator) => validator.validate(&cert, security_policy)?,
+                Some(validator) => {
+                    let bearer = CertificateBearer {
+                        address: peer_address,
+                        application: &request.client_description,
+                    };
+                    validator.validate(&cert, security_policy, &bearer)?
+                }
                 None => {
                     let store = trace_read_lock!(certificate_store);
                     store.validate_or_reject_application_instance_cert(
@@ -336,6 +347,46 @@ pub(crate) async fn close_session(
     Ok(CloseSessionResponse {
         response_header: ResponseHeader::new_good(&request.request_header),
     })
+}
+
+/// Close all activated sessions of the users that are meant, and delete their subscriptions. The session ids with their
+/// users.
+pub(crate) async fn terminate_sessions(
+    mgr_lck: &RwLock<SessionManager>,
+    node_managers: NodeManagers,
+    subscriptions: Arc<SubscriptionCache>,
+    is_meant: impl Fn(&UserToken) -> bool,
+) -> Vec<(NodeId, UserToken)> {
+    let (info, closed): (_, Vec<_>) = {
+        let mut mgr = trace_write_lock!(mgr_lck);
+        let meant: Vec<_> = mgr
+            .sessions
+            .iter()
+            .filter_map(|(id, session)| {
+                let token = session.read().user_token().filter(|token| is_meant(token))?.clone();
+                Some((id.clone(), session.clone(), token))
+            })
+            .collect();
+        for (id, session, _) in &meant {
+            info!("Closed session with ID {}, which is no longer wanted", id);
+            mgr.sessions.remove(id);
+            trace_write_lock!(session).close();
+        }
+        mgr.info
+            .diagnostics
+            .set_current_session_count(mgr.sessions.len() as u32);
+        (mgr.info.clone(), meant)
+    };
+    let mut handler = MessageHandler::new(info, node_managers, subscriptions);
+    let mut ended = Vec::with_capacity(closed.len());
+    for (session_id, session, token) in closed {
+        let id = session.read().session_id_numeric();
+        handler
+            .delete_session_subscriptions(id, session, token.clone())
+            .await;
+        ended.push((session_id, token));
+    }
+    ended
 }
 
 pub(crate) async fn activate_session(

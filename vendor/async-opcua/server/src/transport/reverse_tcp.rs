@@ -95,6 +95,7 @@ impl Connector for ReverseTcpConnector {
                         let inner = TcpConnector::new_split(
                             read,
                             write,
+                            self.target,
                             self.config,
                             self.decoding_options
                         );

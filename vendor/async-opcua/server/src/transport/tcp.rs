@@ -1,4 +1,5 @@
 use std::{
+    net::SocketAddr,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -46,6 +47,8 @@ pub(crate) struct TcpTransport {
     unsent_messages: usize,
     /// Whether a session was activated on this connection. Until then messages may only have a few chunks.
     is_authenticated: bool,
+    /// Where the connection comes from.
+    pub(crate) peer_address: Option<SocketAddr>,
 }
 
 /// Most messages that wait to be sent before no further requests are read. A client that does not take its responses
@@ -101,6 +104,7 @@ fn min_zero_infinite(server: u32, client: u32) -> u32 {
 pub(crate) struct TcpConnector {
     read: FramedRead<ReadHalf<TcpStream>, TcpCodec>,
     write: WriteHalf<TcpStream>,
+    peer_address: Option<SocketAddr>,
     deadline: Instant,
     config: TransportConfig,
     decoding_options: DecodingOptions,
@@ -112,11 +116,13 @@ impl TcpConnector {
         config: TransportConfig,
         decoding_options: DecodingOptions,
     ) -> Self {
+        let peer_address = stream.peer_addr().ok();
         let (read, write) = tokio::io::split(stream);
         let read = FramedRead::new(read, TcpCodec::new(decoding_options.clone()));
         TcpConnector {
             read,
             write,
+            peer_address,
             deadline: Instant::now() + config.hello_timeout,
             config,
             decoding_options,
@@ -126,12 +132,14 @@ impl TcpConnector {
     pub(super) fn new_split(
         read: FramedRead<ReadHalf<TcpStream>, TcpCodec>,
         write: WriteHalf<TcpStream>,
+        peer_address: SocketAddr,
         config: TransportConfig,
         decoding_options: DecodingOptions,
     ) -> Self {
         TcpConnector {
             read,
             write,
+            peer_address: Some(peer_address),
             deadline: Instant::now() + config.hello_timeout,
             config,
             decoding_options,
@@ -241,7 +249,7 @@ impl Connector for TcpConnector {
             }
             r = self.connect_inner(info).instrument(tracing::info_span!("OPC-UA TCP handshake")) => {
                 match r {
-                    Ok(r) => return Ok(TcpTransport::new(self.read, self.write, r)),
+                    Ok(r) => return Ok(TcpTransport::new(self.read, self.write, self.peer_address, r)),
                     Err(e) => e,
                 }
             }
@@ -262,11 +270,13 @@ impl TcpTransport {
     fn new(
         read: FramedRead<ReadHalf<TcpStream>, TcpCodec>,
         write: WriteHalf<TcpStream>,
+        peer_address: Option<SocketAddr>,
         send_buffer: SendBuffer,
     ) -> Self {
         Self {
             read,
             write,
+            peer_address,
             state: TransportState::Running,
             pending_chunks: Vec::new(),
             sequence_numbers: SequenceNumberHandle::new(true),

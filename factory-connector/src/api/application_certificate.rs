@@ -1,0 +1,157 @@
+//! The OPC UA server's own certificate: to look at, and to have an authority issue it.
+
+use asi_model::DateTime;
+use axum::{Json, extract::State};
+use base64::{Engine as _, engine::general_purpose::STANDARD};
+use daemon::web::{ApiJson, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use twin::{OwnCertificate, RequestedSubject, TrustFault};
+use utoipa::ToSchema;
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    client_certificates::{blocking, refused},
+    problems::Problems,
+};
+
+/// Longest name that can be asked for, in characters (RFC 5280, ub-common-name).
+const NAME_CHARS_MAX: usize = 64;
+
+/// The certificate that the OPC UA server shows its clients.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ApplicationCertificateView {
+    /// SHA-1 over the certificate in hexadecimal digits.
+    thumbprint: String,
+    /// The subject's distinguished name.
+    subject: String,
+    /// The distinguished name of who issued it.
+    issuer: String,
+    /// The server made it itself, and renews it itself; otherwise somebody has to ask the authority in time.
+    is_self_signed: bool,
+    /// The application it is for.
+    application_uri: Option<String>,
+    /// The names and addresses of the machine it is for.
+    host_names: Vec<String>,
+    /// Beginning of its validity.
+    #[schema(value_type = String, format = "date-time")]
+    not_before: DateTime,
+    /// End of its validity.
+    #[schema(value_type = String, format = "date-time")]
+    not_after: DateTime,
+    /// Length of its RSA key in bits.
+    key_bits: usize,
+}
+
+impl From<OwnCertificate> for ApplicationCertificateView {
+    fn from(certificate: OwnCertificate) -> Self {
+        let OwnCertificate {
+            thumbprint,
+            subject,
+            issuer,
+            is_self_signed,
+            application_uri,
+            host_names,
+            not_before,
+            not_after,
+            key_bits,
+        } = certificate;
+        Self {
+            thumbprint,
+            subject,
+            issuer,
+            is_self_signed,
+            application_uri,
+            host_names,
+            not_before,
+            not_after,
+            key_bits,
+        }
+    }
+}
+
+/// Shows the OPC UA server's own certificate.
+#[utoipa::path(get, path = "/application-certificate", tag = "twin", security(("session" = [])),
+    responses((status = 200, body = ApplicationCertificateView), Problems))]
+pub async fn show(State(api): State<Api>) -> Result<Json<ApplicationCertificateView>, Problem> {
+    let own = api.twin.application_certificate().clone();
+    Ok(Json(blocking(move || own.show()).await?.into()))
+}
+
+/// What is asked of an authority, beside application and host names.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct CertificateRequestBody {
+    /// The common name; the server's own where absent.
+    common_name: Option<String>,
+    /// The organisation.
+    organization: Option<String>,
+    /// Whether a new key is made; it is used from the installation on.
+    #[serde(default)]
+    with_new_key: bool,
+}
+
+/// A request to be given to an authority.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct CertificateRequestView {
+    /// PKCS #10, as PEM.
+    content: String,
+}
+
+/// Makes a request for a certificate with the server's application URI and host names. The key stays here.
+#[utoipa::path(post, path = "/application-certificate/request", tag = "twin", security(("session" = [])),
+    request_body = CertificateRequestBody, responses((status = 200, body = CertificateRequestView), Problems))]
+pub async fn request(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiJson(body): ApiJson<CertificateRequestBody>,
+) -> Result<Json<CertificateRequestView>, Problem> {
+    engineer_only(&who)?;
+    let CertificateRequestBody { common_name, organization, with_new_key } = body;
+    let is_name =
+        |name: &String| (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control);
+    if !common_name.iter().chain(&organization).all(is_name) {
+        return Err(Problem::unprocessable(
+            "INVALID_NAME",
+            "A name in a certificate has 1 to 64 characters, none of them invisible.",
+            Vec::new(),
+        ));
+    }
+    let own = api.twin.application_certificate().clone();
+    let wanted = RequestedSubject { common_name, organization, with_new_key };
+    let content = blocking(move || own.request(&wanted)).await?;
+    Ok(Json(CertificateRequestView { content }))
+}
+
+/// The certificate that an authority made of the request.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct IssuedCertificateBody {
+    /// PEM: the certificate, and those of its authorities up to the root unless the trust list has them, in any order. Or
+    /// the certificate alone as DER in base64.
+    content: String,
+}
+
+/// Installs an issued certificate; the server shows it from the next connection on.
+#[utoipa::path(put, path = "/application-certificate", tag = "twin", security(("session" = [])),
+    request_body = IssuedCertificateBody, responses((status = 200, body = ApplicationCertificateView), Problems))]
+pub async fn install(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiJson(body): ApiJson<IssuedCertificateBody>,
+) -> Result<Json<ApplicationCertificateView>, Problem> {
+    engineer_only(&who)?;
+    let content = if body.content.contains("-----BEGIN") {
+        body.content.into_bytes()
+    } else {
+        let text: String = body.content.split_whitespace().collect();
+        STANDARD.decode(text).map_err(|_| {
+            let message = "The content is neither PEM nor DER in base64.".to_owned();
+            refused(&[TrustFault { code: "NOT_A_FILE", message }])
+        })?
+    };
+    let (own, by) = (api.twin.application_certificate().clone(), who.principal.user_name);
+    Ok(Json(blocking(move || own.install(&content, &by)).await?.into()))
+}

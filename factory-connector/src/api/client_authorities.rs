@@ -1,0 +1,143 @@
+//! The trust list of the OPC UA server: authorities that issue certificates, and what they revoked.
+
+use asi_model::DateTime;
+use axum::{Json, extract::State, http::StatusCode};
+use daemon::web::{ApiPath, Problem, session::SignedIn};
+use serde::Serialize;
+use twin::{Authority, RevocationKnowledge, RevocationList};
+use utoipa::ToSchema;
+
+use super::{Api, Principal, accounts::engineer_only, client_certificates::blocking, problems::Problems, view::Page};
+
+/// The certificate of an authority.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ClientAuthorityView {
+    /// SHA-1 over the certificate in hexadecimal digits: its identity here.
+    thumbprint: String,
+    /// The subject's distinguished name.
+    subject: String,
+    /// The distinguished name of who issued it; the subject's where it did so itself.
+    issuer: String,
+    /// Beginning of its validity.
+    #[schema(value_type = String, format = "date-time")]
+    not_before: DateTime,
+    /// End of its validity.
+    #[schema(value_type = String, format = "date-time")]
+    not_after: DateTime,
+    /// Clients with a certificate of it may connect; otherwise it only leads to one that is trusted.
+    is_trusted: bool,
+    /// Whether its list of revoked certificates is here. Its clients stay outside without a current one.
+    revocation_list: RevocationListState,
+    /// When that list is to be replaced.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    next_update: Option<DateTime>,
+}
+
+/// Whether an authority's list of revoked certificates is here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum RevocationListState {
+    /// It is.
+    Current,
+    /// It should have been replaced.
+    Outdated,
+    /// There is none.
+    Missing,
+}
+
+impl From<Authority> for ClientAuthorityView {
+    fn from(authority: Authority) -> Self {
+        let Authority { thumbprint, subject, issuer, not_before, not_after, is_trusted, revocation } = authority;
+        let (revocation_list, next_update) = match revocation {
+            RevocationKnowledge::Current { next_update } => (RevocationListState::Current, next_update),
+            RevocationKnowledge::Outdated { next_update } => (RevocationListState::Outdated, Some(next_update)),
+            RevocationKnowledge::Missing => (RevocationListState::Missing, None),
+        };
+        Self { thumbprint, subject, issuer, not_before, not_after, is_trusted, revocation_list, next_update }
+    }
+}
+
+/// Lists the authorities whose clients may connect, and those in between. They are added with the clients' certificates.
+#[utoipa::path(get, path = "/client-authorities", tag = "twin", security(("session" = [])),
+    responses((status = 200, body = Page<ClientAuthorityView>), Problems))]
+pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientAuthorityView>>, Problem> {
+    let list = api.twin.trust_list().clone();
+    let known = blocking(move || list.authorities()).await?;
+    Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
+}
+
+/// Removes an authority: its clients stay outside from the next connection on.
+#[utoipa::path(delete, path = "/client-authorities/{thumbprint}", tag = "twin", security(("session" = [])),
+    params(("thumbprint" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+pub async fn remove(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(thumbprint): ApiPath<String>,
+) -> Result<StatusCode, Problem> {
+    engineer_only(&who)?;
+    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    match blocking(move || list.remove_authority(&thumbprint, &by)).await? {
+        true => Ok(StatusCode::NO_CONTENT),
+        false => Err(Problem::not_found("such authority")),
+    }
+}
+
+/// An authority's list of revoked certificates.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ClientRevocationListView {
+    /// Its identity here.
+    revocation_list_id: String,
+    /// The distinguished name of the authority.
+    issuer: String,
+    /// When it was made.
+    #[schema(value_type = String, format = "date-time")]
+    this_update: DateTime,
+    /// When it is to be replaced, where it says so.
+    #[schema(value_type = Option<String>, format = "date-time")]
+    next_update: Option<DateTime>,
+    /// How many certificates it names.
+    revoked_count: usize,
+    /// An authority that is known here signed it; otherwise it is of no use.
+    is_signed_by_known_authority: bool,
+}
+
+impl From<RevocationList> for ClientRevocationListView {
+    fn from(list: RevocationList) -> Self {
+        let RevocationList { id, issuer, this_update, next_update, revoked, is_signed_by_known_authority } = list;
+        Self {
+            revocation_list_id: id,
+            issuer,
+            this_update,
+            next_update,
+            revoked_count: revoked,
+            is_signed_by_known_authority,
+        }
+    }
+}
+
+/// Lists the authorities' lists of revoked certificates.
+#[utoipa::path(get, path = "/client-revocation-lists", tag = "twin", security(("session" = [])),
+    responses((status = 200, body = Page<ClientRevocationListView>), Problems))]
+pub async fn revocation_lists(State(api): State<Api>) -> Result<Json<Page<ClientRevocationListView>>, Problem> {
+    let list = api.twin.trust_list().clone();
+    let known = blocking(move || list.revocation_lists()).await?;
+    Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
+}
+
+/// Removes a list of revoked certificates: clients of its authority stay outside until there is a new one.
+#[utoipa::path(delete, path = "/client-revocation-lists/{revocationListId}", tag = "twin", security(("session" = [])),
+    params(("revocationListId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+pub async fn remove_revocation_list(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<String>,
+) -> Result<StatusCode, Problem> {
+    engineer_only(&who)?;
+    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    match blocking(move || list.remove_revocation_list(&id, &by)).await? {
+        true => Ok(StatusCode::NO_CONTENT),
+        false => Err(Problem::not_found("such revocation list")),
+    }
+}

@@ -1,0 +1,274 @@
+//! An own certificate that an authority issues: the request for it, and its installation. The key is made here and stays.
+
+mod check;
+
+pub(crate) use check::names_host;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use asi_model::{DateTime, FactoryId};
+use opcua_stack::opcua::crypto::{CertificateStore, KeySize, PrivateKey, X509};
+use rcgen::{CertificateParams, DnType, ExtendedKeyUsagePurpose, KeyPair, KeyUsagePurpose, SanType};
+use x509_parser::{certificate::X509Certificate, pem::Pem, prelude::FromDer, time::ASN1Time};
+
+use super::{
+    certificate::{
+        CERTIFICATE_FILE, KEY_BITS, KEY_FILE, certified_names, create_if_missing, is_pair, prepare_folders, restrict,
+    },
+    trust::{TrustFault, faults, knocks::thumbprint, refuse, replace, time},
+};
+use crate::{config::TwinConfig, error::TwinError};
+
+/// The key of the last request, within the folder.
+const REQUESTED_KEY_FILE: &str = "private/requested.pem";
+/// Longest certificate with its chain, in bytes.
+const FILE_BYTES_MAX: usize = 256 * 1024;
+
+/// The certificate that the twin shows its clients.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OwnCertificate {
+    /// SHA-1 over the certificate, in lower-case hexadecimal digits.
+    pub thumbprint: String,
+    /// The subject's distinguished name.
+    pub subject: String,
+    /// The distinguished name of who issued it.
+    pub issuer: String,
+    /// The twin made it itself, and renews it itself.
+    pub is_self_signed: bool,
+    /// The application it is for.
+    pub application_uri: Option<String>,
+    /// The names and addresses of the machine it is for.
+    pub host_names: Vec<String>,
+    /// Beginning of its validity.
+    pub not_before: DateTime,
+    /// End of its validity.
+    pub not_after: DateTime,
+    /// Length of its RSA key in bits.
+    pub key_bits: usize,
+}
+
+/// Whose certificate is asked for, beside application and hosts. Authorities may put something else in its place.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RequestedSubject {
+    /// The common name; the twin's own where absent.
+    pub common_name: Option<String>,
+    /// The organisation.
+    pub organization: Option<String>,
+    /// Whether a new key is made instead of using the present one.
+    pub with_new_key: bool,
+}
+
+/// The twin's own certificate and key, as files. What changes there is used from the next connection on, also by a twin
+/// that runs in another process.
+#[derive(Debug, Clone)]
+pub struct ApplicationCertificate {
+    config: TwinConfig,
+    application_uri: String,
+}
+
+impl ApplicationCertificate {
+    /// Of the twin of a factory.
+    #[must_use]
+    pub fn new(factory_id: &FactoryId, config: TwinConfig) -> Self {
+        Self { config, application_uri: application_uri(factory_id) }
+    }
+
+    /// The certificate that is there. One is made where there is none yet.
+    ///
+    /// # Errors
+    /// [`TwinError`] when it cannot be read or made.
+    pub fn show(&self) -> Result<OwnCertificate, TwinError> {
+        self.ensure()?;
+        let read = CertificateStore::read_cert(&self.path(CERTIFICATE_FILE));
+        describe(&read.map_err(|reason| TwinError::Certificate { reason })?)
+    }
+
+    /// A request for a certificate (PKCS #10, as PEM) for this application and its configured host names, to be given to
+    /// an authority. The key that it is signed with is kept until a certificate for it is installed.
+    ///
+    /// # Errors
+    /// [`TwinError`] when the key cannot be read, made or kept, or a name cannot stand in a certificate.
+    pub fn request(&self, wanted: &RequestedSubject) -> Result<String, TwinError> {
+        let failed = |reason: String| TwinError::Certificate { reason };
+        self.ensure()?;
+        let key = if wanted.with_new_key {
+            PrivateKey::new(KEY_BITS).map_err(|error| failed(error.to_string()))?
+        } else {
+            CertificateStore::read_pkey(&self.path(KEY_FILE)).map_err(failed)?
+        };
+        let der = key.to_der().map_err(|error| failed(error.to_string()))?;
+        let key = KeyPair::try_from(der.as_bytes()).map_err(|error| failed(error.to_string()))?;
+        let request = self
+            .parameters(wanted)
+            .and_then(|parameters| parameters.serialize_request(&key))
+            .and_then(|request| request.pem())
+            .map_err(|error| failed(format!("the request cannot be made: {error}")))?;
+        self.keep_requested_key(key.serialize_pem().as_bytes())?;
+        tracing::info!(with_new_key = wanted.with_new_key, "A certificate for the twin was requested.");
+        Ok(request)
+    }
+
+    /// Puts an issued certificate in the place of the present one. The content is PEM - the certificate, and those of the
+    /// authorities up to the root in any order - or the certificate alone in DER where its authorities are known to the
+    /// trust list.
+    ///
+    /// # Errors
+    /// [`TwinError::Refused`] with everything that is wrong, [`TwinError`] when it cannot be stored.
+    pub fn install(&self, content: &[u8], by: &str) -> Result<OwnCertificate, TwinError> {
+        prepare_folders(&self.config.pki_directory)?;
+        let certificates = certificates(content)?;
+        let keys: Vec<(&str, PrivateKey)> = [KEY_FILE, REQUESTED_KEY_FILE]
+            .into_iter()
+            .filter_map(|file| Some((file, CertificateStore::read_pkey(&self.path(file)).ok()?)))
+            .collect();
+        let fitting = certificates.iter().find_map(|der| {
+            let certificate = X509::from_der(der).ok()?;
+            let (file, _) = keys.iter().find(|(_, key)| is_pair(&certificate, key))?;
+            Some((der, certificate, *file))
+        });
+        let Some((der, certificate, key_file)) = fitting else {
+            return Err(TrustFault::new(
+                "WRONG_KEY",
+                "No certificate in it was issued for the twin's key, nor for that of the last request. Give the \
+                 certificate that the authority made of the last request, or make a new request.",
+            )
+            .into());
+        };
+        let wanted = check::Wanted {
+            application_uri: &self.application_uri,
+            host_names: &certified_names(&self.config),
+            now: ASN1Time::now(),
+        };
+        let mut authorities = certificates.clone();
+        authorities.extend(self.known_authorities());
+        refuse(check::faults(der, &authorities, &wanted))?;
+
+        // The certificate last: the twin takes a pair only when it fits, and a request outlives a crash in between.
+        if key_file == REQUESTED_KEY_FILE {
+            self.write_key(KEY_FILE, &read_file(&self.path(REQUESTED_KEY_FILE))?)?;
+        }
+        replace(&self.path(CERTIFICATE_FILE), der)?;
+        match fs::remove_file(self.path(REQUESTED_KEY_FILE)) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                tracing::warn!(%error, "The key of the last request could not be removed.");
+            }
+            _ => {}
+        }
+        let installed = describe(&certificate)?;
+        tracing::info!(by, certificate.thumbprint = installed.thumbprint, "A certificate for the twin was installed.");
+        Ok(installed)
+    }
+
+    fn ensure(&self) -> Result<(), TwinError> {
+        create_if_missing(&self.config, &self.application_uri)
+    }
+
+    fn parameters(&self, wanted: &RequestedSubject) -> Result<CertificateParams, rcgen::Error> {
+        let hosts = certified_names(&self.config);
+        let mut parameters = CertificateParams::default();
+        let own_name = || format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str));
+        parameters.distinguished_name = rcgen::DistinguishedName::new();
+        parameters.distinguished_name.push(DnType::CommonName, wanted.common_name.clone().unwrap_or_else(own_name));
+        let organization = wanted.organization.clone().unwrap_or_else(|| "Verbund".to_owned());
+        parameters.distinguished_name.push(DnType::OrganizationName, organization);
+        // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name; usages as given there.
+        parameters.subject_alt_names = vec![SanType::URI(self.application_uri.as_str().try_into()?)];
+        for host in hosts {
+            let name = match host.parse() {
+                Ok(address) => SanType::IpAddress(address),
+                Err(_) => SanType::DnsName(host.try_into()?),
+            };
+            parameters.subject_alt_names.push(name);
+        }
+        parameters.key_usages = vec![
+            KeyUsagePurpose::DigitalSignature,
+            KeyUsagePurpose::ContentCommitment,
+            KeyUsagePurpose::KeyEncipherment,
+            KeyUsagePurpose::DataEncipherment,
+        ];
+        parameters.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth, ExtendedKeyUsagePurpose::ClientAuth];
+        Ok(parameters)
+    }
+
+    fn keep_requested_key(&self, pem: &[u8]) -> Result<(), TwinError> {
+        self.write_key(REQUESTED_KEY_FILE, pem)
+    }
+
+    /// Nobody but the owner may ever read it, not even while it is written.
+    fn write_key(&self, file: &str, pem: &[u8]) -> Result<(), TwinError> {
+        let (path, new) = (self.path(file), self.path("private/new.pem"));
+        let failed = |source| TwinError::Pki { path: path.clone(), source };
+        fs::write(&new, b"").map_err(failed)?;
+        restrict(&new, 0o600)?;
+        fs::write(&new, pem).map_err(failed)?;
+        fs::rename(&new, &path).map_err(failed)
+    }
+
+    /// The certificates of authorities that the trust list knows.
+    fn known_authorities(&self) -> Vec<Vec<u8>> {
+        let folders = ["trusted", "issuers"].map(|folder| self.config.pki_directory.join(folder));
+        folders.iter().flat_map(|folder| super::validation::files(folder, "der")).map(|(_, der)| der).collect()
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.config.pki_directory.join(file)
+    }
+}
+
+/// What the twin of a factory calls itself.
+pub(crate) fn application_uri(factory_id: &FactoryId) -> String {
+    format!("urn:verbund:twin:{factory_id}")
+}
+
+/// The certificates in a file.
+fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
+    if content.len() > FILE_BYTES_MAX {
+        return Err(TrustFault::new("TOO_LONG", "It is longer than any certificate with its chain.").into());
+    }
+    if !content.windows(10).any(|window| window == b"-----BEGIN") {
+        faults::certificate(content)?;
+        return Ok(vec![content.to_vec()]);
+    }
+    let mut found = Vec::new();
+    for block in Pem::iter_from_buffer(content) {
+        let block = block.map_err(|_| TrustFault::new("NOT_A_CERTIFICATE", "The PEM text in it is damaged."))?;
+        if block.label.contains("PRIVATE KEY") {
+            return Err(TrustFault::new(
+                "PRIVATE_KEY",
+                "It holds a private key. The twin's key is made here and goes nowhere: have a certificate issued for the \
+                 request.",
+            )
+            .into());
+        }
+        if block.label.contains("REQUEST") {
+            return Err(TrustFault::new("NOT_ISSUED", "This is a request. Give what the authority makes of it.").into());
+        }
+        faults::certificate(&block.contents)?;
+        found.push(block.contents);
+    }
+    Ok(found)
+}
+
+fn describe(certificate: &X509) -> Result<OwnCertificate, TwinError> {
+    let der = certificate.as_byte_string();
+    let (_, parsed) = X509Certificate::from_der(der.as_ref())
+        .map_err(|error| TwinError::Certificate { reason: error.to_string() })?;
+    Ok(OwnCertificate {
+        thumbprint: thumbprint(certificate),
+        subject: parsed.subject().to_string(),
+        issuer: parsed.issuer().to_string(),
+        is_self_signed: parsed.issuer().as_raw() == parsed.subject().as_raw(),
+        application_uri: faults::application_uri(&parsed).map(str::to_owned),
+        host_names: check::host_names(&parsed),
+        not_before: time(parsed.validity().not_before),
+        not_after: time(parsed.validity().not_after),
+        key_bits: certificate.public_key().map_or(0, |key| key.bit_length()),
+    })
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, TwinError> {
+    fs::read(path).map_err(|source| TwinError::Pki { path: path.to_owned(), source })
+}

@@ -1,0 +1,134 @@
+//! What is wrong with a certificate that is to become the twin's own. Pure.
+
+use std::net::IpAddr;
+
+use x509_parser::{certificate::X509Certificate, extensions::GeneralName, prelude::FromDer, time::ASN1Time};
+
+use crate::security::{
+    trust::{TrustFault, faults},
+    validation::{CHAIN_LENGTH_MAX, is_issued_by},
+};
+
+/// What the certificate has to be for.
+pub(super) struct Wanted<'w> {
+    pub application_uri: &'w str,
+    pub host_names: &'w [String],
+    pub now: ASN1Time,
+}
+
+/// Everything that is wrong with a certificate, given those of authorities.
+pub(super) fn faults(der: &[u8], authorities: &[Vec<u8>], wanted: &Wanted<'_>) -> Vec<TrustFault> {
+    let leaf = match faults::certificate(der) {
+        Ok(leaf) => leaf,
+        Err(fault) => return vec![fault],
+    };
+    let mut found = Vec::new();
+    of_validity(&leaf, wanted.now, &mut found);
+    of_names(&leaf, wanted, &mut found);
+    of_usage(&leaf, &mut found);
+    let authorities: Vec<_> =
+        authorities.iter().filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1)).collect();
+    found.extend(of_chain(&leaf, &authorities));
+    found
+}
+
+/// The names and addresses of machines in a certificate.
+pub(super) fn host_names(certificate: &X509Certificate<'_>) -> Vec<String> {
+    let Ok(Some(names)) = certificate.subject_alternative_name() else { return Vec::new() };
+    let text = |name: &GeneralName<'_>| match name {
+        GeneralName::DNSName(name) => Some((*name).to_owned()),
+        GeneralName::IPAddress(bytes) => match *bytes {
+            [a, b, c, d] => Some(IpAddr::from([*a, *b, *c, *d]).to_string()),
+            bytes => <[u8; 16]>::try_from(bytes).ok().map(|bytes| IpAddr::from(bytes).to_string()),
+        },
+        _ => None,
+    };
+    names.value.general_names.iter().filter_map(text).collect()
+}
+
+/// Whether a certificate names a machine.
+pub(crate) fn names_host(certificate: &X509Certificate<'_>, host: &str) -> bool {
+    let canonical = host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
+    host_names(certificate).iter().any(|name| name.eq_ignore_ascii_case(&canonical))
+}
+
+fn of_validity(leaf: &X509Certificate<'_>, now: ASN1Time, found: &mut Vec<TrustFault>) {
+    let validity = leaf.validity();
+    if validity.not_after < now {
+        found.push(TrustFault::new("EXPIRED", format!("It expired on {}.", validity.not_after)));
+    }
+    if validity.not_before > now {
+        found.push(TrustFault::new("NOT_VALID_YET", format!("It is not valid before {}.", validity.not_before)));
+    }
+}
+
+fn of_names(leaf: &X509Certificate<'_>, wanted: &Wanted<'_>, found: &mut Vec<TrustFault>) {
+    let uri = faults::application_uri(leaf);
+    if uri != Some(wanted.application_uri) {
+        let says = uri.map_or_else(|| "no application".to_owned(), |uri| format!("the application {uri}"));
+        found.push(TrustFault::new(
+            "WRONG_APPLICATION",
+            format!(
+                "It names {says} among its alternative names, but clients expect {}. The authority has to take the \
+                 alternative names over from the request.",
+                wanted.application_uri
+            ),
+        ));
+    }
+    let missing: Vec<&str> =
+        wanted.host_names.iter().map(String::as_str).filter(|host| !names_host(leaf, host)).collect();
+    if !missing.is_empty() {
+        found.push(TrustFault::new(
+            "MISSING_HOST_NAME",
+            format!("It lacks the host name {}, under which clients reach the twin.", missing.join(", ")),
+        ));
+    }
+}
+
+fn of_usage(leaf: &X509Certificate<'_>, found: &mut Vec<TrustFault>) {
+    if leaf.is_ca() {
+        found.push(TrustFault::new("WRONG_USAGE", "It belongs to an authority, not to an application."));
+    }
+    if matches!(leaf.key_usage(), Ok(Some(usage)) if !usage.value.digital_signature() || !usage.value.key_encipherment())
+    {
+        found.push(TrustFault::new(
+            "WRONG_USAGE",
+            "Its key may not be used for both digital signatures and key encipherment, which OPC UA needs.",
+        ));
+    }
+    if matches!(leaf.extended_key_usage(), Ok(Some(usage)) if !usage.value.server_auth && !usage.value.any) {
+        found.push(TrustFault::new("WRONG_USAGE", "It may not be used by a server (extended key usage serverAuth)."));
+    }
+}
+
+/// From issuer to issuer up to the root.
+fn of_chain(leaf: &X509Certificate<'_>, authorities: &[X509Certificate<'_>]) -> Option<TrustFault> {
+    if leaf.issuer().as_raw() == leaf.subject().as_raw() {
+        return Some(TrustFault::new(
+            "SELF_SIGNED",
+            "Nobody issued it: it is signed with its own key. The twin makes such certificates by itself.",
+        ));
+    }
+    let mut subject = leaf;
+    for _ in 0..=CHAIN_LENGTH_MAX {
+        let Some(issuer) = authorities.iter().find(|authority| is_issued_by(subject, authority)) else {
+            return Some(TrustFault::new(
+                "UNKNOWN_ISSUER",
+                format!(
+                    "The authority {} that is to have issued {} is missing, has expired or did not sign it. Give its \
+                     certificate, too, up to the root.",
+                    subject.issuer(),
+                    subject.subject()
+                ),
+            ));
+        };
+        if issuer.issuer().as_raw() == issuer.subject().as_raw() {
+            return None;
+        }
+        subject = issuer;
+    }
+    Some(TrustFault::new(
+        "CHAIN_TOO_LONG",
+        format!("There are more than {CHAIN_LENGTH_MAX} authorities up to the root."),
+    ))
+}

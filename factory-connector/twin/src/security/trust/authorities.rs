@@ -1,0 +1,147 @@
+//! Certificates of authorities: those whose clients are trusted, and those that only complete chains.
+
+use std::fs;
+
+use asi_model::DateTime;
+use opcua_stack::opcua::crypto::CertificateStore;
+use x509_parser::{
+    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
+};
+
+use super::{
+    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time,
+};
+use crate::{
+    error::TwinError,
+    security::validation::{FILE_BYTES_MAX, is_signed_by},
+};
+
+/// What is known of the certificates that an authority revoked. Without a current list its clients stay outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RevocationKnowledge {
+    /// Its list is here.
+    Current {
+        /// When the next one is due, where the list says so.
+        next_update: Option<DateTime>,
+    },
+    /// Its list is here, but should have been replaced.
+    Outdated {
+        /// When.
+        next_update: DateTime,
+    },
+    /// There is none.
+    Missing,
+}
+
+/// The certificate of an authority.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Authority {
+    /// SHA-1 over the certificate, in lower-case hexadecimal digits: its identity here.
+    pub thumbprint: String,
+    /// The subject's distinguished name.
+    pub subject: String,
+    /// The distinguished name of who issued it; the subject's where it did so itself.
+    pub issuer: String,
+    /// Beginning of its validity.
+    pub not_before: DateTime,
+    /// End of its validity.
+    pub not_after: DateTime,
+    /// Clients with a certificate of it may connect; otherwise it only leads to one that is trusted.
+    pub is_trusted: bool,
+    /// What it has revoked.
+    pub revocation: RevocationKnowledge,
+}
+
+impl TrustList {
+    /// The authorities, the trusted ones first.
+    ///
+    /// # Errors
+    /// [`TwinError::Pki`] when a folder cannot be read.
+    pub fn authorities(&self) -> Result<Vec<Authority>, TwinError> {
+        let lists = self.contents(REVOCATION_LISTS, "crl")?;
+        let lists: Vec<_> =
+            lists.iter().filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1)).collect();
+        let mut all = Vec::new();
+        for (folder, is_trusted) in [(TRUSTED, true), (ISSUERS, false)] {
+            for (_, der) in self.contents(folder, "der")? {
+                let Ok((_, parsed)) = X509Certificate::from_der(&der) else { continue };
+                if is_trusted && !faults::is_authority(&parsed) {
+                    continue;
+                }
+                let Ok(certificate) = read(&der) else { continue };
+                all.push(Authority {
+                    thumbprint: thumbprint(&certificate),
+                    subject: parsed.subject().to_string(),
+                    issuer: parsed.issuer().to_string(),
+                    not_before: time(parsed.validity().not_before),
+                    not_after: time(parsed.validity().not_after),
+                    is_trusted,
+                    revocation: knowledge(&parsed, &lists, ASN1Time::now()),
+                });
+            }
+        }
+        Ok(all)
+    }
+
+    /// Lets an authority's certificate take part in chains without being trusted itself, as DER.
+    ///
+    /// # Errors
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    pub fn add_issuer(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
+        let parsed = faults::certificate(der)?;
+        refuse(faults::of_authority(&parsed, ASN1Time::now()))?;
+        let certificate = read(der)?;
+        self.write(ISSUERS, &CertificateStore::cert_file_name(&certificate), der)?;
+        self.changed(by, format!("The certificate {} of an authority in between was added.", thumbprint(&certificate)));
+        Ok(())
+    }
+
+    /// Takes an authority's certificate away: its clients stay outside from the next connection on. False where there is
+    /// none.
+    ///
+    /// # Errors
+    /// [`TwinError::Pki`] when it cannot be removed.
+    pub fn remove_authority(&self, wanted: &str, by: &str) -> Result<bool, TwinError> {
+        let mut is_removed = false;
+        for folder in [TRUSTED, ISSUERS] {
+            let Some(path) = self.find(folder, wanted)? else { continue };
+            let der = fs::read(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+            let is_authority = X509Certificate::from_der(&der).is_ok_and(|(_, parsed)| faults::is_authority(&parsed));
+            if is_authority || folder == ISSUERS {
+                fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
+                is_removed = true;
+            }
+        }
+        if is_removed {
+            self.changed(by, format!("The authority's certificate {wanted} was removed."));
+        }
+        Ok(is_removed)
+    }
+
+    /// The files of a folder with their content, as many as are listed; what cannot be read is left out.
+    pub(super) fn contents(
+        &self,
+        folder: &str,
+        extension: &str,
+    ) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>, TwinError> {
+        let is_small = |path: &std::path::PathBuf| path.metadata().is_ok_and(|found| found.len() <= FILE_BYTES_MAX);
+        let files = self.files(folder, extension)?.into_iter().filter(is_small).take(LISTED_MAX);
+        Ok(files.filter_map(|path| fs::read(&path).ok().map(|content| (path, content))).collect())
+    }
+}
+
+fn knowledge(
+    authority: &X509Certificate<'_>,
+    lists: &[CertificateRevocationList<'_>],
+    now: ASN1Time,
+) -> RevocationKnowledge {
+    let own = lists
+        .iter()
+        .filter(|list| list.issuer().as_raw() == authority.subject().as_raw() && is_signed_by(list, authority))
+        .max_by_key(|list| (list.next_update().is_none_or(|next| next >= now), list.last_update()));
+    match own.map(CertificateRevocationList::next_update) {
+        None => RevocationKnowledge::Missing,
+        Some(Some(next)) if next < now => RevocationKnowledge::Outdated { next_update: time(next) },
+        Some(next) => RevocationKnowledge::Current { next_update: next.map(time) },
+    }
+}

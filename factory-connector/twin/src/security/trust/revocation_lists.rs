@@ -1,0 +1,122 @@
+//! Lists of certificates that authorities revoked.
+
+use std::fs;
+
+use asi_model::DateTime;
+use x509_parser::{
+    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
+};
+
+use super::{ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time};
+use crate::{error::TwinError, security::validation::is_signed_by};
+
+/// An authority's list of certificates that it revoked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RevocationList {
+    /// Its identity here.
+    pub id: String,
+    /// The distinguished name of the authority.
+    pub issuer: String,
+    /// When it was made.
+    pub this_update: DateTime,
+    /// When the next one is due, where it says so.
+    pub next_update: Option<DateTime>,
+    /// How many certificates it names.
+    pub revoked: usize,
+    /// An authority that is known here signed it; otherwise it is of no use.
+    pub is_signed_by_known_authority: bool,
+}
+
+impl TrustList {
+    /// The revocation lists, by authority.
+    ///
+    /// # Errors
+    /// [`TwinError::Pki`] when a folder cannot be read.
+    pub fn revocation_lists(&self) -> Result<Vec<RevocationList>, TwinError> {
+        let authorities = self.authority_files()?;
+        let authorities = parsed(&authorities);
+        let mut all: Vec<_> = self
+            .contents(REVOCATION_LISTS, "crl")?
+            .iter()
+            .filter_map(|(path, der)| {
+                let (_, list) = CertificateRevocationList::from_der(der).ok()?;
+                Some(RevocationList {
+                    id: path.file_stem()?.to_str()?.to_owned(),
+                    issuer: list.issuer().to_string(),
+                    this_update: time(list.last_update()),
+                    next_update: list.next_update().map(time),
+                    revoked: list.iter_revoked_certificates().count(),
+                    is_signed_by_known_authority: signer(&list, &authorities).is_some(),
+                })
+            })
+            .collect();
+        all.sort_by(|a, b| (&a.issuer, a.this_update).cmp(&(&b.issuer, b.this_update)));
+        Ok(all)
+    }
+
+    /// Takes an authority's revocation list as DER; it replaces the ones before of the same authority. Certificates of an
+    /// authority open the door only while its current list is here.
+    ///
+    /// # Errors
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    pub fn put_revocation_list(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
+        let list = faults::revocation_list(der)?;
+        let authorities = self.authority_files()?;
+        let authorities = parsed(&authorities);
+        let known = self.contents(REVOCATION_LISTS, "crl")?;
+        let known_lists: Vec<_> =
+            known.iter().filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1)).collect();
+        refuse(faults::of_revocation_list(&list, &authorities, &known_lists, ASN1Time::now()))?;
+        let authority = signer(&list, &authorities).expect("a list that nobody known signed was refused");
+        let name = format!("{}.crl", thumbprint(&read(authority.as_raw())?));
+        self.write(REVOCATION_LISTS, &name, der)?;
+        // The lists that it replaces may lie under other names, put there by hand.
+        for (path, der) in known.iter().filter(|(path, _)| path.file_name().is_none_or(|found| found != name.as_str()))
+        {
+            let is_older = CertificateRevocationList::from_der(der)
+                .is_ok_and(|(_, old)| old.issuer().as_raw() == list.issuer().as_raw() && is_signed_by(&old, authority));
+            if is_older {
+                fs::remove_file(path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+            }
+        }
+        self.changed(by, format!("The revocation list of {} was replaced.", list.issuer()));
+        Ok(())
+    }
+
+    /// Takes a revocation list away: certificates of its authority open no door until there is a new one. False where
+    /// there is none.
+    ///
+    /// # Errors
+    /// [`TwinError::Pki`] when it cannot be removed.
+    pub fn remove_revocation_list(&self, id: &str, by: &str) -> Result<bool, TwinError> {
+        let is_meant = |path: &std::path::PathBuf| path.file_stem().is_some_and(|stem| stem == id);
+        let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(is_meant) else { return Ok(false) };
+        fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
+        self.changed(by, format!("The revocation list {id} was removed."));
+        Ok(true)
+    }
+
+    /// The certificates that may have issued others, as files.
+    fn authority_files(&self) -> Result<Vec<Vec<u8>>, TwinError> {
+        let mut all = Vec::new();
+        for folder in [TRUSTED, ISSUERS] {
+            all.extend(self.contents(folder, "der")?.into_iter().map(|(_, der)| der));
+        }
+        Ok(all)
+    }
+}
+
+fn parsed(files: &[Vec<u8>]) -> Vec<X509Certificate<'_>> {
+    files
+        .iter()
+        .filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1))
+        .filter(|certificate| certificate.is_ca())
+        .collect()
+}
+
+fn signer<'a, 'b>(
+    list: &CertificateRevocationList<'_>,
+    authorities: &'a [X509Certificate<'b>],
+) -> Option<&'a X509Certificate<'b>> {
+    authorities.iter().find(|one| one.subject().as_raw() == list.issuer().as_raw() && is_signed_by(list, one))
+}
