@@ -14,7 +14,7 @@ use tokio_util::sync::CancellationToken;
 
 use self::{
     bank::{Bank, node},
-    connector::Connector,
+    connector::{Connector, Filled},
 };
 use super::{result, usage::Usage};
 use crate::harness::repository;
@@ -40,7 +40,7 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let bare = bare(&bank).await?;
     results.push(result("bare subscription", bare.rate(), "changes per second"));
     results.push(result("bare subscription", bare.per_cpu_second(), "changes per CPU second"));
-    let built_in = rate(&bank, &scale).await?;
+    let (built_in, _) = rate(&bank, &scale).await?;
     results.extend(rates("built-in mappings into report fields", &built_in));
     results.push(result(
         "built-in mappings, share of the bare subscription",
@@ -50,8 +50,11 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     drop(bank);
 
     let bank = Bank::start(SCRIPTS, SCRIPTS_OFFERED).await?;
-    let scripts = rate(&bank, &script).await?;
+    let empty = empty_bytes(&bank).await?;
+    let (scripts, resident) = rate(&bank, &script).await?;
     results.extend(rates("JavaScript mappings into report fields", &scripts));
+    let each = (resident as f64 - empty as f64) / f64::from(SCRIPTS);
+    results.push(result("memory per JavaScript mapping, its worker's included", each, "bytes"));
     let node_opcua = node_opcua(&bank).await?;
     results.extend(rates("the same with node-opcua", &node_opcua));
     let ratio = scripts.per_cpu_second() / node_opcua.per_cpu_second();
@@ -59,14 +62,13 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     drop(bank);
 
     let bank = Bank::start(MANY, 1_000).await?;
-    let mut connector = Connector::start(&bank, &json!(null)).await?;
-    let empty = connector.resident_bytes()?;
-    connector.stop()?;
+    let empty = empty_bytes(&bank).await?;
+    let filled = Filled::with(&bank, &scale).await?;
     let begun = Instant::now();
-    let mut connector = Connector::start(&bank, &scale).await?;
+    let mut connector = Connector::start(filled).await?;
     connector.until_live(MANY, PATIENCE).await?;
     results.push(result("50 000 built-in mappings live after the start", begun.elapsed().as_secs_f64(), "s"));
-    let each = (connector.resident_bytes()? as f64 - empty as f64) / f64::from(MANY);
+    let each = (connector.settled_bytes().await? as f64 - empty as f64) / f64::from(MANY);
     results.push(result("memory per built-in mapping, subscription and field values included", each, "bytes"));
     connector.stop()?;
     Ok(results)
@@ -140,9 +142,17 @@ async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
     Ok(Measured::between((0.0, before), (values, after), took))
 }
 
-/// A connector with one such mapping per variable of the bank.
-async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<Measured> {
-    let mut connector = Connector::start(bank, steps).await?;
+/// What a connector takes that was asked for a field per variable of the bank and maps none.
+async fn empty_bytes(bank: &Bank) -> anyhow::Result<u64> {
+    let mut connector = Connector::start(Filled::with(bank, &json!(null)).await?).await?;
+    let resident = connector.settled_bytes().await?;
+    connector.stop()?;
+    Ok(resident)
+}
+
+/// A connector with one such mapping per variable of the bank: the values through it, and the memory it takes then.
+async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<(Measured, u64)> {
+    let mut connector = Connector::start(Filled::with(bank, steps).await?).await?;
     connector.until_live(bank.variables, PATIENCE).await?;
     // The first seconds belong to what waited for the start.
     tokio::time::sleep(Duration::from_secs(3)).await;
@@ -151,7 +161,7 @@ async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<Measured> {
     let after = (connector.candidates().await?, connector.usage()?);
     let took = begun.elapsed();
     connector.stop()?;
-    Ok(Measured::between(before, after, took))
+    Ok((Measured::between(before, after, took), after.1.resident_bytes))
 }
 
 /// Client, function and server with node-opcua.

@@ -1,6 +1,10 @@
 //! A connector whose store is filled beforehand: enrolled, one network, one field per counter of a bank, each mapped.
 
-use std::{fs, time::Duration};
+use std::{
+    fs,
+    sync::atomic::{AtomicU64, Ordering},
+    time::Duration,
+};
 
 use asi_model::{
     DateTime, FactoryId,
@@ -26,6 +30,26 @@ const PASSWORD: &str = "a long password for benchmarks";
 /// Fields of each request.
 const FIELDS: u32 = 500;
 
+/// How often it is asked how far it is: rarely enough not to be work itself.
+const ASK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Longest wait for a start to be over.
+const SETTLING_MAX: Duration = Duration::from_secs(60);
+
+/// The data directory of a connector that does not run yet.
+pub(super) struct Filled {
+    folder: TempDir,
+}
+
+impl Filled {
+    /// A store with one field per counter, mapped through these steps; undecided where they are null.
+    pub async fn with(bank: &Bank, steps: &Value) -> anyhow::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("verbund-connector-").tempdir()?;
+        fill(&folder.path().join("data"), bank, steps).await?;
+        Ok(Self { folder })
+    }
+}
+
 /// A running connector; it ends when this is dropped.
 pub(super) struct Connector {
     daemon: Daemon,
@@ -34,12 +58,10 @@ pub(super) struct Connector {
 }
 
 impl Connector {
-    /// Fills a store with one field per counter, mapped through these steps (undecided where they are null), and starts
-    /// a connector on it.
-    pub async fn start(bank: &Bank, steps: &Value) -> anyhow::Result<Self> {
-        let folder = tempfile::Builder::new().prefix("verbund-connector-").tempdir()?;
+    /// Starts a connector on a store.
+    pub async fn start(filled: Filled) -> anyhow::Result<Self> {
+        let folder = filled.folder;
         let data = folder.path().join("data");
-        fill(&data, bank, steps).await?;
         let [web, twin] = free_ports()?;
         let config = folder.path().join("connector.toml");
         let text = format!(
@@ -75,7 +97,11 @@ impl Connector {
         eventually("all inputs are live", patience, || async {
             let status: Value = self.api.get("/api/v1/status").await.map_err(|error| format!("{error:#}"))?;
             let live = status["sources"][0]["live"].as_u64().unwrap_or_default();
-            if live >= u64::from(inputs) { Ok(()) } else { Err(format!("{live} of {inputs}")) }
+            if live >= u64::from(inputs) {
+                return Ok(());
+            }
+            tokio::time::sleep(ASK_INTERVAL).await;
+            Err(format!("{live} of {inputs}"))
         })
         .await
     }
@@ -92,8 +118,19 @@ impl Connector {
         Usage::of(self.daemon.pid())
     }
 
-    pub fn resident_bytes(&self) -> anyhow::Result<u64> {
-        Ok(self.usage()?.resident_bytes)
+    /// Its memory once the start is over: when it changes by less than a hundredth within a second.
+    pub async fn settled_bytes(&self) -> anyhow::Result<u64> {
+        let before = AtomicU64::new(0);
+        eventually("the memory settles", SETTLING_MAX, || async {
+            tokio::time::sleep(Duration::from_secs(1)).await;
+            let now = self.usage().map_err(|error| format!("{error:#}"))?.resident_bytes;
+            if now.abs_diff(before.swap(now, Ordering::Relaxed)) < now / 100 {
+                Ok(now)
+            } else {
+                Err(format!("{now} bytes"))
+            }
+        })
+        .await
     }
 
     pub fn stop(&mut self) -> anyhow::Result<()> {
