@@ -20,6 +20,8 @@ use crate::{fault::Fault, transform::ScriptCall};
 const BATCH_CALLS_MAX: usize = 256;
 /// About how long a batch may get, in bytes. A single call may exceed it.
 const BATCH_BYTES_MAX: usize = 1 << 20;
+/// Room for so many calls stays reserved for a script.
+const QUEUE_KEPT_MAX: usize = 8;
 /// Most calls of one script that wait; further ones supersede the newest.
 const WAITING_PER_SCRIPT_MAX: usize = 64;
 
@@ -155,10 +157,11 @@ impl Lane {
             let Some(script) = self.turn.pop_front() else { break };
             let Some(queue) = self.waiting.get_mut(&script) else { continue };
             let Some(Waiting { call, resume }) = queue.pop_front() else { continue };
-            if queue.is_empty() {
-                self.waiting.remove(&script);
-            } else {
+            if !queue.is_empty() {
                 self.turn.push_back(script);
+            } else if queue.capacity() > QUEUE_KEPT_MAX {
+                // A short queue is kept, since the next call comes soon.
+                self.waiting.remove(&script);
             }
             bytes += size(&call);
             calls.push(call);

@@ -69,7 +69,7 @@ impl Process {
         };
         let mut process = Self { child, input, output };
         let hello = HostMessage::Hello { version: PROTOCOL_VERSION, limits: config.limits() };
-        match process.ask(&hello, GREETING_BUDGET).await? {
+        match process.ask(&hello.encode(), GREETING_BUDGET).await? {
             WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, is_filtered } => {
                 tracing::info!(
                     script.engine = &*engine,
@@ -90,9 +90,9 @@ impl Process {
         self.input.write_all(&bytes).await.map_err(ProcessError::Ended)
     }
 
-    /// Sends a message and waits for the answer.
-    pub async fn ask(&mut self, message: &HostMessage, budget: Duration) -> Result<WorkerMessage, ProcessError> {
-        let bytes = frame::framed(&message.encode()).map_err(ProcessError::TooLong)?;
+    /// Sends a message, as encoded, and waits for the answer.
+    pub async fn ask(&mut self, message: &[u8], budget: Duration) -> Result<WorkerMessage, ProcessError> {
+        let bytes = frame::framed(message).map_err(ProcessError::TooLong)?;
         let Self { input, output, .. } = self;
         let exchange = async {
             // A worker that overran still says so, though it no longer reads: so both at once, and the answer counts.

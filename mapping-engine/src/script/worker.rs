@@ -1,7 +1,7 @@
 //! A worker that is always there: started when needed, started anew when lost, loaded with its scripts again.
 
 use std::{
-    collections::{HashMap, VecDeque},
+    collections::HashMap,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -62,35 +62,31 @@ impl ScriptWorker {
     /// Makes calls, in order. There is one outcome for each.
     pub async fn run(&mut self, calls: Vec<Call>) -> Vec<CallOutcome> {
         let mut outcomes = Vec::with_capacity(calls.len());
-        let mut rest = VecDeque::from(calls);
         // After an end without a word the culprit is found by making the calls one by one.
         let mut singly = false;
-        while !rest.is_empty() {
+        while let Some(rest) = calls.get(outcomes.len()..).filter(|rest| !rest.is_empty()) {
             if let Err(fault) = self.ready().await {
-                outcomes.extend(rest.drain(..).map(|_| CallOutcome::failed(fault.clone(), false)));
+                outcomes.extend(rest.iter().map(|_| CallOutcome::failed(fault.clone(), false)));
                 break;
             }
-            let count = if singly { 1 } else { rest.len() };
-            let batch: Vec<Call> = rest.iter().take(count).cloned().collect();
-            match self.ask(&HostMessage::Batch(batch), self.config.answer_budget()).await {
-                Ok(WorkerMessage::Results(results)) if !results.is_empty() && results.len() <= count => {
-                    self.finish(&mut rest, &mut outcomes, results);
+            let batch = if singly { &rest[..1] } else { rest };
+            match self.ask(&HostMessage::encode_batch(batch), self.config.answer_budget()).await {
+                Ok(WorkerMessage::Results(results)) if !results.is_empty() && results.len() <= batch.len() => {
+                    self.finish(batch, &mut outcomes, results);
                 }
-                Ok(WorkerMessage::Overrun(results)) if results.len() < count => {
+                Ok(WorkerMessage::Overrun(results)) if results.len() < batch.len() => {
                     self.take_down().await;
-                    self.finish(&mut rest, &mut outcomes, results);
-                    if let Some(culprit) = rest.pop_front() {
-                        self.note(&culprit, None);
-                        let message = "the script computed longer than it may and could not be stopped";
-                        outcomes.push(fatal(FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT, message));
-                    }
+                    let culprit = &batch[results.len()];
+                    self.finish(batch, &mut outcomes, results);
+                    self.note(culprit, None);
+                    let message = "the script computed longer than it may and could not be stopped";
+                    outcomes.push(fatal(FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT, message));
                 }
                 other => {
                     let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
                     tracing::warn!(error = &error as &dyn std::error::Error, "A script worker was lost.");
                     self.take_down().await;
-                    if count == 1 {
-                        rest.pop_front();
+                    if batch.len() == 1 {
                         let (kind, status) = (FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR);
                         outcomes.push(fatal(kind, status, "the script took its worker process down"));
                     } else {
@@ -109,10 +105,10 @@ impl ScriptWorker {
         }
     }
 
-    fn finish(&mut self, rest: &mut VecDeque<Call>, outcomes: &mut Vec<CallOutcome>, results: Vec<CallResult>) {
-        for CallResult { outcome, state, spent } in results {
-            let Some(call) = rest.pop_front() else { return };
-            self.note(&call, state.clone());
+    /// Takes the results of the first of these calls.
+    fn finish(&mut self, calls: &[Call], outcomes: &mut Vec<CallOutcome>, results: Vec<CallResult>) {
+        for (call, CallResult { outcome, state, spent }) in calls.iter().zip(results) {
+            self.note(call, state.clone());
             outcomes.push(CallOutcome { result: outcome.map_err(fault_of), state, spent, is_fatal: false });
         }
     }
@@ -168,7 +164,7 @@ impl ScriptWorker {
     }
 
     async fn load_now(&mut self, load: &Load) -> Result<(), Fault> {
-        match self.ask(&HostMessage::Load(load.clone()), self.config.answer_budget()).await {
+        match self.ask(&HostMessage::Load(load.clone()).encode(), self.config.answer_budget()).await {
             Ok(WorkerMessage::Loaded { script, fault }) if script == load.script => {
                 fault.map_or(Ok(()), |f| Err(fault_of(f)))
             }
@@ -187,7 +183,7 @@ impl ScriptWorker {
         }
     }
 
-    async fn ask(&mut self, message: &HostMessage, budget: Duration) -> Result<WorkerMessage, ProcessError> {
+    async fn ask(&mut self, message: &[u8], budget: Duration) -> Result<WorkerMessage, ProcessError> {
         match &mut self.process {
             Some(process) => process.ask(message, budget).await,
             None => Err(ProcessError::Silent),

@@ -88,12 +88,18 @@ impl HostMessage {
                 to.u8(2);
                 to.u32(script.0);
             }
-            Self::Batch(calls) => {
-                to.u8(3);
-                to.count(calls.len());
-                calls.iter().for_each(|call| call.encode(&mut to));
-            }
+            Self::Batch(calls) => return Self::encode_batch(calls),
         }
+        to.into_bytes()
+    }
+
+    /// The body of a frame with a [`Self::Batch`] of calls that stay where they are.
+    #[must_use]
+    pub fn encode_batch(calls: &[Call]) -> Vec<u8> {
+        let mut to = Encoder::new();
+        to.u8(3);
+        to.count(calls.len());
+        calls.iter().for_each(|call| call.encode(&mut to));
         to.into_bytes()
     }
 
