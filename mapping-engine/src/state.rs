@@ -15,7 +15,7 @@ use crate::{mapping::Step, number::Number, quality::Meta, stored};
 #[serde(transparent)]
 #[schemars(with = "Vec<serde_json::Value>")]
 #[schema(value_type = Vec<Object>)]
-pub struct TransformState(pub(crate) Arc<Vec<StepState>>);
+pub struct TransformState(pub(crate) Arc<[StepState]>);
 
 impl TransformState {
     /// What of this state, left by a mapping with the steps `before`, a mapping with the steps `after` may go on with:
@@ -37,7 +37,8 @@ impl TransformState {
     }
 
     pub(crate) fn new(steps: Vec<StepState>) -> Self {
-        Self(Arc::new(steps))
+        // Nearly all mappings remember nothing, and the empty slice needs no memory of its own.
+        Self(if steps.is_empty() { Arc::default() } else { steps.into() })
     }
 }
 

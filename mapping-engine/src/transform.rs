@@ -226,8 +226,9 @@ impl Transform {
             Ok(yielded) => yielded,
             Err(fault) => return self.fail(Some(call.step), fault, meta, trace),
         };
-        if let (Some(new), Some(StepState::Script { state })) =
-            (yielded.state, Arc::make_mut(&mut self.state.0).get_mut(call.step))
+        // Whoever keeps the state shares it: it is copied where it changes only.
+        if let Some(new) = yielded.state
+            && let Some(StepState::Script { state }) = Arc::make_mut(&mut self.state.0).get_mut(call.step)
         {
             *state = Some(new);
         }
@@ -297,7 +298,7 @@ impl Transform {
             }
             let applied = if let Function::Script = function {
                 Applied::Call(flow)
-            } else if self.state.0.is_empty() {
+            } else if matches!(self.state.0.get(step), None | Some(StepState::None)) {
                 function.apply(&mut StepState::None, flow, trigger, &self.slots, now)
             } else {
                 let state = &mut Arc::make_mut(&mut self.state.0)[step];

@@ -104,11 +104,11 @@ impl Core {
             let subscriber = Subscriber { place: HELD, input };
             let (key, request) = self.routes.subscribe(wanted, subscriber);
             requests.extend(request);
-            held.push((key, subscriber));
+            held.push((key, wanted, subscriber));
         }
         let result = self.put_in_place(compiled, now);
-        for (key, subscriber) in held {
-            if self.routes.unsubscribe(key, subscriber) {
+        for (key, wanted, subscriber) in held {
+            if self.routes.unsubscribe(key, wanted, subscriber) {
                 requests.retain(|request| request.input != key);
                 self.inputs.unmonitor(&[key]);
             }
@@ -185,8 +185,9 @@ impl Core {
     pub fn remove(&mut self, id: &MappingId) -> bool {
         let Some((place, entry)) = self.inventory.remove(id) else { return false };
         let mut unwanted = Vec::new();
-        for (input, key) in entry.inputs.iter().enumerate() {
-            if self.routes.unsubscribe(*key, Subscriber { place, input }) {
+        let wanted = &entry.transform.plan().mapping.inputs;
+        for (input, (key, wanted)) in entry.inputs.iter().zip(wanted).enumerate() {
+            if self.routes.unsubscribe(*key, wanted, Subscriber { place, input }) {
                 unwanted.push(*key);
             }
         }
@@ -303,7 +304,10 @@ impl Core {
         let Some(entry) = self.inventory.get_mut(place) else { return };
         entry.yielded += 1;
         entry.last_yielded_at = Some(now);
-        entry.last_candidate = Some(Box::new(value.clone()));
+        match &mut entry.last_candidate {
+            Some(last) => (**last).clone_from(&value),
+            none => *none = Some(Box::new(value.clone())),
+        }
         if entry.is_shadow {
             return;
         }

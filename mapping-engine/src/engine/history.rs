@@ -59,6 +59,10 @@ impl History {
         while self.values.len() >= values_max.max(1) {
             self.values.pop_front();
         }
+        if self.values.len() == self.values.capacity() {
+            // Doubled from one on: where variables seldom change, most of them never have four values.
+            self.values.reserve_exact(self.values.len().max(1));
+        }
         self.values.push_back((at, value));
         if self.values.capacity() > values_max.saturating_mul(2) {
             self.values.shrink_to(values_max);

@@ -25,7 +25,6 @@ pub(super) struct Route {
     pub subscribers: Vec<Subscriber>,
     /// The newest is given to mappings that come later.
     pub history: History,
-    variable: (SourceId, NodeId),
 }
 
 /// All monitored variables.
@@ -57,8 +56,9 @@ impl Routes {
 
     /// Lets a mapping's input follow a variable. The request to monitor it, if nobody has so far.
     pub fn subscribe(&mut self, input: &MappingInput, subscriber: Subscriber) -> (InputKey, Option<MonitorRequest>) {
-        let variable = (input.source_id.clone(), input.node_id.clone());
-        let keys = self.keys.entry(variable.clone()).or_default();
+        let (source, node_id) = (input.source_id.clone(), input.node_id.clone());
+        // One way of monitoring is the rule.
+        let keys = self.keys.entry((source.clone(), node_id.clone())).or_insert_with(|| Vec::with_capacity(1));
         if let Some((_, key)) = keys.iter().find(|(options, _)| *options == input.monitor) {
             let key = *key;
             if let Some(route) = self.routes.get_mut(&key) {
@@ -70,24 +70,26 @@ impl Routes {
         self.last_key += 1;
         let key = InputKey(self.last_key);
         keys.push((input.monitor.clone(), key));
-        let (source, node_id) = variable.clone();
-        self.routes.insert(key, Route { subscribers: vec![subscriber], history: History::default(), variable });
+        // A mapping that is put is held while it finds its place, so there are two at first.
+        let mut subscribers = Vec::with_capacity(2);
+        subscribers.push(subscriber);
+        self.routes.insert(key, Route { subscribers, history: History::default() });
         (key, Some(MonitorRequest { input: key, source, node_id, options: input.monitor.clone() }))
     }
 
     /// Ends what [`Self::subscribe`] began. True if nobody follows the variable any more.
-    pub fn unsubscribe(&mut self, key: InputKey, subscriber: Subscriber) -> bool {
+    pub fn unsubscribe(&mut self, key: InputKey, input: &MappingInput, subscriber: Subscriber) -> bool {
         let Some(route) = self.routes.get_mut(&key) else { return false };
         route.subscribers.retain(|other| *other != subscriber);
         if !route.subscribers.is_empty() {
             return false;
         }
-        if let Some(route) = self.routes.remove(&key)
-            && let Some(keys) = self.keys.get_mut(&route.variable)
-        {
+        self.routes.remove(&key);
+        let variable = (input.source_id.clone(), input.node_id.clone());
+        if let Some(keys) = self.keys.get_mut(&variable) {
             keys.retain(|(_, other)| *other != key);
             if keys.is_empty() {
-                self.keys.remove(&route.variable);
+                self.keys.remove(&variable);
             }
         }
         true
