@@ -261,6 +261,10 @@ impl Entry {
     fn not_live(&self) -> (usize, Vec<InputProblem>) {
         let (feed, problems, message) = {
             let board = self.board.lock();
+            let wanted = self.wanted.lock().inputs.len();
+            if board.feed.as_ref().is_some_and(|feed| feed.live() == wanted) {
+                return (wanted, Vec::new());
+            }
             let message = board.problem.as_ref().map_or_else(|| "not connected yet".into(), |p| p.message.clone());
             (board.feed.clone(), board.problems.clone(), message)
         };
