@@ -89,6 +89,8 @@ pub struct Books {
     pub(crate) checkpoint: Option<(u64, DateTime)>,
     /// Writers whose data set has news.
     pub(crate) dirty_writers: BTreeSet<u16>,
+    /// Writers about whose fields something was decided in this transaction, and when.
+    pub(crate) changed_writers: BTreeMap<u16, DateTime>,
     /// Fields whose gate or transform state has to be written.
     pub(crate) dirty_fields: BTreeSet<FieldKey>,
     /// When gates want to be asked again.
@@ -134,6 +136,7 @@ impl Books {
             heads: snapshot.heads,
             checkpoint: snapshot.last_checkpoint,
             dirty_writers: BTreeSet::new(),
+            changed_writers: BTreeMap::new(),
             dirty_fields: BTreeSet::new(),
             due: BTreeSet::new(),
             watchers: HashMap::new(),
@@ -188,6 +191,7 @@ impl Books {
 
     /// What the store has to write, and what is to be done after it.
     pub fn take(&mut self) -> (Changes, Aftermath) {
+        self.refresh_writers();
         let mut aftermath = std::mem::take(&mut self.aftermath);
         if aftermath.decisions.count > 0 {
             aftermath.events.push(ConnectorEvent::Decisions(aftermath.decisions));
@@ -198,7 +202,7 @@ impl Books {
     /// There is something to write that must not wait for the publishing interval.
     #[must_use]
     pub fn has_urgent_changes(&self) -> bool {
-        !self.changes.is_empty() || !self.purges.is_empty()
+        !self.changes.is_empty() || !self.purges.is_empty() || !self.changed_writers.is_empty()
     }
 
     /// The next number in the spool.

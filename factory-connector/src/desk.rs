@@ -266,6 +266,7 @@ impl Desk {
     /// One transaction with everything in it, and then what follows from it.
     async fn commit(&mut self) -> Result<(), StoreError> {
         let now = now();
+        self.books.refresh_writers();
         self.take_back_purged(now).await?;
         self.books.report(now, salt);
         self.sign_ends();

@@ -125,6 +125,51 @@ fn a_report_and_its_ledger_entries_are_one_change() {
     assert_eq!(report["Payload"]["made"], json!({ "Type": 9, "Body": "7" }));
 }
 
+/// The metadata messages of a transaction: which fields each describes, with the versions of its data set.
+fn descriptions(books: &mut Books) -> Vec<(Vec<String>, u64, u64)> {
+    let (changes, _) = books.take();
+    let bodies =
+        changes.controls.iter().filter(|control| control.subject == "ua-metadata").map(|control| &control.body);
+    bodies
+        .map(|body| {
+            let message: Value = serde_json::from_str(body).expect("JSON");
+            let meta = &message["MetaData"];
+            let names = meta["Fields"].as_array().expect("fields").iter().skip(5);
+            let names = names.filter_map(|field| field["Name"].as_str().map(str::to_owned)).collect();
+            let version = |member: &str| meta["ConfigurationVersion"][member].as_u64().expect("a version");
+            (names, version("MajorVersion"), version("MinorVersion"))
+        })
+        .collect()
+}
+
+#[test]
+fn all_decisions_of_a_transaction_are_described_once() {
+    let mut books = books();
+    map(&mut books, "note", ValueSource::Manual, "{}");
+    map(&mut books, "made", ValueSource::Manual, "{}");
+    assert!(books.has_urgent_changes());
+    let described = descriptions(&mut books);
+    let names: Vec<_> = described.iter().map(|(names, ..)| names.clone()).collect();
+    assert_eq!(names, [["made", "madeUnit", "note"]]);
+    assert_eq!(described[0].2, described[0].1 + 1, "two fields were added at once");
+    map(&mut books, "note", ValueSource::Manual, "{}");
+    let again = descriptions(&mut books);
+    assert_eq!((again[0].1, again[0].2), (described[0].1, described[0].2 + 1));
+}
+
+/// What was taken back is over: what comes after it is of another epoch, though the fields are the same.
+#[test]
+fn a_consent_that_ends_and_comes_again_in_one_transaction_begins_an_epoch() {
+    let mut books = books();
+    map(&mut books, "made", ValueSource::Manual, "{}");
+    let before = descriptions(&mut books);
+    books.decide(&field("made"), Verdict::LeavePending, None, "eve", at(1)).expect("decided");
+    map(&mut books, "made", ValueSource::Manual, "{}");
+    let after = descriptions(&mut books);
+    assert_eq!(after.len(), 1);
+    assert!(after[0].1 > before[0].1, "{before:?} {after:?}");
+}
+
 #[test]
 fn sequences_count_without_gaps_and_coarsened_repeats_do_not_count() {
     let mut books = books();

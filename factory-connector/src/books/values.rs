@@ -112,6 +112,7 @@ impl Books {
     ///
     /// `salt` yields fresh random bytes for each report.
     pub fn report(&mut self, now: DateTime, mut salt: impl FnMut() -> [u8; SALT_BYTES]) {
+        self.refresh_writers();
         let writers = std::mem::take(&mut self.dirty_writers);
         let mut shared: Vec<NewReport> = Vec::new();
         let mut shared_bytes = 0;

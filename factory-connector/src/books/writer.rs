@@ -29,8 +29,6 @@ pub struct Writer {
     pub fields: Vec<FieldName>,
     /// Those that reports of this epoch have carried, as far as this run of the connector knows.
     pub carried: BTreeSet<FieldName>,
-    /// The metadata in force.
-    pub meta_data: Option<Arc<DataSetMetaData>>,
     /// When it was retired.
     pub retired_at: Option<DateTime>,
     /// When it last reported or kept alive, as far as this run of the connector knows.
@@ -68,7 +66,6 @@ impl Books {
             next_sequence: row.next_sequence,
             fields: row.fields,
             carried: BTreeSet::new(),
-            meta_data: None,
             retired_at: row.retired_at,
             last_sign_at: DateTime::MIN,
         };
@@ -91,7 +88,6 @@ impl Books {
             next_sequence: 0,
             fields: Vec::new(),
             carried: BTreeSet::new(),
-            meta_data: None,
             retired_at: None,
             last_sign_at: now,
         };
@@ -109,7 +105,6 @@ impl Books {
         if let Some(writer) = self.writers.get_mut(&id) {
             writer.retired_at = Some(now);
             writer.fields.clear();
-            writer.meta_data = None;
         }
         self.store_writer(id);
     }
@@ -131,18 +126,35 @@ impl Books {
         self.describe(id, now);
     }
 
-    /// After decisions about a request's fields: brings its writer's data set up to date. Appended fields change the
-    /// minor version only; anything else begins a new epoch.
+    /// After decisions about a request's fields: its writer's data set is to be brought up to date. That is done once for
+    /// all decisions of a transaction, so that a partner gets one description and not one per field.
     pub(crate) fn refresh_writer(&mut self, id: u16, now: DateTime) {
-        let Some(writer) = self.writers.get(&id) else { return };
+        if self.writers.contains_key(&id) {
+            self.changed_writers.insert(id, now);
+        }
+    }
+
+    /// Brings the data sets up to date about whose fields something was decided: to be called before what waits of them
+    /// is taken back, and before they report.
+    pub(crate) fn refresh_writers(&mut self) {
+        for (id, now) in std::mem::take(&mut self.changed_writers) {
+            self.refresh_now(id, now);
+        }
+    }
+
+    /// Appended fields change the minor version only; anything else begins a new epoch.
+    fn refresh_now(&mut self, id: u16, now: DateTime) {
+        let Some(writer) = self.writers.get(&id).filter(|writer| writer.retired_at.is_none()) else { return };
         let request = writer.request.clone();
         let fields: Vec<FieldName> = self
             .fields_of(&request)
             .filter(|(_, field)| field.decision.is_mapped())
             .map(|(key, _)| key.field_name)
             .collect();
+        // A consent that ended and was given anew within one transaction ended all the same.
+        let is_ended = self.purges.contains_key(&id);
         let Some(writer) = self.writers.get_mut(&id) else { return };
-        let is_appended = fields.starts_with(&writer.fields);
+        let is_appended = !is_ended && fields.starts_with(&writer.fields);
         writer.fields = fields;
         if is_appended {
             writer.minor_version = now.version_time().max(writer.minor_version.saturating_add(1));
@@ -155,22 +167,16 @@ impl Books {
     /// Sends the metadata of a writer; it precedes the data that it describes. Reports what is disclosed already.
     fn describe(&mut self, id: u16, now: DateTime) {
         self.store_writer(id);
-        let Some(meta_data) = self.meta_data(id) else { return };
-        let meta_data = Arc::new(meta_data);
-        let Some(writer) = self.writers.get_mut(&id) else { return };
-        writer.meta_data = Some(Arc::clone(&meta_data));
-        let is_empty = writer.fields.is_empty();
+        let Some(writer) = self.writers.get(&id).filter(|writer| !writer.fields.is_empty()) else { return };
         let request = writer.request.clone();
-        if is_empty {
-            return;
-        }
+        let Some(meta_data) = self.meta_data(id) else { return };
         let message_id = new_message_id();
         let message = MetaDataMessage {
             message_id: Some(message_id.clone()),
             publisher_id: Some(Arc::from(self.config.factory_id.as_str())),
             data_set_writer_id: id,
             timestamp: Some(now),
-            meta_data: (*meta_data).clone(),
+            meta_data,
             ..MetaDataMessage::default()
         };
         let body =
