@@ -39,7 +39,7 @@ use uuid::Uuid;
 
 pub use aftermath::{Aftermath, ConnectorEvent, Decisions, FieldNews, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
-pub use field::{Field, FieldDecision};
+pub use field::{Field, FieldDecision, Marks};
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
 pub use policies::{DocumentError, Grounds, RecipientPolicy};
@@ -91,8 +91,8 @@ pub struct Books {
     pub(crate) dirty_writers: BTreeSet<u16>,
     /// Writers about whose fields something was decided in this transaction, and when.
     pub(crate) changed_writers: BTreeMap<u16, DateTime>,
-    /// Fields whose gate or transform state has to be written.
-    pub(crate) dirty_fields: BTreeSet<FieldKey>,
+    /// Fields whose gate or transform state has to be written; each has a mark of it, so that it stands here once.
+    pub(crate) dirty_fields: Vec<FieldKey>,
     /// When gates want to be asked again.
     pub(crate) due: BTreeSet<(DateTime, FieldKey)>,
     /// Which fields' gates look at a field's state.
@@ -137,7 +137,7 @@ impl Books {
             checkpoint: snapshot.last_checkpoint,
             dirty_writers: BTreeSet::new(),
             changed_writers: BTreeMap::new(),
-            dirty_fields: BTreeSet::new(),
+            dirty_fields: Vec::new(),
             due: BTreeSet::new(),
             watchers: HashMap::new(),
             policies: keyed(snapshot.policies),

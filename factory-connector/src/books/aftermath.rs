@@ -9,7 +9,7 @@ use mapping_engine::{Mapping, MappingId, TransformState};
 pub struct Aftermath {
     /// What the twin shows.
     pub twin: Vec<TwinWork>,
-    /// Newly disclosed values, for the twin's nodes and the pages.
+    /// Newly disclosed values, the newest of each field, for the twin's nodes.
     pub values: Vec<(FieldKey, DataValue)>,
     /// What the mapping engine runs.
     pub mappings: Vec<MappingWork>,
@@ -36,6 +36,29 @@ pub struct Decisions {
 }
 
 impl Aftermath {
+    /// A newly disclosed value, in the place of an older one of the same field: what partners do not get, nodes do not
+    /// show. `place` is the field's own note of where.
+    pub(super) fn disclose(&mut self, place: &mut usize, key: &FieldKey, value: &DataValue) {
+        match self.values.get_mut(*place) {
+            Some((known, older)) if known == key => older.clone_from(value),
+            _ => {
+                *place = self.values.len();
+                self.values.push((key.clone(), value.clone()));
+            }
+        }
+    }
+
+    /// How a field stands, in the place of how it stood before.
+    pub(super) fn tell(&mut self, place: &mut usize, news: FieldNews) {
+        match self.events.get_mut(*place) {
+            Some(ConnectorEvent::Field(older)) if older.key == news.key => **older = news,
+            _ => {
+                *place = self.events.len();
+                self.events.push(ConnectorEvent::Field(Box::new(news)));
+            }
+        }
+    }
+
     /// There is nothing to do.
     #[must_use]
     pub fn is_empty(&self) -> bool {

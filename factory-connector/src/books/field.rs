@@ -1,6 +1,6 @@
 //! Requested fields: the decision about each, and its gate.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use asi_model::{
     DateTime, FieldKey, FieldName, RequestKey, StatusCode,
@@ -10,7 +10,7 @@ use asi_model::{
 use mapping_engine::{Mapping, MappingId, TransformState};
 use twin::FieldRecord;
 
-use super::{Books, ConnectorEvent, FieldNews, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
+use super::{Aftermath, Books, FieldNews, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
 use crate::{
     disclosure::{DisclosurePolicy, Gate, GateState},
     store::{FieldRow, FieldValueRow, StoreError},
@@ -42,6 +42,20 @@ pub struct Field {
     pub writer: u16,
     /// When its gate is noted to be asked again.
     pub noted_due: Option<DateTime>,
+    /// What the transaction that is being made holds of it already.
+    pub marks: Marks,
+}
+
+/// Where a transaction holds something about a field, so that it holds the newest only. A place may be of a former
+/// transaction: what stands there tells.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Marks {
+    /// Its state is to be written.
+    pub is_dirty: bool,
+    /// Its place among the newly disclosed values.
+    pub disclosed: usize,
+    /// Its place among the events.
+    pub told: usize,
 }
 
 /// What the engineer decided about a field.
@@ -113,6 +127,39 @@ impl Field {
             decided_by: decision.decided_by.as_deref().map(Arc::from),
             decision_time: decision.decided_at,
         }
+    }
+
+    /// Its gate or transform state has to be written.
+    pub(super) fn mark_dirty(&mut self, key: &FieldKey, dirty: &mut Vec<FieldKey>) {
+        if !std::mem::replace(&mut self.marks.is_dirty, true) {
+            dirty.push(key.clone());
+        }
+    }
+
+    /// Notes when its gate wants to be asked again.
+    pub(super) fn note_due(&mut self, key: &FieldKey, all: &mut BTreeSet<(DateTime, FieldKey)>) {
+        let due = self.gate.due();
+        if due != self.noted_due {
+            if let Some(noted) = self.noted_due {
+                all.remove(&(noted, key.clone()));
+            }
+            if let Some(due) = due {
+                all.insert((due, key.clone()));
+            }
+            self.noted_due = due;
+        }
+    }
+
+    /// Open pages hear how it stands.
+    pub(super) fn tell_pages(&mut self, key: &FieldKey, aftermath: &mut Aftermath) {
+        let news = FieldNews {
+            key: key.clone(),
+            mapping_state: self.decision.mapping_state,
+            consent_version: self.decision.version,
+            is_withheld: self.decision.is_mapped() && self.gate.is_withheld(),
+            value: self.gate.disclosed().cloned(),
+        };
+        aftermath.tell(&mut self.marks.told, news);
     }
 
     /// As stored.
@@ -246,6 +293,7 @@ impl Books {
             shelf: Shelf::default(),
             writer,
             noted_due: None,
+            marks: Marks::default(),
         };
         let decision = &field.decision;
         let policy_id = decision.grounds.policy_id.as_ref();
@@ -266,36 +314,29 @@ impl Books {
     pub(crate) fn store_field(&mut self, key: &FieldKey) {
         if let Some(field) = self.fields.get(key) {
             self.changes.fields.insert(field.id, field.row(key));
-            self.dirty_fields.insert(key.clone());
+        }
+        self.mark_dirty(key);
+    }
+
+    /// A field's gate or transform state has to be written.
+    pub(super) fn mark_dirty(&mut self, key: &FieldKey) {
+        if let Some(field) = self.fields.get_mut(key) {
+            field.mark_dirty(key, &mut self.dirty_fields);
         }
     }
 
     /// Notes when a field's gate wants to be asked again.
     pub(crate) fn note_due(&mut self, key: &FieldKey) {
-        let Some(field) = self.fields.get_mut(key) else { return };
-        let due = field.gate.due();
-        if due != field.noted_due {
-            if let Some(noted) = field.noted_due {
-                self.due.remove(&(noted, key.clone()));
-            }
-            if let Some(due) = due {
-                self.due.insert((due, key.clone()));
-            }
-            field.noted_due = due;
+        if let Some(field) = self.fields.get_mut(key) {
+            field.note_due(key, &mut self.due);
         }
     }
 
     /// Open pages hear how a field stands.
     pub(super) fn tell_pages(&mut self, key: &FieldKey) {
-        let Some(field) = self.fields.get(key) else { return };
-        let news = FieldNews {
-            key: key.clone(),
-            mapping_state: field.decision.mapping_state,
-            consent_version: field.decision.version,
-            is_withheld: field.decision.is_mapped() && field.gate.is_withheld(),
-            value: field.gate.disclosed().cloned(),
-        };
-        self.aftermath.events.push(ConnectorEvent::Field(Box::new(news)));
+        if let Some(field) = self.fields.get_mut(key) {
+            field.tell_pages(key, &mut self.aftermath);
+        }
     }
 
     /// At the start: everything that the twin shows and the engine runs.

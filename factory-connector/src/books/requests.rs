@@ -184,6 +184,7 @@ impl Books {
             shelf: super::Shelf::default(),
             writer,
             noted_due: None,
+            marks: super::Marks::default(),
         };
         self.fields.insert(key.clone(), field);
         self.store_field(key);
@@ -210,7 +211,6 @@ impl Books {
         if let Some(due) = field.noted_due {
             self.due.remove(&(due, key.clone()));
         }
-        self.dirty_fields.remove(key);
         self.unwatch(key);
         self.changes.fields.remove(&field.id);
         self.changes.field_values.remove(&field.id);

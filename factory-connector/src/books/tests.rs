@@ -170,6 +170,33 @@ fn a_consent_that_ends_and_comes_again_in_one_transaction_begins_an_epoch() {
     assert!(after[0].1 > before[0].1, "{before:?} {after:?}");
 }
 
+/// What the partner does not get, no node and no page shows either.
+#[test]
+fn of_several_values_in_one_transaction_the_newest_is_shown() {
+    let mut books = books();
+    map(&mut books, "made", ValueSource::Manual, "{}");
+    map(&mut books, "note", ValueSource::Manual, "{}");
+    books.take();
+    let mut offer = |name: &str, value: Variant, ms| {
+        books.candidate(&field(name), ValueSource::Manual, DataValue::good(value, at(ms)), None, at(ms));
+    };
+    offer("made", 1_u64.into(), 1);
+    offer("note", "a".into(), 2);
+    offer("made", 2_u64.into(), 3);
+    offer("note", "b".into(), 4);
+    books.report(at(5), || [7; SALT]);
+    let (changes, aftermath) = books.take();
+    let shown: Vec<_> = aftermath.values.iter().map(|(key, value)| (key.clone(), value.value.clone())).collect();
+    assert_eq!(shown, [(field("made"), 2_u64.into()), (field("note"), "b".into())]);
+    assert_eq!(aftermath.events.len(), 2, "{:?}", aftermath.events);
+    assert_eq!((changes.reports.len(), changes.field_values.len()), (1, 2));
+
+    books.candidate(&field("note"), ValueSource::Manual, DataValue::good("c", at(6)), None, at(6));
+    books.report(at(6), || [7; SALT]);
+    let (changes, aftermath) = books.take();
+    assert_eq!((aftermath.values.len(), aftermath.events.len(), changes.field_values.len()), (1, 1, 1));
+}
+
 #[test]
 fn sequences_count_without_gaps_and_coarsened_repeats_do_not_count() {
     let mut books = books();

@@ -42,9 +42,14 @@ impl Books {
         }
         field.newest = Some(value.clone());
         field.traffic.came(now);
-        // Others hear of a new state before anything of theirs leaves.
-        self.tell_watchers(key, now);
-        let outcome = self.fields.get_mut(key)?.gate.on(now, value);
+        let field = if self.watchers.contains_key(key) {
+            // Others hear of a new state before anything of theirs leaves.
+            self.tell_watchers(key, now);
+            self.fields.get_mut(key)?
+        } else {
+            field
+        };
+        let outcome = field.gate.on(now, value);
         self.after_gate(key, now);
         Some(outcome)
     }
@@ -91,19 +96,16 @@ impl Books {
     }
 
     pub(super) fn after_gate(&mut self, key: &FieldKey, now: DateTime) {
-        let Some(field) = self.fields.get_mut(key) else { return };
-        let has_news = field.gate.take_news();
-        if has_news {
+        let Self { fields, dirty_fields, dirty_writers, due, aftermath, .. } = self;
+        let Some(field) = fields.get_mut(key) else { return };
+        field.mark_dirty(key, dirty_fields);
+        field.note_due(key, due);
+        if field.gate.take_news() {
             field.traffic.left(now);
-        }
-        let writer = field.writer;
-        self.dirty_fields.insert(key.clone());
-        self.note_due(key);
-        if has_news {
-            self.dirty_writers.insert(writer);
-            if let Some(value) = self.fields.get(key).and_then(|field| field.gate.disclosed()) {
-                self.aftermath.values.push((key.clone(), value.clone()));
-                self.tell_pages(key);
+            dirty_writers.insert(field.writer);
+            if let Some(value) = field.gate.disclosed() {
+                aftermath.disclose(&mut field.marks.disclosed, key, value);
+                field.tell_pages(key, aftermath);
             }
         }
     }
@@ -153,7 +155,8 @@ impl Books {
         }
         self.close_message(&mut shared);
         for key in std::mem::take(&mut self.dirty_fields) {
-            if let Some(field) = self.fields.get(&key) {
+            if let Some(field) = self.fields.get_mut(&key) {
+                field.marks.is_dirty = false;
                 self.changes.field_values.insert(field.id, field.value_row());
             }
         }

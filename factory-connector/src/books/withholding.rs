@@ -46,7 +46,7 @@ impl Books {
                 field.gate.on_state(now, &other, is_withheld);
             }
         }
-        self.dirty_fields.insert(key.clone());
+        self.mark_dirty(key);
     }
 
     /// A gate for trying a policy on a field: it knows how the states stand that the policy looks at.

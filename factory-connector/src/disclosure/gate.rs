@@ -262,9 +262,9 @@ impl Gate {
     fn wait(&mut self, now: DateTime, value: DataValue) {
         let delay = self.policy.delay();
         if delay.is_zero() {
-            // The newest wins, but the wait counts from the first that had news.
+            // Ripe at once; what was kept from leaving until now gives way to it.
             self.state.waiting.clear();
-            self.state.waiting.push_back((now, value));
+            self.ripe = Some((now, value));
             return;
         }
         let share: Duration = delay / DELAYED_MAX;
