@@ -15,6 +15,7 @@ mod policy_tests;
 mod requests;
 mod revocation;
 mod rules;
+mod sharing;
 mod spool;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -108,6 +109,7 @@ pub struct Books {
     pub(crate) next_expiry: Option<DateTime>,
     /// Fields with a value that came before their request asks for it, by when it does.
     pub(crate) beginnings: BTreeSet<(DateTime, FieldKey)>,
+    pub(crate) shared: sharing::Shared,
     pub(crate) last_row: i64,
     pub(crate) last_field: i64,
     pub(crate) changes: Changes,
@@ -146,6 +148,7 @@ impl Books {
             last_rule_decision: snapshot.last_rule_decision,
             next_expiry: None,
             beginnings: BTreeSet::new(),
+            shared: sharing::Shared::default(),
             last_row: snapshot.last_row,
             last_field: 0,
             changes: Changes::default(),
@@ -174,7 +177,7 @@ impl Books {
             let key = row.key.clone();
             books.load_field(row, value, now)?;
             if let Some(field) = books.fields.get_mut(&key) {
-                field.shelf = Self::load_shelf(newest, field.decision.mapping.as_ref(), shadow)?;
+                field.shelf = Self::load_shelf(newest, field.decision.mapping.as_deref(), shadow)?;
             }
         }
         books.watch_after_load(now);

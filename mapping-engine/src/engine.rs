@@ -81,7 +81,7 @@ pub struct Candidate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Published {
     /// The mapping.
-    pub mapping: Mapping,
+    pub mapping: Arc<Mapping>,
     /// What its functions remembered.
     pub state: Option<TransformState>,
     /// Its last candidate; shown as last usable value until the source gives one.
@@ -92,7 +92,7 @@ pub struct Published {
 
 impl From<Mapping> for Published {
     fn from(mapping: Mapping) -> Self {
-        Self { mapping, state: None, last: None, is_shadow: false }
+        Self { mapping: Arc::new(mapping), state: None, last: None, is_shadow: false }
     }
 }
 
@@ -157,7 +157,7 @@ impl MappingEngineHandle {
         mapping: Mapping,
         state: Option<TransformState>,
     ) -> Result<Vec<MappingDiagnostic>, EngineError> {
-        let published = Published { mapping, state, last: None, is_shadow: false };
+        let published = Published { mapping: Arc::new(mapping), state, last: None, is_shadow: false };
         self.put_many(vec![published]).await?.pop().ok_or(EngineError::Stopped)?
     }
 
@@ -172,7 +172,7 @@ impl MappingEngineHandle {
         let mut results = Vec::with_capacity(published.len());
         let mut compiled = Vec::with_capacity(published.len());
         for Published { mapping, state, last, is_shadow } in published {
-            let (plan, diagnostics) = compile(&Arc::new(mapping));
+            let (plan, diagnostics) = compile(&mapping);
             results.push(match plan {
                 Some(plan) => {
                     compiled.push(Compiled { plan: Arc::new(plan), state, last, is_shadow });

@@ -130,8 +130,10 @@ pub async fn rollback(
 
 /// The stored versions, newest first, and the field's mapping as it is now.
 async fn versions(api: &Api, field: FieldKey) -> Result<(Vec<(store::VersionRow, Mapping)>, Option<Mapping>), Problem> {
-    let known =
-        api.desk.read(move |books| books.field(&field).map(|field| (field.id, field.decision.mapping.clone()))).await?;
+    let known = api
+        .desk
+        .read(move |books| books.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned())))
+        .await?;
     let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let rows = store::versions(&api.readers, id).await?;
     let stored = rows

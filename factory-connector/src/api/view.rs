@@ -126,7 +126,7 @@ impl FieldView {
             decided_by: decision.decided_by.clone(),
             decision_time: decision.decided_at,
             value: field.gate.disclosed().map(ShownValue::from),
-            mapping: decision.mapping.clone(),
+            mapping: decision.mapping.as_deref().cloned(),
             mapping_version: (field.shelf.version > 0).then_some(field.shelf.version),
             has_shadow: field.shelf.shadow.is_some(),
             key,

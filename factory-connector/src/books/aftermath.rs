@@ -1,5 +1,7 @@
 //! What is to be done once a transaction is committed.
 
+use std::sync::Arc;
+
 use crate::operator::OperationKey;
 use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
 use mapping_engine::{Mapping, MappingId, TransformState};
@@ -86,9 +88,9 @@ pub enum TwinWork {
 #[derive(Debug, Clone)]
 pub enum MappingWork {
     /// A mapping is new or changed, and goes on from this state.
-    Put(Box<Mapping>, Option<TransformState>),
+    Put(Arc<Mapping>, Option<TransformState>),
     /// A mapping runs beside the published one and yields nothing.
-    PutShadow(Box<Mapping>, Option<TransformState>),
+    PutShadow(Arc<Mapping>, Option<TransformState>),
     /// A mapping ended.
     Remove(MappingId),
 }

@@ -113,7 +113,9 @@ impl Books {
             Verdict::Map { policy, .. } => self.effective_policy(key, known, policy, grounds.policy_id.as_ref()).0,
             Verdict::LeavePending | Verdict::Refuse => Arc::clone(known.gate.policy()),
         };
-        let field = self.fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
+        let Self { fields, shared, .. } = self;
+        let own_key = fields.get_key_value(key).map(|(own, _)| own.clone());
+        let (own_key, field) = own_key.zip(fields.get_mut(key)).ok_or(DecisionError::UnknownField)?;
         let was_mapped = field.decision.is_mapped();
         let had_source = field.decision.value_source;
         let mapping_id = field.mapping_id();
@@ -128,19 +130,23 @@ impl Books {
                     return Err(DecisionError::Policy(faults));
                 }
                 let is_other_source =
-                    had_source != Some(value_source) || decision.mapping.as_ref() != mapping.as_deref();
+                    had_source != Some(value_source) || decision.mapping.as_deref() != mapping.as_deref();
                 if is_other_source {
                     // A counter goes on through a correction, but does not tell what went on while nothing was open.
-                    let (before, after) = (decision.mapping.as_ref(), mapping.as_deref());
+                    let (before, after) = (decision.mapping.as_deref(), mapping.as_deref());
                     let steps = before.zip(after).filter(|_| was_mapped);
                     field.transform = steps.and_then(|(before, after)| {
                         Some(field.transform.as_ref()?.carried_over(&before.steps, &after.steps))
                     });
                 }
-                field.shelf.is_recorded &= mapping.is_none() || decision.mapping.as_ref() == mapping.as_deref();
+                field.shelf.is_recorded &= mapping.is_none() || decision.mapping.as_deref() == mapping.as_deref();
                 decision.mapping_state = MappingState::Mapped;
                 decision.value_source = Some(value_source);
-                decision.mapping = mapping.map(|mapping| *mapping).or_else(|| decision.mapping.take());
+                let mapping = mapping.map(|mut mapping| {
+                    shared.share(&mut mapping, &own_key);
+                    Arc::new(*mapping)
+                });
+                decision.mapping = mapping.or_else(|| decision.mapping.take());
                 decision.policy = Arc::new(policy);
                 if !was_mapped {
                     field.gate.close();
@@ -152,7 +158,7 @@ impl Books {
                 }
                 if value_source == ValueSource::Mapping {
                     if let Some(mapping) = decision.mapping.as_ref().filter(|_| is_other_source || !was_mapped) {
-                        let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
+                        let work = MappingWork::Put(Arc::clone(mapping), field.transform.clone());
                         self.aftermath.mappings.push(work);
                     }
                 } else if had_source == Some(ValueSource::Mapping) {

@@ -72,7 +72,7 @@ pub struct FieldDecision {
     /// When.
     pub decided_at: Option<DateTime>,
     /// The mapping in force, or the one to offer again.
-    pub mapping: Option<Mapping>,
+    pub mapping: Option<Arc<Mapping>>,
     /// How values are coarsened at least: what was consented to. The gate's policy is what holds.
     pub policy: Arc<DisclosurePolicy>,
     /// On what the decision rests beside the engineer's words.
@@ -176,7 +176,7 @@ impl Field {
             mapping: decision
                 .mapping
                 .as_ref()
-                .map(|mapping| serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")),
+                .map(|mapping| serde_json::to_string(&**mapping).expect("mappings have text keys and finite numbers")),
             policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
             grounds: (!decision.grounds.is_empty())
                 .then(|| serde_json::to_string(&decision.grounds).expect("grounds have text keys and whole numbers")),
@@ -242,16 +242,23 @@ impl Books {
         now: DateTime,
     ) -> Result<(), StoreError> {
         self.last_field = self.last_field.max(row.id);
-        let (Some(definition), Some(writer)) =
-            (self.definition(&row.key.request, &row.key.field_name), self.writer_of.get(&row.key.request).copied())
+        let (Some(definition), Some((request, writer))) =
+            (self.definition(&row.key.request, &row.key.field_name), self.writer_of.get_key_value(&row.key.request))
         else {
             // A field without its request cannot be: both are written in one transaction.
             return Err(StoreError::Unreadable { what: "field", reason: format!("{} has no request", row.key) });
         };
+        // The fields of a request share its texts.
+        let (key, writer) = (request.field(definition.name.clone()), *writer);
         let unreadable =
             |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
         let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&row.policy).map_err(unreadable("policy"))?);
-        let mapping = row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
+        let mapping: Option<Mapping> =
+            row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
+        let mapping = mapping.map(|mut mapping| {
+            self.shared.share(&mut mapping, &key);
+            Arc::new(mapping)
+        });
         let (gate, transform) = match value {
             None => (GateState::default(), None),
             Some(value) => (
@@ -287,7 +294,7 @@ impl Books {
                 version: row.consent_version,
             },
             traffic: Box::new(Traffic::new(now)),
-            validity: self.validity_of(&row.key),
+            validity: self.validity_of(&key),
             newest: None,
             transform,
             shelf: Shelf::default(),
@@ -297,11 +304,11 @@ impl Books {
         };
         let decision = &field.decision;
         let policy_id = decision.grounds.policy_id.as_ref();
-        let (effective, _) = self.effective_policy(&row.key, &field, &decision.policy, policy_id);
+        let (effective, _) = self.effective_policy(&key, &field, &decision.policy, policy_id);
         field.gate = Gate::new(effective, field.definition.field_type.0, gate, now);
-        self.fields.insert(row.key.clone(), field);
-        self.note_due(&row.key);
-        self.note_expiry(&row.key);
+        self.fields.insert(key.clone(), field);
+        self.note_due(&key);
+        self.note_expiry(&key);
         Ok(())
     }
 
@@ -350,7 +357,7 @@ impl Books {
             if field.decision.is_open_for(ValueSource::Mapping)
                 && let Some(mapping) = &field.decision.mapping
             {
-                let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
+                let work = MappingWork::Put(Arc::clone(mapping), field.transform.clone());
                 self.aftermath.mappings.push(work);
             }
         }

@@ -3,6 +3,8 @@
 //! A mapping says where values come from; how much of them leaves is the consent's matter. So a corrected mapping of a
 //! field that flows is a new version under the same consent, and the gate stays as it is.
 
+use std::sync::Arc;
+
 use asi_model::{DateTime, FieldKey, messages::ValueSource};
 use mapping_engine::{Mapping, MappingId, TransformState};
 
@@ -118,7 +120,7 @@ impl Books {
     #[must_use]
     pub fn outcome_of(&self, mapping: &Mapping) -> Option<Placed> {
         let decision = &self.fields.get(&mapping.target)?.decision;
-        Some(if decision.mapping.as_ref() == Some(mapping) {
+        Some(if decision.mapping.as_deref() == Some(mapping) {
             Placed::Unchanged
         } else if decision.is_open_for(ValueSource::Mapping) {
             Placed::Published
@@ -130,15 +132,18 @@ impl Books {
     /// Takes mappings for their fields: the next version where the field is mapped, a proposal elsewhere. No consent
     /// changes. Fields that are gone meanwhile are passed over.
     pub fn place(&mut self, placings: Vec<Placing>, now: DateTime) {
-        for Placing { mapping, author, note } in placings {
-            let key = mapping.target.clone();
+        for Placing { mut mapping, author, note } in placings {
+            let Some((key, _)) = self.fields.get_key_value(&mapping.target) else { continue };
+            let key = key.clone();
+            self.shared.share(&mut mapping, &key);
             let (Some(outcome), Some(field)) = (self.outcome_of(&mapping), self.fields.get_mut(&key)) else { continue };
             if outcome == Placed::Unchanged {
                 continue;
             }
             field.transform = field.state_for(&mapping).filter(|_| outcome == Placed::Published);
+            let mapping = Arc::new(mapping);
             if outcome == Placed::Published {
-                let work = MappingWork::Put(Box::new(mapping.clone()), field.transform.clone());
+                let work = MappingWork::Put(Arc::clone(&mapping), field.transform.clone());
                 self.aftermath.mappings.push(work);
             }
             field.decision.mapping = Some(mapping);
@@ -183,7 +188,7 @@ impl Books {
     pub(super) fn show_shadow(&mut self, key: &FieldKey) {
         let Some(field) = self.fields.get(key) else { return };
         self.aftermath.mappings.push(match &field.shelf.shadow {
-            Some(shadow) => MappingWork::PutShadow(Box::new(shadow.mapping.clone()), field.state_for(&shadow.mapping)),
+            Some(shadow) => MappingWork::PutShadow(Arc::new(shadow.mapping.clone()), field.state_for(&shadow.mapping)),
             None => MappingWork::Remove(field.shadow_id()),
         });
     }
@@ -212,26 +217,25 @@ impl Books {
 
     /// What was stored about a field's mapping beside the decision.
     pub(super) fn load_shelf(
-        newest: Option<(u32, String)>,
+        newest: Option<(u32, Option<String>)>,
         mapping: Option<&Mapping>,
         shadow: Option<ShadowRow>,
     ) -> Result<Shelf, StoreError> {
         let unreadable =
             |error: serde_json::Error| StoreError::Unreadable { what: "mapping", reason: error.to_string() };
-        let (version, recorded) = newest.unzip();
-        let recorded: Option<Mapping> =
-            recorded.as_deref().map(serde_json::from_str).transpose().map_err(unreadable)?;
+        let is_recorded = match (&newest, mapping) {
+            (Some((_, Some(recorded))), Some(mapping)) => {
+                serde_json::from_str::<Mapping>(recorded).map_err(unreadable)? == *mapping
+            }
+            (newest, mapping) => newest.is_some() && mapping.is_some(),
+        };
         let shadow = shadow
             .map(|row| {
                 let mapping = serde_json::from_str(&row.mapping).map_err(unreadable)?;
                 Ok::<_, StoreError>(Shadow { mapping, author: row.author, started_at: row.started_at })
             })
             .transpose()?;
-        Ok(Shelf {
-            version: version.unwrap_or_default(),
-            is_recorded: recorded.is_some() && recorded.as_ref() == mapping,
-            shadow,
-        })
+        Ok(Shelf { version: newest.map(|(version, _)| version).unwrap_or_default(), is_recorded, shadow })
     }
 
     /// A field goes: what was to be written about its mapping goes too, and its shadow ends.

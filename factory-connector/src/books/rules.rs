@@ -131,7 +131,7 @@ impl Books {
                 && mapping.target_unit == definition.unit
                 && mapping.target_value_rank == definition.value_rank
         };
-        let own = field.decision.mapping.as_ref().filter(|mapping| is_alike(mapping));
+        let own = field.decision.mapping.as_deref().filter(|mapping| is_alike(mapping));
         let equal = || {
             let (message, _) = self.request(&key.request)?;
             let mut operations = message.operation_network.operation_list.iter();
@@ -142,7 +142,7 @@ impl Books {
                 let field = self.fields.get(&other)?;
                 let is_equal = field.definition.semantic == definition.semantic
                     && field.decision.is_open_for(ValueSource::Mapping);
-                field.decision.mapping.as_ref().filter(|mapping| is_equal && is_alike(mapping))
+                field.decision.mapping.as_deref().filter(|mapping| is_equal && is_alike(mapping))
             })
         };
         let mut mapping = own.or_else(equal)?.clone();

@@ -45,7 +45,7 @@ impl Books {
     /// The mappings of all fields, in force or proposed, in no order.
     #[must_use]
     pub fn all_mappings(&self) -> Vec<Mapping> {
-        self.fields.values().filter_map(|field| field.decision.mapping.clone()).collect()
+        self.fields.values().filter_map(|field| field.decision.mapping.as_deref().cloned()).collect()
     }
 
     /// Which variables were chosen for which fields, whether or not they still flow.

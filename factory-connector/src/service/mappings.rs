@@ -17,10 +17,10 @@ pub(super) async fn publish(
         for piece in batch {
             match piece {
                 MappingWork::Put(mapping, state) => {
-                    ready.push(Published { mapping: *mapping, state, last: None, is_shadow: false });
+                    ready.push(Published { mapping, state, last: None, is_shadow: false });
                 }
                 MappingWork::PutShadow(mapping, state) => {
-                    ready.push(Published { mapping: *mapping, state, last: None, is_shadow: true });
+                    ready.push(Published { mapping, state, last: None, is_shadow: true });
                 }
                 MappingWork::Remove(id) => {
                     put(&engine, std::mem::take(&mut ready)).await;

@@ -6,6 +6,7 @@ use asi_model::{
     DateTime, FieldKey, FieldName, OperationNetworkId, OrganisationId, RequestKey,
     messages::{MappingState, OperationNetworkMessage, ValueSource},
 };
+use futures::TryStreamExt as _;
 use serde::de::DeserializeOwned;
 use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 
@@ -159,9 +160,13 @@ pub(super) async fn all<T>(
     sql: &'static str,
     read: impl Fn(&SqliteRow) -> Result<T, StoreError>,
 ) -> Result<Vec<T>, StoreError> {
-    let rows =
-        sqlx::query(sql).fetch_all(connection).await.map_err(StoreError::while_doing("read the store's tables"))?;
-    rows.iter().map(read).collect()
+    // One after the other: all rows of a large table together would take more memory than what is made of them.
+    let mut rows = sqlx::query(sql).fetch(connection);
+    let mut found = Vec::new();
+    while let Some(row) = rows.try_next().await.map_err(StoreError::while_doing("read the store's tables"))? {
+        found.push(read(&row)?);
+    }
+    Ok(found)
 }
 
 /// A column.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use asi_model::DateTime;
+use futures::TryStreamExt as _;
 use sqlx::{SqliteConnection, SqlitePool};
 
 use super::{StoreError, load::get, rows::insert};
@@ -78,8 +79,9 @@ pub struct TemplateRow {
 /// What is known of the mappings of all fields at the start.
 #[derive(Debug, Default)]
 pub struct MappingShelf {
-    /// The newest version of each field, with its mapping as JSON.
-    pub versions: HashMap<i64, (u32, String)>,
+    /// The newest version of each field, with its mapping as JSON; without where it is the mapping of the field's
+    /// decision.
+    pub versions: HashMap<i64, (u32, Option<String>)>,
     /// The shadows.
     pub shadows: HashMap<i64, ShadowRow>,
 }
@@ -151,17 +153,17 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &MappingCh
 
 pub(super) async fn load(connection: &mut SqliteConnection) -> Result<MappingShelf, StoreError> {
     let mut shelf = MappingShelf::default();
-    let versions = sqlx::query(
-        "SELECT field_id, version, mapping FROM mapping_version AS this WHERE version = \
+    let mut versions = sqlx::query(
+        "SELECT this.field_id, this.version, nullif(this.mapping, field.mapping) FROM mapping_version AS this \
+         LEFT JOIN field ON field.id = this.field_id WHERE this.version = \
          (SELECT max(version) FROM mapping_version AS other WHERE other.field_id = this.field_id)",
     )
-    .fetch_all(&mut *connection)
-    .await
-    .map_err(StoreError::while_doing("read the versions of mappings"))?;
-    for row in &versions {
-        let version: i64 = get(row, 1)?;
-        shelf.versions.insert(get(row, 0)?, (u32::try_from(version).unwrap_or(u32::MAX), get(row, 2)?));
+    .fetch(&mut *connection);
+    while let Some(row) = versions.try_next().await.map_err(StoreError::while_doing("read the versions of mappings"))? {
+        let version: i64 = get(&row, 1)?;
+        shelf.versions.insert(get(&row, 0)?, (u32::try_from(version).unwrap_or(u32::MAX), get(&row, 2)?));
     }
+    drop(versions);
     let shadows = sqlx::query("SELECT field_id, mapping, author, started_at FROM mapping_shadow")
         .fetch_all(connection)
         .await

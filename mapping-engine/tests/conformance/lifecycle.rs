@@ -38,7 +38,7 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     let last = Some(candidate.value);
     let put = bench
         .handle
-        .put_many(vec![Published { mapping, state: Some(state), last: last.clone(), is_shadow: false }])
+        .put_many(vec![Published { mapping: mapping.into(), state: Some(state), last: last.clone(), is_shadow: false }])
         .await;
     put.expect("the engine runs").pop().expect("one result").expect("the mapping is fine");
     // Until the source speaks, the last value stands.

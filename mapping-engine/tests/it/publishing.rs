@@ -81,7 +81,7 @@ async fn a_shadow_runs_on_live_values_and_yields_nothing() {
     bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
     let mut shadow = chain("m", &["a"], "Int32", json!([{ "function": "expression", "expression": "value * 2" }]));
     shadow.mapping_id = MappingId::new("m.shadow").expect("an id");
-    let shadow = Published { mapping: shadow, state: None, last: None, is_shadow: true };
+    let shadow = Published { mapping: shadow.into(), state: None, last: None, is_shadow: true };
     bench.handle.put_many(vec![shadow]).await.expect("runs").pop().expect("one").expect("fine");
     assert_eq!(bench.ask("m", 5_i32).await.value, 5_i32.into());
     assert_eq!(bench.ask("m", 6_i32).await.value, 6_i32.into());
@@ -124,7 +124,7 @@ async fn a_mapping_is_replaced_in_place() {
     assert_eq!(bench.ask("m", 4_i32).await.value, 4_i32.into());
     let doubled = json!([{ "function": "expression", "expression": "value * 2" }]);
     let published =
-        Published { mapping: chain("m", &["a"], "Int32", doubled), state: None, last: None, is_shadow: false };
+        Published { mapping: chain("m", &["a"], "Int32", doubled).into(), state: None, last: None, is_shadow: false };
     bench.handle.put_many(vec![published]).await.expect("runs").pop().expect("one").expect("fine");
     assert_eq!(bench.next("m").await.value.value, 8_i32.into(), "it speaks at once about what is known");
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());

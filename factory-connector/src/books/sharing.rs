@@ -1,0 +1,70 @@
+//! Texts that many mappings have in common are held once.
+
+use std::{collections::HashSet, sync::Arc};
+
+use asi_model::{FieldKey, values::Namespace};
+use mapping_engine::Mapping;
+use shop_floor::SourceId;
+
+/// The sources and namespaces that mappings name. There are few of them, whatever comes and goes.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    sources: HashSet<SourceId>,
+    namespaces: HashSet<Arc<str>>,
+}
+
+impl Shared {
+    /// A mapping of a field that shares what it has in common with the field's key and with other mappings.
+    pub fn share(&mut self, mapping: &mut Mapping, key: &FieldKey) {
+        if mapping.target == *key {
+            mapping.target = key.clone();
+        }
+        for input in &mut mapping.inputs {
+            one_of(&mut self.sources, &mut input.source_id);
+            if let Namespace::Uri(uri) = &mut input.node_id.namespace {
+                one_of(&mut self.namespaces, uri);
+            }
+            input.name.shrink_to_fit();
+        }
+        mapping.inputs.shrink_to_fit();
+        mapping.steps.shrink_to_fit();
+    }
+}
+
+fn one_of<T: std::hash::Hash + Eq + Clone>(known: &mut HashSet<T>, text: &mut T) {
+    match known.get(text) {
+        Some(known) => text.clone_from(known),
+        None => drop(known.insert(text.clone())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::books::tests::field;
+
+    #[test]
+    fn what_mappings_have_in_common_is_held_once() {
+        let key = field("made");
+        let mut shared = Shared::default();
+        let mut mapping = |node: &str| {
+            let json = json!({ "mappingId": node, "target": field("made"), "targetType": "UInt64",
+                "inputs": [{ "name": "a", "sourceId": "press", "nodeId": format!("nsu=urn:press;s={node}") }] });
+            let mut mapping: Mapping = serde_json::from_value(json).expect("a mapping");
+            let before = mapping.clone();
+            shared.share(&mut mapping, &key);
+            assert_eq!(mapping, before);
+            mapping
+        };
+        let (one, other) = (mapping("One"), mapping("Other"));
+        assert!(std::ptr::eq(one.target.field_name.as_str(), key.field_name.as_str()));
+        let (one, other) = (&one.inputs[0], &other.inputs[0]);
+        assert!(std::ptr::eq(one.source_id.as_str(), other.source_id.as_str()));
+        match (&one.node_id.namespace, &other.node_id.namespace) {
+            (Namespace::Uri(one), Namespace::Uri(other)) => assert!(Arc::ptr_eq(one, other)),
+            found => panic!("{found:?}"),
+        }
+    }
+}
