@@ -8,7 +8,7 @@ use std::{collections::HashMap, time::Duration};
 use async_trait::async_trait;
 use parking_lot::Mutex;
 
-pub use mosquitto::{Mosquitto, Saving};
+pub use mosquitto::{Mosquitto, Saving, ServerCertificate};
 pub use rabbitmq::RabbitMq;
 
 use crate::{

@@ -120,6 +120,7 @@ pub(crate) fn new(config: &LinkConfig) -> Result<Box<dyn Transport>, LinkError> 
         tls: config.tls.clone(),
         proxy: config.proxy.clone(),
         stall_timeout: config.limits.stall_timeout,
+        message_bytes_max: config.limits.message_bytes_max,
     };
     let mqtt = config.brokers.iter().filter(|broker| broker.is_mqtt()).count();
     if mqtt == 0 {

@@ -78,6 +78,8 @@ pub struct BrokerConfig {
     pub listen: SocketAddr,
     /// Where it listens without TLS as well; loopback only.
     pub plain_listen: Option<SocketAddr>,
+    /// Where it listens for AMQP in WebSockets as well, with TLS and the same certificate.
+    pub websocket_listen: Option<SocketAddr>,
     /// How connectors reach the broker; told at enrolment.
     pub public_url: Option<BrokerUrl>,
     /// Names and addresses that the embedded broker's certificate is for, beside localhost.
@@ -93,6 +95,7 @@ impl Default for BrokerConfig {
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 5671)),
             plain_listen: None,
+            websocket_listen: None,
             public_url: None,
             host_names: Vec::new(),
             users: Vec::new(),
@@ -226,6 +229,19 @@ impl PlatformConfig {
                     .to_owned(),
             );
         }
+        if let (None, Some(url)) = (&self.broker.external, &self.broker.public_url) {
+            if url.is_mqtt() {
+                faults.push(
+                    "broker.public_url: the embedded broker speaks AMQP; write amqps:// or amqp+wss://, or set \
+                     broker.external"
+                        .to_owned(),
+                );
+            } else if url.websocket_path().is_some() && self.broker.websocket_listen.is_none() {
+                faults.push(
+                    "broker.public_url: nobody takes WebSockets there; set broker.websocket_listen, too".to_owned(),
+                );
+            }
+        }
         if self.web.tls.is_none() && !self.web.listen.ip().is_loopback() && self.web.public_url.is_none() {
             faults.push(
                 "web.listen: pages on other than loopback need web.tls, or web.public_url when a proxy speaks TLS"
@@ -315,5 +331,19 @@ mod tests {
         let faults = config.faults();
         assert_eq!(faults.len(), 2, "{faults:?}");
         assert!(faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen"));
+    }
+
+    #[test]
+    fn an_address_that_leads_nowhere_is_named() {
+        for (text, words) in [
+            ("public_url = \"amqp+wss://a.example\"\n", Some("set broker.websocket_listen")),
+            ("public_url = \"amqp+wss://a.example\"\nwebsocket_listen = \"0.0.0.0:443\"\n", None),
+            ("public_url = \"mqtts://a.example\"\n", Some("speaks AMQP")),
+            ("public_url = \"amqps://a.example\"\n", None),
+        ] {
+            let faults = parse(&format!("[broker]\n{text}")).faults();
+            assert_eq!(faults.len(), usize::from(words.is_some()), "{text}: {faults:?}");
+            assert!(words.is_none_or(|words| faults[0].contains(words)), "{text}: {faults:?}");
+        }
     }
 }

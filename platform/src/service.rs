@@ -5,7 +5,7 @@ use std::{
 };
 
 use asi_model::DateTime;
-use broker::{Broker, BrokerConfig, BrokerError, Listener, TlsIdentity};
+use broker::{Broker, BrokerConfig, BrokerError, Carrier, Listener, TlsIdentity};
 use daemon::{
     lifecycle::{Importance, Lifecycle},
     telemetry::{Metrics, TelemetryError},
@@ -102,7 +102,7 @@ pub struct Platform {
 pub struct PlatformHandle {
     /// Where pages and API listen.
     pub web_address: SocketAddr,
-    /// Where the embedded broker listens, in the order TLS, plain.
+    /// Where the embedded broker listens, in the order TLS, plain, WebSocket.
     pub broker_addresses: Vec<SocketAddr>,
     /// The shared parts, for tests and commands inside the process.
     pub application: Application,
@@ -296,10 +296,13 @@ async fn open_broker(
     names.dedup();
     let issued = authority.issue(&names, now.into())?;
     let tls = TlsIdentity { certificates_pem: issued.certificates_pem, key_pem: issued.key_pem };
-    let listener = Listener { address: config.broker.listen, tls: Some(tls) };
+    let listener = Listener { address: config.broker.listen, tls: Some(tls.clone()), carrier: Carrier::Stream };
     let mut broker_config = BrokerConfig::new(listener, config.broker_database_path());
     if let Some(address) = config.broker.plain_listen {
-        broker_config.listeners.push(Listener { address, tls: None });
+        broker_config.listeners.push(Listener { address, tls: None, carrier: Carrier::Stream });
+    }
+    if let Some(address) = config.broker.websocket_listen {
+        broker_config.listeners.push(Listener { address, tls: Some(tls), carrier: Carrier::WebSocket });
     }
     let (broker, handle) = Broker::new(broker_config, reach.users()).await?;
     let address = handle.local_addresses().first().copied().unwrap_or(config.broker.listen);

@@ -94,11 +94,12 @@ fn licences_are_permissive_or_mpl() {
 
 /// Which crates may name which heavy dependency: each enters at one place of the product. The tests look at stores and
 /// speak to brokers from outside, past what they test.
-const ENTRANCES: [(&str, &[&str]); 7] = [
+const ENTRANCES: [(&str, &[&str]); 8] = [
     ("async-opcua", &["opcua-stack"]),
     ("fe2o3-amqp", &["messaging", "broker", "verbund-tests"]),
     ("rumqttc", &["messaging", "verbund-tests"]),
     ("rquickjs", &["script-quickjs"]),
+    ("tokio-tungstenite", &["websocket"]),
     ("sqlx", &["factory-connector", "platform", "broker", "verbund-tests"]),
     ("axum", &["daemon", "factory-connector", "platform", "simulator", "verbund-tests"]),
     ("quick-xml", &["asi-model"]),

@@ -1,4 +1,4 @@
-//! Mosquitto in a private folder, on a free port, with a generated access control list.
+//! Mosquitto in a private folder, on free ports, with a generated access control list.
 
 use std::{
     fs,
@@ -26,6 +26,16 @@ pub struct Mosquitto {
     folder: TempDir,
     child: Child,
     port: u16,
+    websocket_port: u16,
+}
+
+/// A certificate for `localhost`, as PEM.
+#[derive(Debug, Clone, Copy)]
+pub struct ServerCertificate<'a> {
+    /// The chain.
+    pub certificate: &'a str,
+    /// Its key.
+    pub key: &'a str,
 }
 
 impl Mosquitto {
@@ -34,11 +44,22 @@ impl Mosquitto {
     /// # Panics
     /// Where Mosquitto is not installed or does not start.
     pub async fn start(plan: &Plan, saving: Saving) -> Self {
+        Self::start_with(plan, saving, None).await
+    }
+
+    /// Starts a broker whose WebSockets are encrypted where there is a certificate.
+    ///
+    /// # Panics
+    /// Where Mosquitto is not installed or does not start.
+    pub async fn start_with(plan: &Plan, saving: Saving, certificate: Option<ServerCertificate<'_>>) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let port = listener.local_addr().expect("an address").port();
-        drop(listener);
+        let [port, websocket_port] = free_ports();
+        let encryption = certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
+            fs::write(path("certificate.pem"), certificate).expect("written");
+            fs::write(path("key.pem"), key).expect("written");
+            format!("certfile {}\nkeyfile {}\n", path("certificate.pem"), path("key.pem"))
+        });
         fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
         fs::write(path("passwords"), "").expect("written");
         let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
@@ -51,7 +72,8 @@ impl Mosquitto {
             assert!(made.success(), "mosquitto_passwd failed");
         }
         let configuration = format!(
-            "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\nacl_file {}\n\
+            "user root\nlistener {port} 127.0.0.1\nlistener {websocket_port} 127.0.0.1\nprotocol websockets\n\
+             {encryption}allow_anonymous false\npassword_file {}\nacl_file {}\n\
              persistence true\npersistence_location {}/\n{}\n\
              max_queued_messages 0\nlog_dest file {}\n",
             path("passwords"),
@@ -65,7 +87,7 @@ impl Mosquitto {
         );
         fs::write(path("mosquitto.conf"), configuration).expect("written");
         let child = spawn(folder.path());
-        let broker = Self { folder, child, port };
+        let broker = Self { folder, child, port, websocket_port };
         broker.ready().await;
         broker
     }
@@ -76,9 +98,16 @@ impl Mosquitto {
         format!("mqtt://127.0.0.1:{}", self.port)
     }
 
+    /// The port of its WebSockets.
+    #[must_use]
+    pub const fn websocket_port(&self) -> u16 {
+        self.websocket_port
+    }
+
     async fn ready(&self) {
         let deadline = Instant::now() + Duration::from_secs(30);
-        while tokio::net::TcpStream::connect(("127.0.0.1", self.port)).await.is_err() {
+        // The WebSockets come last.
+        while tokio::net::TcpStream::connect(("127.0.0.1", self.websocket_port)).await.is_err() {
             let log = || fs::read_to_string(self.folder.path().join("log")).unwrap_or_default();
             assert!(Instant::now() < deadline, "Mosquitto did not start in time: {}", log());
             tokio::time::sleep(Duration::from_millis(10)).await;
@@ -104,6 +133,11 @@ impl Drop for Mosquitto {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+fn free_ports() -> [u16; 2] {
+    let listeners = [(); 2].map(|()| TcpListener::bind("127.0.0.1:0").expect("a port"));
+    listeners.map(|listener| listener.local_addr().expect("an address").port())
 }
 
 fn spawn(folder: &Path) -> Child {

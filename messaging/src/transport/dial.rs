@@ -1,7 +1,8 @@
 //! Opens the byte stream to a broker: fresh name resolution, TCP that notices a dead peer even while we are busy
-//! sending, TLS.
+//! sending, TLS, and a WebSocket where the broker is reached in one.
 
 mod proxy;
+mod websocket;
 
 use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
@@ -28,6 +29,8 @@ pub(super) struct Dialler {
     pub tls: TlsConfig,
     pub proxy: Option<HttpProxy>,
     pub stall_timeout: Duration,
+    /// Largest message taken, in bytes.
+    pub message_bytes_max: u64,
 }
 
 impl Dialler {
@@ -40,6 +43,15 @@ impl Dialler {
                 proxy::tunnel(tcp, proxy, broker.host(), broker.port()).await?
             }
         };
+        let stream = self.encrypted(broker, tcp).await?;
+        match broker.websocket_path() {
+            None => Ok(stream),
+            Some(path) => websocket::open(stream, broker, path, self.message_bytes_max).await,
+        }
+    }
+
+    /// The stream as the broker's address wants it, plain or in TLS.
+    async fn encrypted(&self, broker: &BrokerUrl, tcp: TcpStream) -> Result<Box<dyn Stream>, ConnectionFault> {
         if !broker.is_encrypted() {
             return Ok(Box::new(tcp));
         }

@@ -7,7 +7,7 @@ use std::{
 
 use asi_model::MessageId;
 use messaging::{
-    BrokerProfile, Envelope, Link, LinkConfig, LinkHandle, LogicalAddress, Login,
+    BrokerProfile, Envelope, Link, LinkConfig, LinkHandle, LogicalAddress, Login, Roots,
     definitions::{Account, Plan, QueueLimits},
     spool::memory::{AcceptedReports, MemorySpool},
     test_support::RecordingInbox,
@@ -25,8 +25,22 @@ pub struct TestLink {
 
 impl TestLink {
     pub fn start(profile: BrokerProfile, url: &str, user: &str, password: &str, consumed: &[&str]) -> Self {
+        Self::start_trusting(None, profile, url, user, password, consumed)
+    }
+
+    pub fn start_trusting(
+        root: Option<&str>,
+        profile: BrokerProfile,
+        url: &str,
+        user: &str,
+        password: &str,
+        consumed: &[&str],
+    ) -> Self {
         let mut config = LinkConfig::new(url.parse().expect("a url"), Login::new(user, password), user);
         config.profile = profile;
+        if let Some(root) = root {
+            config.tls.roots = Roots::Pem(root.to_owned().into_bytes().into());
+        }
         config.consumed = consumed.iter().map(|a| address(a)).collect();
         config.limits.backoff_min = Duration::from_millis(100);
         config.limits.backoff_max = Duration::from_secs(1);

@@ -42,6 +42,18 @@ pub struct Listener {
     pub address: SocketAddr,
     /// The certificate for TLS from the first byte (`amqps`); none for plain TCP, meant for loopback.
     pub tls: Option<TlsIdentity>,
+    /// What carries AMQP.
+    pub carrier: Carrier,
+}
+
+/// What carries the bytes of AMQP.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Carrier {
+    /// TCP, or TLS on it.
+    #[default]
+    Stream,
+    /// A WebSocket on either (AMQP WebSocket Binding 1.0), whatever its path.
+    WebSocket,
 }
 
 /// A server certificate with its key.

@@ -1,4 +1,6 @@
-//! One peer: TLS, SASL, sessions, links.
+//! One peer: TLS, WebSocket, SASL, sessions, links.
+
+mod opening;
 
 use std::{
     net::SocketAddr,
@@ -18,8 +20,7 @@ use fe2o3_amqp::{
         sasl::{SaslCode, SaslInit, SaslOutcome, SaslResponse},
     },
 };
-use tokio::{net::TcpStream, task::JoinSet, time::timeout};
-use tokio_rustls::TlsAcceptor;
+use tokio::{task::JoinSet, time::timeout};
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, info, warn};
 
@@ -28,6 +29,8 @@ use crate::{
     credentials::is_authentic,
     link::{self, Grant},
 };
+
+pub(crate) use opening::Accepted;
 
 /// Frames are cut to this size, so that one large message does not block the others of a connection.
 const FRAME_BYTES_MAX: u32 = 64 * 1024;
@@ -40,13 +43,8 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Serves one accepted TCP connection to its end.
-pub(crate) async fn serve(
-    core: Arc<Core>,
-    tcp: TcpStream,
-    peer: SocketAddr,
-    tls: Option<TlsAcceptor>,
-    shutdown: CancellationToken,
-) {
+pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: CancellationToken) {
+    let peer = accepted.peer;
     let identity = Identity::new(&core);
     let acceptor = ConnectionAcceptor::builder()
         .container_id("verbund-broker")
@@ -58,13 +56,8 @@ pub(crate) async fn serve(
     // No idle timeout of our own: peers that send heartbeats only at the full period would be cut. A dead peer shows by
     // TCP keep-alive and by unacknowledged bytes.
     let handshake = async {
-        match tls {
-            Some(tls) => {
-                let stream = tls.accept(tcp).await.map_err(|e| format!("TLS failed: {e}"))?;
-                acceptor.accept(stream).await.map_err(|e| e.to_string())
-            }
-            None => acceptor.accept(tcp).await.map_err(|e| e.to_string()),
-        }
+        let stream = accepted.open().await?;
+        acceptor.accept(stream).await.map_err(|e| e.to_string())
     };
     let opened = tokio::select! {
         () = shutdown.cancelled() => return,

@@ -7,6 +7,7 @@
 //!   often move to the queue `dead-letters` with the reason.
 //! - Users sign in by SASL PLAIN with high-entropy secrets, and may consume and produce only what their patterns name.
 //!   The signed-in user is stamped on every message as `x-opt-principal`.
+//! - AMQP is spoken over TCP, TLS, or inside a WebSocket on either, on a listener each.
 //! - Only ids of waiting messages are held in memory, and of bodies as many as a bounded cache takes.
 
 pub mod address;
@@ -24,7 +25,7 @@ mod queue;
 mod store;
 
 pub use address::{AddressPattern, InvalidPattern, InvalidQueueName, QueueName};
-pub use config::{BrokerConfig, BrokerLimits, Listener, QueueOptions, TlsIdentity};
+pub use config::{BrokerConfig, BrokerLimits, Carrier, Listener, QueueOptions, TlsIdentity};
 pub use credentials::{BrokerUser, CredentialTable, Credentials, Permissions, SecretHash};
 pub use error::BrokerError;
 pub use handle::{Broker, BrokerHandle, ConnectionStatus, DeadLetter, QueueStatus};

@@ -16,8 +16,8 @@ use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
 use crate::{
-    config::{Listener, TlsIdentity},
-    connection,
+    config::{Carrier, Listener, TlsIdentity},
+    connection::{self, Accepted},
     core::Core,
     error::BrokerError,
     message,
@@ -35,6 +35,7 @@ pub(crate) struct BoundListener {
     listener: TcpListener,
     address: SocketAddr,
     tls: Option<TlsAcceptor>,
+    carrier: Carrier,
 }
 
 impl BoundListener {
@@ -50,7 +51,7 @@ pub(crate) async fn bind(listeners: &[Listener]) -> Result<Vec<BoundListener>, B
         let failed = |source| BrokerError::Listen { address: wanted.address, source };
         let listener = TcpListener::bind(wanted.address).await.map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        bound.push(BoundListener { listener, address, tls });
+        bound.push(BoundListener { listener, address, tls, carrier: wanted.carrier });
     }
     Ok(bound)
 }
@@ -76,7 +77,7 @@ pub(crate) async fn serve(core: Arc<Core>, listeners: Vec<BoundListener>, shutdo
     let places = Arc::new(Semaphore::new(core.config.limits.connections_max));
     let mut accepting = JoinSet::new();
     for bound in listeners {
-        info!(address = %bound.address, tls = bound.tls.is_some(), "the broker listens");
+        info!(address = %bound.address, tls = bound.tls.is_some(), carrier = ?bound.carrier, "the broker listens");
         accepting.spawn(accept(Arc::clone(&core), bound, Arc::clone(&places), shutdown.clone()));
     }
     let mut sweep = tokio::time::interval(SWEEP_EVERY);
@@ -122,8 +123,9 @@ async fn accept(core: Arc<Core>, bound: BoundListener, places: Arc<Semaphore>, s
             warn!(%peer, %error, "a connection's socket options could not be set");
         }
         let (core, tls, shutdown) = (Arc::clone(&core), bound.tls.clone(), shutdown.clone());
+        let carrier = bound.carrier;
         connections.spawn(async move {
-            connection::serve(core, tcp, peer, tls, shutdown).await;
+            connection::serve(core, Accepted { tcp, peer, tls, carrier }, shutdown).await;
             drop(place);
         });
     }

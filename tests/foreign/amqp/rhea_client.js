@@ -1,16 +1,18 @@
 // rhea against the broker: sends, receives, settles, and is refused where it must be.
-// Usage: rhea_client.js PORT USER PASSWORD QUEUE FORBIDDEN_QUEUE [ROOTS.pem]
+// Usage: rhea_client.js PORT|WEBSOCKET_URL USER PASSWORD QUEUE FORBIDDEN_QUEUE [ROOTS.pem]
 // Prints one JSON object with what it saw.
 'use strict';
 const fs = require('fs');
 const rhea = require('rhea');
 
-const [port, username, password, queue, forbidden, roots] = process.argv.slice(2);
+const [address, username, password, queue, forbidden, roots] = process.argv.slice(2);
 const seen = { accepted: 0, received: [], refused: {} };
 const deadline = setTimeout(() => finish('not in time'), 20000);
 const container = rhea.create_container({ id: `rhea-${process.pid}` });
-const options = { host: 'localhost', port: Number(port), username, password, reconnect: false, idle_time_out: 4000 };
-if (roots) Object.assign(options, { transport: 'tls', ca: [fs.readFileSync(roots)], servername: 'localhost' });
+const options = { host: 'localhost', port: Number(address), username, password, reconnect: false, idle_time_out: 4000 };
+// Node's own WebSocket; it knows the roots from NODE_EXTRA_CA_CERTS.
+if (address.startsWith('ws')) options.connection_details = container.websocket_connect(WebSocket)(address, ['AMQPWSB10', 'amqp']);
+else if (roots) Object.assign(options, { transport: 'tls', ca: [fs.readFileSync(roots)], servername: 'localhost' });
 
 function finish(problem) {
   clearTimeout(deadline);

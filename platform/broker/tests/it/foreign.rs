@@ -2,11 +2,11 @@
 
 use std::{path::PathBuf, process::Stdio};
 
-use broker::BrokerUser;
+use broker::{BrokerUser, Carrier};
 use serde_json::Value;
 use tokio::process::Command;
 
-use crate::support::{SECRET, TestBroker, certificate, pattern, queue};
+use crate::support::{SECRET, TestBroker, certificate, pattern, queue, with_websockets};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/foreign").canonicalize().expect("the foreign peers")
@@ -17,9 +17,11 @@ async fn set_up() {
     assert!(status.success(), "tests/foreign/setup.sh failed; tools/prerequisites.sh test installs what it needs");
 }
 
-async fn talk(program: PathBuf, arguments: &[String]) -> Value {
+async fn talk(program: PathBuf, arguments: &[String], roots: Option<&str>) -> Value {
     let output = Command::new(program)
         .args(arguments)
+        // The WebSocket of Node takes no roots of its own.
+        .envs(roots.map(|roots| ("NODE_EXTRA_CA_CERTS", roots)))
         .stdin(Stdio::null())
         .kill_on_drop(true)
         .output()
@@ -39,6 +41,7 @@ async fn broker(is_encrypted: bool) -> (tempfile::TempDir, TestBroker, Option<St
         if is_encrypted {
             config.listeners[0].tls = Some(identity);
         }
+        with_websockets(config);
     })
     .await;
     broker.declare("tool.t1.reports").await;
@@ -66,7 +69,7 @@ async fn proton(is_encrypted: bool) {
     ];
     arguments.extend(roots);
     let python = folder().join("../../target/foreign/python/bin/python");
-    let seen = talk(python, &arguments).await;
+    let seen = talk(python, &arguments, None).await;
     assert_eq!(seen["principal"], "t1", "a forged principal is replaced");
     assert_eq!((&seen["durable"], &seen["body"]), (&Value::Bool(true), &Value::from("{}")));
     assert_eq!(seen["order"], serde_json::json!(["p0", "p1", "p2"]));
@@ -85,18 +88,24 @@ async fn proton(is_encrypted: bool) {
     broker.stop().await;
 }
 
-async fn rhea(is_encrypted: bool) {
+async fn rhea(is_encrypted: bool, carrier: Carrier) {
     let (_temporary, broker, roots) = broker(is_encrypted).await;
+    let scheme = if is_encrypted { "wss" } else { "ws" };
+    let address = match carrier {
+        Carrier::Stream => broker.port().to_string(),
+        Carrier::WebSocket => format!("{scheme}://localhost:{}/amqp", broker.websocket_port()),
+    };
     let mut arguments = vec![
+        "--experimental-websocket".to_owned(),
         folder().join("amqp/rhea_client.js").display().to_string(),
-        broker.port().to_string(),
+        address,
         "t1".to_owned(),
         SECRET.to_owned(),
         "tool.t1.reports".to_owned(),
         "factory.f2.requests".to_owned(),
     ];
-    arguments.extend(roots);
-    let seen = talk(PathBuf::from("node"), &arguments).await;
+    arguments.extend(roots.clone());
+    let seen = talk(PathBuf::from("node"), &arguments, roots.as_deref()).await;
     assert_eq!(seen["accepted"], 3);
     assert_eq!(seen["principal"], "t1");
     let mut received: Vec<_> = seen["received"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
@@ -123,10 +132,20 @@ async fn proton_speaks_with_the_broker_over_tls() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn rhea_speaks_with_the_broker() {
-    rhea(false).await;
+    rhea(false, Carrier::Stream).await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn rhea_speaks_with_the_broker_over_tls() {
-    rhea(true).await;
+    rhea(true, Carrier::Stream).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn rhea_speaks_with_the_broker_in_a_websocket() {
+    rhea(false, Carrier::WebSocket).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn rhea_speaks_with_the_broker_in_an_encrypted_websocket() {
+    rhea(true, Carrier::WebSocket).await;
 }

@@ -6,3 +6,4 @@ mod link;
 mod process;
 mod proxy;
 mod support;
+mod websocket;

@@ -8,8 +8,8 @@ use std::{
 
 use asi_model::MessageId;
 use broker::{
-    AddressPattern, Broker, BrokerConfig, BrokerHandle, BrokerUser, CredentialTable, Listener, QueueName, QueueOptions,
-    TlsIdentity,
+    AddressPattern, Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable, Listener, QueueName,
+    QueueOptions, TlsIdentity,
 };
 use messaging::{
     Envelope, Link, LinkConfig, LinkHandle, LinkLimits, LogicalAddress, Login,
@@ -72,7 +72,7 @@ impl TestBroker {
 
     pub async fn start_with(folder: &Path, change: impl FnOnce(&mut BrokerConfig)) -> Self {
         logs();
-        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None };
+        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
         let mut config = BrokerConfig::new(listener, folder.join("broker.db"));
         config.auto_created = vec![pattern("factory.*.ingress"), pattern("factory.*.requests")];
         change(&mut config);
@@ -99,6 +99,11 @@ impl TestBroker {
 
     pub fn port(&self) -> u16 {
         self.handle.local_addresses()[0].port()
+    }
+
+    /// The port of the listener that [`with_websockets`] adds.
+    pub fn websocket_port(&self) -> u16 {
+        self.handle.local_addresses()[1].port()
     }
 
     pub fn url(&self) -> String {
@@ -180,6 +185,12 @@ impl TestLink {
         self.stop.cancel();
         self.running.await.expect("the link ends");
     }
+}
+
+/// Listens for WebSockets, too, with the same certificate.
+pub fn with_websockets(config: &mut BrokerConfig) {
+    let tls = config.listeners[0].tls.clone();
+    config.listeners.push(Listener { address: ([127, 0, 0, 1], 0).into(), tls, carrier: Carrier::WebSocket });
 }
 
 /// A certificate for localhost and its authority, as PEM.

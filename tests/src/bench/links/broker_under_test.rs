@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use broker::{Broker, BrokerConfig, BrokerHandle, BrokerUser, CredentialTable, Listener, QueueOptions};
+use broker::{Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable, Listener, QueueOptions};
 use messaging::{
     BrokerProfile, LogicalAddress,
     definitions::{self, Plan, QueueLimits, rabbitmq_definitions},
@@ -53,7 +53,7 @@ impl BrokerUnderTest {
     /// The platform's own broker with full synchronisation, in this process.
     pub(super) async fn embedded() -> anyhow::Result<Self> {
         let folder = tempfile::tempdir()?;
-        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None };
+        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
         let users = Arc::new(CredentialTable::new());
         let (sender, receiver) = accounts();
         let queue = address().to_string();

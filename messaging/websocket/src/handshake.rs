@@ -1,0 +1,189 @@
+//! Opening a WebSocket on either side.
+
+use std::{fmt, io};
+
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio_tungstenite::{
+    WebSocketStream, accept_hdr_async_with_config, client_async_with_config,
+    tungstenite::{
+        ClientRequestBuilder, Error as WsError,
+        error::{ProtocolError, SubProtocolError},
+        handshake::server::{ErrorResponse, Request, Response},
+        http::{HeaderValue, StatusCode, Uri, header::SEC_WEBSOCKET_PROTOCOL},
+    },
+};
+
+use crate::stream::{ByteStream, configuration};
+
+/// Characters of what a stranger offers that are repeated in an error.
+const OFFER_CHARACTERS_MAX: usize = 80;
+
+/// What is spoken inside the WebSocket.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subprotocol {
+    /// AMQP 1.0.
+    Amqp,
+    /// MQTT 3.1.1 and 5.
+    Mqtt,
+}
+
+impl Subprotocol {
+    /// Its name in the IANA registry of WebSocket subprotocols.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Amqp => "amqp",
+            Self::Mqtt => "mqtt",
+        }
+    }
+}
+
+impl fmt::Display for Subprotocol {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// Which WebSocket is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Endpoint<'a> {
+    /// `host` or `host:port`, IPv6 addresses in brackets.
+    pub authority: &'a str,
+    /// Path and query, beginning with a slash.
+    pub path: &'a str,
+}
+
+/// Why there is no WebSocket to a server.
+#[derive(Debug, thiserror::Error)]
+pub enum ConnectError {
+    /// Authority and path make no URI.
+    #[error("{authority}{path} is no address of a WebSocket")]
+    Address {
+        /// The authority.
+        authority: String,
+        /// The path.
+        path: String,
+    },
+    /// The server answered as an HTTP server that has no WebSocket for us.
+    #[error("the server answered {status} instead of opening a WebSocket")]
+    Refused {
+        /// The HTTP status.
+        status: u16,
+    },
+    /// The server opened a WebSocket for something else.
+    #[error("the server opens a WebSocket, but not for the subprotocol {subprotocol}")]
+    Subprotocol {
+        /// What was asked for.
+        subprotocol: Subprotocol,
+    },
+    /// What answers is not a WebSocket server.
+    #[error("the peer does not answer like a WebSocket server: {reason}")]
+    Protocol {
+        /// What is wrong.
+        reason: String,
+    },
+    /// The connection broke.
+    #[error("the connection broke while the WebSocket was being opened")]
+    Io(#[source] io::Error),
+}
+
+/// Why a client got no WebSocket.
+#[derive(Debug, thiserror::Error)]
+pub enum AcceptError {
+    /// The client does not offer what is spoken here.
+    #[error("the client offers the WebSocket subprotocols {offered:?}, but {subprotocol} is spoken here")]
+    Subprotocol {
+        /// What it offers.
+        offered: String,
+        /// What would do.
+        subprotocol: Subprotocol,
+    },
+    /// The client does not ask for a WebSocket.
+    #[error("the client does not open a WebSocket: {reason}")]
+    Protocol {
+        /// What is wrong.
+        reason: String,
+    },
+    /// The connection broke.
+    #[error("the connection broke while the WebSocket was being opened")]
+    Io(#[source] io::Error),
+}
+
+/// Opens a WebSocket as a client. The caller bounds the time. Messages of more than `message_bytes_max` bytes are
+/// refused later.
+///
+/// # Errors
+/// [`ConnectError`].
+pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
+    stream: S,
+    endpoint: Endpoint<'_>,
+    subprotocol: Subprotocol,
+    message_bytes_max: usize,
+) -> Result<ByteStream<S>, ConnectError> {
+    let Endpoint { authority, path } = endpoint;
+    let address = || ConnectError::Address { authority: authority.to_owned(), path: path.to_owned() };
+    // The scheme stays on this side: whether the stream is encrypted was decided before.
+    let uri: Uri = format!("ws://{authority}{path}").parse().map_err(|_| address())?;
+    let request = ClientRequestBuilder::new(uri).with_sub_protocol(subprotocol.as_str());
+    let opened = client_async_with_config(request, stream, Some(configuration(message_bytes_max))).await;
+    let (socket, answer) = opened.map_err(|error| match error {
+        WsError::Http(answer) => ConnectError::Refused { status: answer.status().as_u16() },
+        WsError::Protocol(ProtocolError::SecWebSocketSubProtocolError(
+            SubProtocolError::NoSubProtocol | SubProtocolError::InvalidSubProtocol,
+        )) => ConnectError::Subprotocol { subprotocol },
+        WsError::Url(_) | WsError::HttpFormat(_) => address(),
+        WsError::Io(error) => ConnectError::Io(error),
+        WsError::Protocol(ProtocolError::HandshakeIncomplete) => ConnectError::Io(io::ErrorKind::UnexpectedEof.into()),
+        other => ConnectError::Protocol { reason: other.to_string() },
+    })?;
+    // The library has checked this; a server that agrees to nothing must not be spoken to (RFC 6455 §4.1).
+    let agreed = answer.headers().get(SEC_WEBSOCKET_PROTOCOL).is_some_and(|name| name == subprotocol.as_str());
+    if agreed { Ok(ByteStream::new(socket)) } else { Err(ConnectError::Subprotocol { subprotocol }) }
+}
+
+/// Opens a WebSocket as a server, whatever path the client asks for. The caller bounds the time. Messages of more than
+/// `message_bytes_max` bytes are refused later.
+///
+/// # Errors
+/// [`AcceptError`]; a client that offers other subprotocols was told.
+pub async fn accept<S: AsyncRead + AsyncWrite + Unpin>(
+    stream: S,
+    subprotocol: Subprotocol,
+    message_bytes_max: usize,
+) -> Result<ByteStream<S>, AcceptError> {
+    let mut refused = None;
+    let choose = Choice { subprotocol, refused: &mut refused };
+    let opened = accept_hdr_async_with_config(stream, choose, Some(configuration(message_bytes_max))).await;
+    let socket: WebSocketStream<S> = opened.map_err(|error| match (error, refused) {
+        (_, Some(offered)) => AcceptError::Subprotocol { offered, subprotocol },
+        (WsError::Io(error), None) => AcceptError::Io(error),
+        (WsError::Protocol(ProtocolError::HandshakeIncomplete), None) => {
+            AcceptError::Io(io::ErrorKind::UnexpectedEof.into())
+        }
+        (other, None) => AcceptError::Protocol { reason: other.to_string() },
+    })?;
+    Ok(ByteStream::new(socket))
+}
+
+/// Takes the one subprotocol of a server from what a client offers.
+struct Choice<'a> {
+    subprotocol: Subprotocol,
+    refused: &'a mut Option<String>,
+}
+
+impl tokio_tungstenite::tungstenite::handshake::server::Callback for Choice<'_> {
+    #[allow(clippy::result_large_err, reason = "the library says so")]
+    fn on_request(self, request: &Request, mut response: Response) -> Result<Response, ErrorResponse> {
+        let offers = request.headers().get_all(SEC_WEBSOCKET_PROTOCOL).into_iter();
+        let offers: Vec<&str> = offers.filter_map(|value| value.to_str().ok()).collect();
+        let wanted = self.subprotocol.as_str();
+        if offers.iter().flat_map(|value| value.split(',')).any(|offer| offer.trim() == wanted) {
+            response.headers_mut().insert(SEC_WEBSOCKET_PROTOCOL, HeaderValue::from_static(wanted));
+            return Ok(response);
+        }
+        *self.refused = Some(offers.join(", ").chars().take(OFFER_CHARACTERS_MAX).collect());
+        let mut refusal = ErrorResponse::new(Some(format!("only the WebSocket subprotocol {wanted} is spoken here\n")));
+        *refusal.status_mut() = StatusCode::BAD_REQUEST;
+        Err(refusal)
+    }
+}

@@ -1,0 +1,6 @@
+//! Both sides against each other, and each against a peer that speaks by hand.
+
+mod bytes;
+mod handshake;
+mod hostile;
+mod raw;
