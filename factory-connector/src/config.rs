@@ -1,6 +1,8 @@
 //! The connector's configuration. `factory-connector.example.toml` shows every key with its default; a test keeps the
 //! two alike.
 
+mod broker;
+
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
@@ -12,6 +14,8 @@ use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::se
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
+
+pub use broker::{BrokerSection, ProxySection};
 
 use crate::desk::{RetentionLimits, SpoolLimits};
 
@@ -28,6 +32,8 @@ pub struct ConnectorConfig {
     pub web: WebConfig,
     /// The OPC UA server.
     pub twin: TwinSection,
+    /// The way to the platform's broker.
+    pub broker: BrokerSection,
     /// What leaves.
     pub reports: ReportConfig,
     /// Bounds of what waits to leave.
@@ -51,6 +57,7 @@ impl Default for ConnectorConfig {
             data_directory: PathBuf::from("connector-data"),
             web: WebConfig::default(),
             twin: TwinSection::default(),
+            broker: BrokerSection::default(),
             reports: ReportConfig::default(),
             spool: SpoolLimits::default(),
             ledger: RetentionLimits::default(),
@@ -151,6 +158,7 @@ impl ConnectorConfig {
         if self.admin.user_name.trim().is_empty() {
             faults.push("admin.user_name must not be empty".to_owned());
         }
+        faults.extend(self.broker.faults());
         faults.extend(self.twin_config().faults().into_iter().map(|fault| format!("twin.{fault}")));
         faults
     }
@@ -188,6 +196,8 @@ mod tests {
         let all: ConnectorConfig = daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty())
             .expect("absent keys are valid");
         assert!(all.web.tls.is_some() && all.admin.password.is_some());
+        assert!(all.broker.url.is_some() && all.broker.proxy.is_some());
+        assert_eq!(all.broker.faults(), Vec::<String>::new());
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The whole connector: opens everything that can fail, then starts its tasks.
 
+mod link;
 mod mappings;
 mod status_news;
 
-use std::{net::SocketAddr, str::FromStr as _, sync::Arc};
+use std::{net::SocketAddr, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::FactoryId;
@@ -19,7 +20,7 @@ use daemon::{
     },
 };
 use mapping_engine::MappingEngine;
-use messaging::{BrokerUrl, Link, LinkConfig, LogicalAddress, Login, Roots};
+use messaging::Link;
 use shop_floor::{ShopFloor, SourceConfig};
 use tokio::sync::mpsc;
 use twin::Twin;
@@ -32,7 +33,7 @@ use crate::{
     desk::{self, Desk, DeskConfig, Rooms, now},
     ledger::{LEDGER_KEY_FILE, LedgerKey},
     outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
-    store::{Enrolment, Role, SpoolReader, Store, User, count_users, enrolment, put_user},
+    store::{Role, SpoolReader, Store, User, count_users, enrolment, put_user},
     twin_side::{DeskWriter, StoredUsers, UserWatch},
 };
 
@@ -102,7 +103,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         Arc::clone(&departures),
     );
     let (link, link_handle) = Link::new(
-        link_config(&enrolled, &factory_id)?,
+        link::link_config(&enrolled, &config.broker, &factory_id)?,
         Arc::new(outbox),
         Arc::new(PlatformInbox(desk_handle.clone())),
     )?;
@@ -209,19 +210,6 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let twin_url = twin_handle.ready().await?;
     readiness.ready("twin");
     Ok(ConnectorHandle { factory_id, web_address, twin_url })
-}
-
-fn link_config(enrolled: &Enrolment, factory_id: &FactoryId) -> anyhow::Result<LinkConfig> {
-    let broker = BrokerUrl::from_str(&enrolled.broker_url).context("reading the broker's address of the enrolment")?;
-    let login = Login::new(&enrolled.user_name, &enrolled.password);
-    // Unique per running instance, so that a broker tells two instances apart.
-    let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
-    link.profile = serde_json::from_str(&enrolled.profile).context("reading the broker's profile of the enrolment")?;
-    if let Some(pem) = &enrolled.root_certificate_pem {
-        link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
-    }
-    link.consumed = vec![LogicalAddress::FactoryRequests(factory_id.clone())];
-    Ok(link)
 }
 
 /// The sources as configured, passwords included.

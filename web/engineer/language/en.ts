@@ -870,7 +870,7 @@ export const en = {
     default: 'The default',
     absent: 'Not set',
     hidden: 'Set, not shown',
-    sections: { '': 'General', web: 'Pages and API', 'web.tls': 'TLS of the pages', twin: 'Twin', 'twin.security': 'Security of the twin', reports: 'Reports', spool: 'Spool', 'mapping.script': 'Scripts', admin: 'First user', log: 'Log' } as Record<string, string>,
+    sections: { '': 'General', web: 'Pages and API', 'web.tls': 'TLS of the pages', twin: 'Twin', 'twin.security': 'Security of the twin', broker: 'Way to the broker', 'broker.proxy': 'Proxy on the way', reports: 'Reports', spool: 'Spool', 'mapping.script': 'Scripts', admin: 'First user', log: 'Log' } as Record<string, string>,
     /** By the path of a key; the connector’s own English words where there are none. */
     meaning: {
       data_directory: 'Where the durable file, keys and certificates live. On a local disk; back it up as a whole.',
@@ -881,6 +881,11 @@ export const en = {
       'twin.host_names': 'Names and addresses under which OPC UA clients reach this machine, for its certificate. Default: its own name.',
       'twin.security.allow_anonymous_unencrypted': 'Development only: also an endpoint without encryption and user, in the viewer role.',
       'twin.security.trust_unknown_certificates': 'Development only: trust every client certificate instead of waiting for an approval.',
+      'broker.url': 'Another way to the platform’s broker than the one told at enrolment: amqps://host:5671, or a WebSocket where the firewall lets nothing but HTTPS out, amqp+wss://host. The protocol stays the same.',
+      'broker.root_certificates': 'PEM file with the authorities that may vouch for the broker. Default: the authority told at enrolment.',
+      'broker.proxy.url': 'The HTTP proxy on the way out; it must let CONNECT through to the broker’s port.',
+      'broker.proxy.user_name': 'Who the connector is to the proxy, where it asks.',
+      'broker.proxy.password': 'The password at the proxy.',
       'reports.encoding': 'How values are written: digicor (1.04 reversible), 1.05-compact or 1.05-verbose.',
       'reports.publishing_interval_ms': 'The shortest time between two reports of one data set, in milliseconds. Policies lengthen it, field by field.',
       'spool.bytes_max': 'Bytes of reports at which older ones are given up for newer ones; the gap is announced.',

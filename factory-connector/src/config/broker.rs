@@ -1,0 +1,92 @@
+//! The plant's own way to the broker.
+
+use std::path::PathBuf;
+
+use daemon::Confidential;
+use messaging::{BrokerUrl, HttpProxy, InvalidBrokerUrl, Login};
+use serde::Deserialize;
+
+/// The way to the broker, where it is another than the platform told at enrolment.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BrokerSection {
+    /// The broker's address; it must lead to the same broker, in the same protocol.
+    pub url: Option<BrokerUrl>,
+    /// PEM file with the authorities that may vouch for it; the one told at enrolment where absent.
+    pub root_certificates: Option<PathBuf>,
+    /// The HTTP proxy on the way.
+    pub proxy: Option<ProxySection>,
+}
+
+/// An HTTP proxy that connects through.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProxySection {
+    /// Its address, `http://host[:port]`.
+    pub url: String,
+    /// Who we are to it, where it asks.
+    pub user_name: Option<String>,
+    /// The password.
+    pub password: Option<Confidential<String>>,
+}
+
+impl BrokerSection {
+    /// What is wrong, in sentences that name key and remedy.
+    pub(super) fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        if self.url.as_ref().is_some_and(|url| !url.is_encrypted() && !url.is_loopback()) {
+            faults.push(
+                "broker.url: the password would travel without TLS; write amqps://, amqp+wss://, mqtts:// or mqtt+wss://"
+                    .to_owned(),
+            );
+        }
+        if let Some(proxy) = &self.proxy {
+            if let Err(fault) = proxy.http_proxy() {
+                faults.push(format!("broker.proxy.url: {fault}"));
+            }
+            if proxy.user_name.is_some() != proxy.password.is_some() {
+                faults.push("broker.proxy: give both user_name and password, or none of them".to_owned());
+            }
+        }
+        faults
+    }
+}
+
+impl ProxySection {
+    /// The proxy as the link wants it.
+    ///
+    /// # Errors
+    /// [`InvalidBrokerUrl`] when the address is none of a proxy.
+    pub fn http_proxy(&self) -> Result<HttpProxy, InvalidBrokerUrl> {
+        let login = self.user_name.as_ref().zip(self.password.as_ref());
+        HttpProxy::new(&self.url, login.map(|(user_name, password)| Login::new(user_name, password.expose())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::config::ConnectorConfig;
+
+    fn faults(text: &str) -> Vec<String> {
+        let config: ConnectorConfig =
+            daemon::configuration::parse(None, text, "VERBUND", std::iter::empty()).expect("valid");
+        config.faults()
+    }
+
+    #[test]
+    fn the_way_to_the_broker_is_checked() {
+        for url in ["amqp+wss://broker.example", "amqps://broker.example", "amqp+ws://localhost:8080/x"] {
+            assert_eq!(faults(&format!("[broker]\nurl = \"{url}\"\n")), Vec::<String>::new(), "{url}");
+        }
+        for (text, words) in [
+            ("[broker]\nurl = \"amqp+ws://broker.example\"\n", "without TLS"),
+            ("[broker.proxy]\nurl = \"https://proxy\"\n", "begins with http://"),
+            ("[broker.proxy]\nurl = \"http://u:canary@proxy\"\n", "settings of their own"),
+            ("[broker.proxy]\nurl = \"http://proxy\"\nuser_name = \"u\"\n", "both user_name and password"),
+        ] {
+            let told = faults(text);
+            assert!(told.len() == 1 && told[0].starts_with("broker.") && told[0].contains(words), "{text}: {told:?}");
+            assert!(!told[0].contains("canary"), "{told:?}");
+        }
+    }
+}

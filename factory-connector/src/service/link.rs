@@ -1,0 +1,95 @@
+//! How the link reaches the broker: as enrolment told, unless the plant goes its own way.
+
+use std::str::FromStr as _;
+
+use anyhow::Context as _;
+use asi_model::FactoryId;
+use messaging::{BrokerUrl, LinkConfig, LogicalAddress, Login, Roots};
+
+use crate::{config::BrokerSection, store::Enrolment};
+
+/// The link's configuration.
+pub(super) fn link_config(
+    enrolled: &Enrolment,
+    section: &BrokerSection,
+    factory_id: &FactoryId,
+) -> anyhow::Result<LinkConfig> {
+    let told = BrokerUrl::from_str(&enrolled.broker_url).context("reading the broker's address of the enrolment")?;
+    let broker = section.url.clone().unwrap_or_else(|| told.clone());
+    if broker.is_mqtt() != told.is_mqtt() {
+        anyhow::bail!(
+            "broker.url is {broker}, but the platform's broker is {told}: the way may differ, not the protocol; write \
+             the same protocol, or remove the key"
+        );
+    }
+    let login = Login::new(&enrolled.user_name, &enrolled.password);
+    // Unique per running instance, so that a broker tells two instances apart.
+    let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
+    link.profile = serde_json::from_str(&enrolled.profile).context("reading the broker's profile of the enrolment")?;
+    if let Some(path) = &section.root_certificates {
+        let pem = std::fs::read(path)
+            .with_context(|| format!("reading broker.root_certificates at {}; is the path right?", path.display()))?;
+        link.tls.roots = Roots::Pem(pem.into());
+    } else if let Some(pem) = &enrolled.root_certificate_pem {
+        link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
+    }
+    link.proxy = section.proxy.as_ref().map(crate::config::ProxySection::http_proxy).transpose()?;
+    link.consumed = vec![LogicalAddress::FactoryRequests(factory_id.clone())];
+    Ok(link)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::ProxySection;
+
+    fn enrolled() -> Enrolment {
+        Enrolment {
+            factory_id: "FOR_MUC".to_owned(),
+            broker_url: "amqps://verbund.example:5671".to_owned(),
+            profile: "\"embedded\"".to_owned(),
+            user_name: "factory.FOR_MUC".to_owned(),
+            password: "secret".to_owned(),
+            root_certificate_pem: Some("told".to_owned()),
+        }
+    }
+
+    fn configured(section: &BrokerSection) -> anyhow::Result<LinkConfig> {
+        link_config(&enrolled(), section, &FactoryId::new("FOR_MUC").expect("an id"))
+    }
+
+    #[test]
+    fn without_a_word_of_the_plant_the_enrolment_holds() {
+        let link = configured(&BrokerSection::default()).expect("a configuration");
+        assert_eq!(link.brokers, ["amqps://verbund.example".parse().expect("an address")]);
+        assert!(link.proxy.is_none());
+        assert!(matches!(link.tls.roots, Roots::Pem(pem) if pem == "told"));
+    }
+
+    #[test]
+    fn the_plant_goes_its_own_way_to_the_same_broker() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pem = folder.path().join("roots.pem");
+        std::fs::write(&pem, "own").expect("written");
+        let proxy = ProxySection {
+            url: "http://proxy.plant:3128".to_owned(),
+            user_name: Some("plant".to_owned()),
+            password: Some("gate".into()),
+        };
+        let url = Some("amqp+wss://verbund.example".parse().expect("an address"));
+        let section = BrokerSection { url, root_certificates: Some(pem), proxy: Some(proxy) };
+        let link = configured(&section).expect("a configuration");
+        assert_eq!(link.brokers[0].to_string(), "amqp+wss://verbund.example:443/");
+        assert!(matches!(link.tls.roots, Roots::Pem(pem) if pem == "own"));
+        let login = link.proxy.and_then(|proxy| proxy.login).expect("a login");
+        assert_eq!((login.user_name.as_str(), login.password.as_str()), ("plant", "gate"));
+        assert_eq!(link.login.user_name, "factory.FOR_MUC", "who we are to the broker stays");
+    }
+
+    #[test]
+    fn another_protocol_is_another_broker() {
+        let url = Some("mqtt+wss://verbund.example".parse().expect("an address"));
+        let fault = configured(&BrokerSection { url, ..BrokerSection::default() }).expect_err("refused").to_string();
+        assert!(fault.contains("broker.url") && fault.contains("protocol"), "{fault}");
+    }
+}
