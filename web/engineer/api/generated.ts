@@ -1,6 +1,489 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
+    "/api/v1/application-certificate": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows the OPC UA server's own certificate. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ApplicationCertificateView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        /** Installs an issued certificate; the server shows it from the next connection on. */
+        put: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["IssuedCertificateBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["ApplicationCertificateView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/application-certificate/request": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Makes a request for a certificate with the server's application URI and host names. The key stays here. */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["CertificateRequestBody"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["CertificateRequestView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/client-authorities": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the authorities whose clients may connect, and those in between. They are added with the clients' certificates. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_ClientAuthorityView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/client-authorities/{thumbprint}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes an authority: its clients stay outside from the next connection on. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    thumbprint: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Removed */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/client-certificates": {
         parameters: {
             query?: never;
@@ -286,6 +769,203 @@ export interface paths {
         };
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/client-revocation-lists": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the authorities' lists of revoked certificates. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Page_ClientRevocationListView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/client-revocation-lists/{revocationListId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes a list of revoked certificates: clients of its authority stay outside until there is a new one. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    revocationListId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Removed */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
         options?: never;
         head?: never;
         patch?: never;
@@ -7703,7 +8383,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Adds a person, or changes role or password; with a new password the person's sessions end. */
+        /**
+         * Adds a person, or changes role or password. With a new password the person's sessions end, except the one in which
+         *     the person did it; those of OPC UA clients also end with another role.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -7928,6 +8611,33 @@ export interface components {
          * @enum {string}
          */
         AggregateFunction: "LAST" | "MAXIMUM" | "MINIMUM" | "SUM" | "MEAN";
+        /** @description The certificate that the OPC UA server shows its clients. */
+        ApplicationCertificateView: {
+            /** @description The application it is for. */
+            applicationUri?: string | null;
+            /** @description The names and addresses of the machine it is for. */
+            hostNames: string[];
+            /** @description The server made it itself, and renews it itself; otherwise somebody has to ask the authority in time. */
+            isSelfSigned: boolean;
+            /** @description The distinguished name of who issued it. */
+            issuer: string;
+            /** @description Length of its RSA key in bits. */
+            keyBits: number;
+            /**
+             * Format: date-time
+             * @description End of its validity.
+             */
+            notAfter: string;
+            /**
+             * Format: date-time
+             * @description Beginning of its validity.
+             */
+            notBefore: string;
+            /** @description The subject's distinguished name. */
+            subject: string;
+            /** @description SHA-1 over the certificate in hexadecimal digits. */
+            thumbprint: string;
+        };
         /** @description What was decided. */
         Applied: {
             /** @description How many fields. */
@@ -8006,6 +8716,20 @@ export interface components {
             problem: boolean;
             start: boolean;
         };
+        /** @description What is asked of an authority, beside application and host names. */
+        CertificateRequestBody: {
+            /** @description The common name; the server's own where absent. */
+            commonName?: string | null;
+            /** @description The organisation. */
+            organization?: string | null;
+            /** @description Whether a new key is made; it is used from the installation on. */
+            withNewKey?: boolean;
+        };
+        /** @description A request to be given to an authority. */
+        CertificateRequestView: {
+            /** @description PKCS #10, as PEM. */
+            content: string;
+        };
         /** @description The head of one chain. */
         CheckpointHead: {
             /** @description The hash of its last entry, hexadecimal. */
@@ -8068,25 +8792,96 @@ export interface components {
             /** @enum {string} */
             state: "trying";
         };
-        /** @description A certificate that the OPC UA server has seen or was given. */
-        ClientCertificateView: {
+        /** @description The certificate of an authority. */
+        ClientAuthorityView: {
+            /** @description Clients with a certificate of it may connect; otherwise it only leads to one that is trusted. */
+            isTrusted: boolean;
+            /** @description The distinguished name of who issued it; the subject's where it did so itself. */
+            issuer: string;
+            /**
+             * Format: date-time
+             * @description When that list is to be replaced.
+             */
+            nextUpdate?: string | null;
             /**
              * Format: date-time
              * @description End of its validity.
              */
-            notAfter?: string | null;
+            notAfter: string;
             /**
              * Format: date-time
              * @description Beginning of its validity.
              */
-            notBefore?: string | null;
-            /** @description `TRUSTED`, or `REJECTED`: its bearer was turned away and waits for an approval. */
-            state: string;
+            notBefore: string;
+            /** @description Whether its list of revoked certificates is here. Its clients stay outside without a current one. */
+            revocationList: components["schemas"]["RevocationListState"];
             /** @description The subject's distinguished name. */
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
             thumbprint: string;
         };
+        /** @description A certificate that the OPC UA server has seen or was given. */
+        ClientCertificateView: {
+            /** @description The application it was made for, as it says. */
+            applicationUri?: string | null;
+            /**
+             * Format: date-time
+             * @description End of its validity.
+             */
+            notAfter: string;
+            /**
+             * Format: date-time
+             * @description Beginning of its validity.
+             */
+            notBefore: string;
+            /** @description The address that it came from then; null where the twin itself had called. */
+            rejectedAddress?: string | null;
+            /** @description What the application called itself then; nothing of it is proven. */
+            rejectedApplicationName?: string | null;
+            /**
+             * Format: date-time
+             * @description When its bearer was turned away last; null where that was never, or before it was trusted.
+             */
+            rejectedAt?: string | null;
+            rejectionReason?: components["schemas"]["ClientRejection"] | null;
+            /** @description Whether it opens the door. */
+            state: components["schemas"]["ClientTrust"];
+            /** @description The subject's distinguished name. */
+            subject: string;
+            /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
+            thumbprint: string;
+        };
+        /**
+         * @description Why a certificate was turned away.
+         * @enum {string}
+         */
+        ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN";
+        /** @description An authority's list of revoked certificates. */
+        ClientRevocationListView: {
+            /** @description An authority that is known here signed it; otherwise it is of no use. */
+            isSignedByKnownAuthority: boolean;
+            /** @description The distinguished name of the authority. */
+            issuer: string;
+            /**
+             * Format: date-time
+             * @description When it is to be replaced, where it says so.
+             */
+            nextUpdate?: string | null;
+            /** @description Its identity here. */
+            revocationListId: string;
+            /** @description How many certificates it names. */
+            revokedCount: number;
+            /**
+             * Format: date-time
+             * @description When it was made.
+             */
+            thisUpdate: string;
+        };
+        /**
+         * @description Whether a certificate opens the door.
+         * @enum {string}
+         */
+        ClientTrust: "TRUSTED" | "REJECTED";
         /** @description Whether a client's certificate is trusted. */
         ClientTrustBody: {
             /** @description True: its bearer may connect from now on. False: it is turned away from the next connection on. */
@@ -8708,6 +9503,14 @@ export interface components {
             /** @description Its name in the mapping. */
             name: string;
         };
+        /** @description The certificate that an authority made of the request. */
+        IssuedCertificateBody: {
+            /**
+             * @description PEM: the certificate, and those of its authorities up to the root unless the trust list has them, in any order. Or
+             *     the certificate alone as DER in base64.
+             */
+            content: string;
+        };
         /**
          * @description What happens to a value whose source time lies before that of the newest value of the same variable.
          *
@@ -9276,25 +10079,96 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
-        Page_ClientCertificateView: {
+        Page_ClientAuthorityView: {
             /** @description The items. */
             items: {
+                /** @description Clients with a certificate of it may connect; otherwise it only leads to one that is trusted. */
+                isTrusted: boolean;
+                /** @description The distinguished name of who issued it; the subject's where it did so itself. */
+                issuer: string;
+                /**
+                 * Format: date-time
+                 * @description When that list is to be replaced.
+                 */
+                nextUpdate?: string | null;
                 /**
                  * Format: date-time
                  * @description End of its validity.
                  */
-                notAfter?: string | null;
+                notAfter: string;
                 /**
                  * Format: date-time
                  * @description Beginning of its validity.
                  */
-                notBefore?: string | null;
-                /** @description `TRUSTED`, or `REJECTED`: its bearer was turned away and waits for an approval. */
-                state: string;
+                notBefore: string;
+                /** @description Whether its list of revoked certificates is here. Its clients stay outside without a current one. */
+                revocationList: components["schemas"]["RevocationListState"];
                 /** @description The subject's distinguished name. */
                 subject: string;
                 /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
                 thumbprint: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_ClientCertificateView: {
+            /** @description The items. */
+            items: {
+                /** @description The application it was made for, as it says. */
+                applicationUri?: string | null;
+                /**
+                 * Format: date-time
+                 * @description End of its validity.
+                 */
+                notAfter: string;
+                /**
+                 * Format: date-time
+                 * @description Beginning of its validity.
+                 */
+                notBefore: string;
+                /** @description The address that it came from then; null where the twin itself had called. */
+                rejectedAddress?: string | null;
+                /** @description What the application called itself then; nothing of it is proven. */
+                rejectedApplicationName?: string | null;
+                /**
+                 * Format: date-time
+                 * @description When its bearer was turned away last; null where that was never, or before it was trusted.
+                 */
+                rejectedAt?: string | null;
+                rejectionReason?: components["schemas"]["ClientRejection"] | null;
+                /** @description Whether it opens the door. */
+                state: components["schemas"]["ClientTrust"];
+                /** @description The subject's distinguished name. */
+                subject: string;
+                /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
+                thumbprint: string;
+            }[];
+            /** @description Where the next page begins; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_ClientRevocationListView: {
+            /** @description The items. */
+            items: {
+                /** @description An authority that is known here signed it; otherwise it is of no use. */
+                isSignedByKnownAuthority: boolean;
+                /** @description The distinguished name of the authority. */
+                issuer: string;
+                /**
+                 * Format: date-time
+                 * @description When it is to be replaced, where it says so.
+                 */
+                nextUpdate?: string | null;
+                /** @description Its identity here. */
+                revocationListId: string;
+                /** @description How many certificates it names. */
+                revokedCount: number;
+                /**
+                 * Format: date-time
+                 * @description When it was made.
+                 */
+                thisUpdate: string;
             }[];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
@@ -10021,6 +10895,11 @@ export interface components {
             /** @description All fields that this organisation may see. */
             recipientId?: string | null;
         };
+        /**
+         * @description Whether an authority's list of revoked certificates is here.
+         * @enum {string}
+         */
+        RevocationListState: "CURRENT" | "OUTDATED" | "MISSING";
         /** @description A statement of what had left when a consent ended. It is signed with the ledger's key and kept for ever. */
         RevocationReceipt: {
             /** @description `REVOKED`, or `WITHDRAWN` by the partner. */
@@ -10947,7 +11826,7 @@ export interface components {
         };
         /** @description A file for the trust list. */
         TrustFileBody: {
-            /** @description Its content: PEM, or DER in base64. */
+            /** @description Its content: PEM, or DER in base64. One certificate or list. */
             content: string;
             /** @description What it is. */
             kind: components["schemas"]["TrustFileKind"];
@@ -11163,8 +12042,14 @@ export type operations = Record<string, never>;
 
 /** The paths that the daemon of this build answers: a page offers nothing else. */
 export const PATHS: readonly string[] = [
+  "/api/v1/application-certificate",
+  "/api/v1/application-certificate/request",
+  "/api/v1/client-authorities",
+  "/api/v1/client-authorities/{thumbprint}",
   "/api/v1/client-certificates",
   "/api/v1/client-certificates/{thumbprint}",
+  "/api/v1/client-revocation-lists",
+  "/api/v1/client-revocation-lists/{revocationListId}",
   "/api/v1/configuration",
   "/api/v1/dead-letters",
   "/api/v1/events",
