@@ -32,6 +32,8 @@ export class Outbox {
   refused = $state.raw<Refused[]>([])
   /** Since when deliveries fail; nothing while they succeed. */
   failingSince = $state<number | undefined>()
+  /** What an earlier page left is known; before that nobody can say that everything has arrived. */
+  isRead = $state(false)
   /** The browser keeps nothing: entries live as long as this page. */
   isForgetful = $state(false)
 
@@ -73,7 +75,10 @@ export class Outbox {
         this.kept = [...kept, ...this.kept.filter((each) => !known.includes(each.entry.entryId))]
       })
       .catch(() => (this.isForgetful = true))
-      .finally(again)
+      .finally(() => {
+        this.isRead = true
+        again()
+      })
     return () => {
       this.#isOpen = false
       clearTimeout(this.#timer)
