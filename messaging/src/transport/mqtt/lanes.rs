@@ -83,7 +83,7 @@ fn outcome_of(acknowledgement: PubAck) -> Outcome {
 pub(super) struct MqttIncoming {
     wire: Arc<Wire>,
     topics: Vec<String>,
-    arrived: mpsc::UnboundedReceiver<Publish>,
+    arrived: mpsc::Receiver<Publish>,
     held: HashMap<Token, u16>,
     next_token: u64,
 }
@@ -91,9 +91,7 @@ pub(super) struct MqttIncoming {
 impl MqttIncoming {
     pub(super) async fn subscribe(wire: Arc<Wire>, topic: String, limits: &LinkLimits) -> Result<Self, LaneFault> {
         let topics = vec![topic.clone(), format!("{topic}{}", codec::REPLAY)];
-        // The broker bounds what is here: by the Receive Maximum that it was told - which Mosquitto 2.0.11 exceeds for a
-        // resumed session - and in any case by the number of packet identifiers.
-        let (lane, arrived) = mpsc::unbounded_channel();
+        let (lane, arrived) = mpsc::channel(wire.receive_max);
         let filters: Vec<_> = topics
             .iter()
             .map(|topic| {

@@ -1,5 +1,5 @@
-//! One MQTT connection: a task that reads, a task that writes, and what is awaited in between. Reading never waits for
-//! writing, so that two full sockets cannot lock each other up.
+//! One MQTT connection: what reads, what writes, and what is awaited in between. Reading never waits for writing, so that
+//! two full sockets cannot lock each other up; it waits for who takes messages, but not for ever.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -17,7 +17,7 @@ use rumqttc::v5::mqttbytes::v5::{
     Unsubscribe,
 };
 use tokio::{
-    sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch},
+    sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch},
     time::{Instant, timeout},
 };
 use tokio_util::{codec::Framed, sync::CancellationToken};
@@ -39,11 +39,14 @@ type Framing = Framed<Box<dyn Stream>, PacketCodec>;
 pub(super) struct Wire {
     packets: mpsc::Sender<Packet>,
     state: Arc<Mutex<State>>,
+    lane_opened: Arc<Notify>,
     room: Arc<Semaphore>,
     loss: watch::Receiver<Option<ConnectionFault>>,
     stop: CancellationToken,
     /// Largest packet the broker takes, in bytes.
     pub packet_bytes_max: Option<u32>,
+    /// Messages the broker may have under way to us.
+    pub receive_max: usize,
 }
 
 #[derive(Default)]
@@ -52,7 +55,7 @@ struct State {
     last_id: u16,
     published: HashMap<u16, (oneshot::Sender<PubAck>, OwnedSemaphorePermit)>,
     subscribed: HashMap<u16, oneshot::Sender<Vec<SubscribeReasonCode>>>,
-    lanes: HashMap<String, mpsc::UnboundedSender<Publish>>,
+    lanes: HashMap<String, mpsc::Sender<Publish>>,
     /// What a persistent session delivers before its lane is open.
     unclaimed: VecDeque<Publish>,
 }
@@ -68,13 +71,8 @@ impl State {
         }
     }
 
-    fn deliver(&mut self, publish: Publish) {
-        let lane = std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.lanes.get(topic));
-        match lane {
-            // Closed: the lane has gone, nothing is lost.
-            Some(lane) => drop(lane.send(publish)),
-            None => self.unclaimed.push_back(publish),
-        }
+    fn lane_of(&self, publish: &Publish) -> Option<&mpsc::Sender<Publish>> {
+        std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.lanes.get(topic))
     }
 }
 
@@ -87,14 +85,20 @@ impl Wire {
         let stop = CancellationToken::new();
         let room = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
         let keep_alive = granted.server_keep_alive.map_or(limits.idle_timeout, |s| Duration::from_secs(u64::from(s)));
-        tokio::spawn(run(sink, stream, waiting, Arc::clone(&state), lost, stop.clone(), keep_alive));
+        let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
+        let lane_opened = Arc::new(Notify::new());
+        let reader =
+            Reader { state: Arc::clone(&state), lane_opened: Arc::clone(&lane_opened), receive_max, keep_alive };
+        tokio::spawn(run(sink, stream, waiting, reader, lost, stop.clone()));
         Arc::new(Self {
             packets,
             state,
+            lane_opened,
             room: Arc::new(Semaphore::new(usize::from(room.max(1)))),
             loss,
             stop,
             packet_bytes_max: granted.max_packet_size,
+            receive_max,
         })
     }
 
@@ -118,7 +122,7 @@ impl Wire {
     pub(super) async fn subscribe(
         &self,
         topics: &[String],
-        lane: &mpsc::UnboundedSender<Publish>,
+        lane: &mpsc::Sender<Publish>,
         packet: impl FnOnce(u16) -> Packet,
     ) -> Result<oneshot::Receiver<Vec<SubscribeReasonCode>>, LaneFault> {
         let (tell, told) = oneshot::channel();
@@ -131,12 +135,17 @@ impl Wire {
                 state.lanes.insert(topic.clone(), lane.clone());
             }
             for publish in std::mem::take(&mut state.unclaimed) {
-                state.deliver(publish);
+                match state.lane_of(&publish) {
+                    // The lane is new and has room for as many as were held.
+                    Some(lane) => drop(lane.try_send(publish)),
+                    None => state.unclaimed.push_back(publish),
+                }
             }
             let id = state.next_id();
             state.subscribed.insert(id, tell);
             id
         };
+        self.lane_opened.notify_waiters();
         self.packets.send(packet(id)).await.map_err(|_| broken())?;
         Ok(told)
     }
@@ -179,18 +188,17 @@ async fn run(
     sink: SplitSink<Framing, Packet>,
     stream: SplitStream<Framing>,
     waiting: mpsc::Receiver<Packet>,
-    state: Arc<Mutex<State>>,
+    reader: Reader,
     lost: watch::Sender<Option<ConnectionFault>>,
     stop: CancellationToken,
-    keep_alive: Duration,
 ) {
     let fault = tokio::select! {
-        fault = read(stream, Arc::clone(&state), keep_alive) => fault,
-        fault = write(sink, waiting, stop, keep_alive) => fault,
+        fault = reader.read(stream) => fault,
+        fault = write(sink, waiting, stop, reader.keep_alive) => fault,
     };
     {
         // Everything that was awaited resolves now.
-        let mut state = state.lock();
+        let mut state = reader.state.lock();
         *state = State { is_lost: true, ..State::default() };
     }
     lost.send_replace(Some(fault));
@@ -231,32 +239,69 @@ async fn write(
     }
 }
 
-async fn read(mut stream: SplitStream<Framing>, state: Arc<Mutex<State>>, keep_alive: Duration) -> ConnectionFault {
-    loop {
-        // Our pings make the broker answer in time, unless it is gone.
-        let packet = match tokio::time::timeout_at(Instant::now() + keep_alive, stream.next()).await {
-            Ok(Some(Ok(packet))) => packet,
-            Ok(Some(Err(e))) => return ConnectionFault::passing(format!("the connection was lost: {e:?}")),
-            Ok(None) => return ConnectionFault::passing("the broker closed the connection"),
-            Err(_) => return ConnectionFault::passing("the broker has fallen silent"),
-        };
-        match packet {
-            Packet::PubAck(acknowledgement) => {
-                let awaited = state.lock().published.remove(&acknowledgement.pkid);
-                if let Some((tell, _room)) = awaited {
-                    let _ = tell.send(acknowledgement);
+/// The reading half.
+struct Reader {
+    state: Arc<Mutex<State>>,
+    lane_opened: Arc<Notify>,
+    receive_max: usize,
+    keep_alive: Duration,
+}
+
+impl Reader {
+    async fn read(&self, mut stream: SplitStream<Framing>) -> ConnectionFault {
+        loop {
+            // Our pings make the broker answer in time, unless it is gone.
+            let packet = match tokio::time::timeout_at(Instant::now() + self.keep_alive, stream.next()).await {
+                Ok(Some(Ok(packet))) => packet,
+                Ok(Some(Err(e))) => return ConnectionFault::passing(format!("the connection was lost: {e:?}")),
+                Ok(None) => return ConnectionFault::passing("the broker closed the connection"),
+                Err(_) => return ConnectionFault::passing("the broker has fallen silent"),
+            };
+            match packet {
+                Packet::PubAck(acknowledgement) => {
+                    let awaited = self.state.lock().published.remove(&acknowledgement.pkid);
+                    if let Some((tell, _room)) = awaited {
+                        let _ = tell.send(acknowledgement);
+                    }
                 }
-            }
-            Packet::SubAck(answer) => {
-                let awaited = state.lock().subscribed.remove(&answer.pkid);
-                if let Some(tell) = awaited {
-                    let _ = tell.send(answer.return_codes);
+                Packet::SubAck(answer) => {
+                    let awaited = self.state.lock().subscribed.remove(&answer.pkid);
+                    if let Some(tell) = awaited {
+                        let _ = tell.send(answer.return_codes);
+                    }
                 }
+                Packet::Publish(publish) => {
+                    let delivered = timeout(self.keep_alive, self.deliver(publish)).await;
+                    if delivered.is_err() {
+                        return ConnectionFault::passing(
+                            "the broker sends more than it may, and nobody takes it in time",
+                        );
+                    }
+                }
+                Packet::Disconnect(goodbye) => return disconnected(goodbye.reason_code),
+                _ => {}
             }
-            Packet::Publish(publish) => state.lock().deliver(publish),
-            Packet::Disconnect(goodbye) => return disconnected(goodbye.reason_code),
-            _ => {}
         }
+    }
+
+    /// Hands a message to its lane, or keeps it until the lane is open. A broker that keeps to the Receive Maximum never
+    /// makes this wait; Mosquitto 2.0.11 does not for a resumed session, and the surplus then stays in the sockets.
+    async fn deliver(&self, publish: Publish) {
+        let lane = loop {
+            let opened = self.lane_opened.notified();
+            {
+                let mut state = self.state.lock();
+                if let Some(lane) = state.lane_of(&publish) {
+                    break lane.clone();
+                }
+                if state.unclaimed.len() < self.receive_max {
+                    return state.unclaimed.push_back(publish);
+                }
+            }
+            opened.await;
+        };
+        // Closed: the lane has gone, nothing is lost.
+        let _ = lane.send(publish).await;
     }
 }
 
@@ -269,5 +314,59 @@ fn disconnected(reason: DisconnectReasonCode) -> ConnectionFault {
             ConnectionFault::permanent(format!("the broker closed the connection: {reason:?}"))
         }
         reason => ConnectionFault::passing(format!("the broker closed the connection: {reason:?}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rumqttc::v5::mqttbytes::{
+        QoS,
+        v5::{Codec, Subscribe},
+    };
+    use tokio::io::DuplexStream;
+
+    use super::{super::no_properties, *};
+
+    const RECEIVE_MAX: u32 = 4;
+
+    fn codec() -> PacketCodec {
+        PacketCodec(Codec { max_incoming_size: None, max_outgoing_size: None })
+    }
+
+    /// A connection, and a broker that sends five times what it may.
+    async fn flooded(keep_alive_seconds: u16) -> (Arc<Wire>, Framed<DuplexStream, PacketCodec>) {
+        let (ours, theirs) = tokio::io::duplex(1 << 20);
+        let granted = ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
+        let limits = LinkLimits { credit: RECEIVE_MAX, ..LinkLimits::default() };
+        let ours: Box<dyn Stream> = Box::new(ours);
+        let wire = Wire::start(Framed::new(ours, codec()), &granted, &limits);
+        let mut broker = Framed::new(theirs, codec());
+        for id in 1..=5 * u16::try_from(RECEIVE_MAX).expect("small") {
+            let mut publish = Publish::new("t", QoS::AtLeastOnce, id.to_string(), None);
+            publish.pkid = id;
+            broker.feed(Packet::Publish(publish)).await.expect("there is room");
+        }
+        broker.flush().await.expect("there is room");
+        (wire, broker)
+    }
+
+    #[tokio::test]
+    async fn what_a_broker_sends_beyond_its_grant_waits_and_none_is_lost() {
+        let (wire, _broker) = flooded(30).await;
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        assert_eq!(wire.state.lock().unclaimed.len(), wire.receive_max, "no more is held than was granted");
+        let (lane, mut arrived) = mpsc::channel(wire.receive_max);
+        let subscribe = |pkid| Packet::Subscribe(Subscribe { pkid, filters: Vec::new(), properties: None });
+        let answer = wire.subscribe(&["t".to_owned()], &lane, subscribe).await;
+        assert!(answer.is_ok(), "it is asked for");
+        for id in 1..=20 {
+            assert_eq!(arrived.recv().await.map(|publish| publish.pkid), Some(id));
+        }
+    }
+
+    #[tokio::test]
+    async fn a_flood_that_nobody_takes_ends_the_connection() {
+        let (wire, _broker) = flooded(1).await;
+        assert!(wire.lost().await.reason.contains("more than it may"));
     }
 }
