@@ -14,7 +14,9 @@ use super::{
 };
 use crate::{
     desk::now,
-    disclosure::{DisclosurePolicy, LeakBudget, LeakSummary, Measured, Statement, leak_budget, leak_summary},
+    disclosure::{
+        DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget, leak_summary,
+    },
 };
 
 /// What one partner learns.
@@ -50,17 +52,23 @@ pub async fn list(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerLeaks>>, Problem> {
+    each(&api, query, |partner, fields| PartnerLeaks { partner, budget: leak_budget(fields) }).await
+}
+
+/// What the open fields of each partner come to.
+async fn each<T: Send + 'static>(
+    api: &Api,
+    query: LeakQuery,
+    view: impl Fn(OrganisationId, &[OpenField<'_>]) -> T + Send + 'static,
+) -> Result<Json<Page<T>>, Problem> {
     let now = now();
-    let items = api
-        .desk
-        .read(move |books| {
-            let open = books.open_fields(now, None).into_iter();
-            open.filter(|(partner, _)| query.means(partner))
-                .map(|(partner, fields)| PartnerLeaks { partner: partner.clone(), budget: leak_budget(&fields) })
-                .collect()
-        })
-        .await?;
-    Ok(Json(Page::whole(items)))
+    let read = api.desk.read(move |books| {
+        let open = books.open_fields(now, None).into_iter();
+        open.filter(|(partner, _)| query.means(partner))
+            .map(|(partner, fields)| view(partner.clone(), &fields))
+            .collect()
+    });
+    Ok(Json(Page::whole(read.await?)))
 }
 
 /// What one partner learns, in short.
@@ -82,17 +90,7 @@ pub async fn summary(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerSummary>>, Problem> {
-    let now = now();
-    let items = api
-        .desk
-        .read(move |books| {
-            let open = books.open_fields(now, None).into_iter();
-            open.filter(|(partner, _)| query.means(partner))
-                .map(|(partner, fields)| PartnerSummary { partner: partner.clone(), summary: leak_summary(&fields) })
-                .collect()
-        })
-        .await?;
-    Ok(Json(Page::whole(items)))
+    each(&api, query, |partner, fields| PartnerSummary { partner, summary: leak_summary(fields) }).await
 }
 
 /// With what the consent for a field begins.
