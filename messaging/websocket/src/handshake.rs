@@ -126,7 +126,7 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
     let uri: Uri = format!("ws://{authority}{path}").parse().map_err(|_| address())?;
     let request = ClientRequestBuilder::new(uri).with_sub_protocol(subprotocol.as_str());
     let opened = client_async_with_config(request, stream, Some(configuration(message_bytes_max))).await;
-    let (socket, answer) = opened.map_err(|error| match error {
+    let (socket, _) = opened.map_err(|error| match error {
         WsError::Http(answer) => ConnectError::Refused { status: answer.status().as_u16() },
         WsError::Protocol(ProtocolError::SecWebSocketSubProtocolError(
             SubProtocolError::NoSubProtocol | SubProtocolError::InvalidSubProtocol,
@@ -136,9 +136,8 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
         WsError::Protocol(ProtocolError::HandshakeIncomplete) => ConnectError::Io(io::ErrorKind::UnexpectedEof.into()),
         other => ConnectError::Protocol { reason: other.to_string() },
     })?;
-    // The library has checked this; a server that agrees to nothing must not be spoken to (RFC 6455 §4.1).
-    let agreed = answer.headers().get(SEC_WEBSOCKET_PROTOCOL).is_some_and(|name| name == subprotocol.as_str());
-    if agreed { Ok(ByteStream::new(socket)) } else { Err(ConnectError::Subprotocol { subprotocol }) }
+    // A server that agrees to no subprotocol, or to another, was refused by the library (RFC 6455 §4.1).
+    Ok(ByteStream::new(socket))
 }
 
 /// Opens a WebSocket as a server, whatever path the client asks for. The caller bounds the time. Messages of more than
