@@ -308,7 +308,9 @@ impl Desk {
         }
         self.rooms.departures.forget_recalls();
         tokio::time::sleep(PAUSE_AFTER_FAILURE).await;
-        let snapshot = self.store.load().await?;
+        let mut snapshot = self.store.load().await?;
+        // Keep-alives and what was deleted may be under way: their numbers must not be given again.
+        snapshot.last_row = snapshot.last_row.max(self.books.last_row);
         self.books = Books::new(self.config.books.clone(), snapshot, false, self::now())?;
         Ok(())
     }

@@ -142,8 +142,8 @@ fn head(row: &SqliteRow) -> Result<(OrganisationId, Head), StoreError> {
     Ok((id::<OrganisationId>(row, 0)?, Head { number: unsigned(get(row, 1)?), hash }))
 }
 
-/// The greatest number of control messages and reports; numbers of deleted control messages may come again only if
-/// nothing with a greater one was left, which no reader can notice.
+/// The greatest number of control messages and reports. Those of deleted control messages may come again after a start,
+/// when nothing of them is under way any more.
 async fn last_row(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
     let rows = all(
         connection,
