@@ -37,6 +37,8 @@ use crate::{
 
 /// How long anything may take.
 const DEADLINE: Duration = Duration::from_secs(30);
+/// Between two looks.
+const PAUSE: Duration = Duration::from_millis(2);
 
 struct Nobody;
 

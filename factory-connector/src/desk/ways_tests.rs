@@ -194,11 +194,11 @@ async fn every_way_in_passes_the_gate() {
         let deadline = tokio::time::Instant::now() + Duration::from_secs(10);
         while desk.shown().await.is_none_or(|shown| shown.value != expected) {
             assert!(tokio::time::Instant::now() < deadline, "{way:?} never arrived");
-            tokio::task::yield_now().await;
+            tokio::time::sleep(Duration::from_millis(2)).await;
         }
         while desk.left().await.len() == before {
             assert!(tokio::time::Instant::now() < deadline, "{way:?} was never reported");
-            tokio::task::yield_now().await;
+            tokio::time::sleep(Duration::from_millis(2)).await;
         }
         let left = desk.left().await;
         // Restored from the store, the gate shows what it showed, and nothing else leaves.

@@ -12,7 +12,8 @@
 
 NODE is `nsu=<uri>;s=<id>`, `i=85` or `ns=3;s=<id>`. `subscribe` and `events` write `ready` to the standard error once
 they listen. The line is {"ok": true, ...} or {"ok": false, "status": "<symbolic name>"}; the exit status is 0 either way,
-and 2 when the command itself is wrong.
+and 2 when the command itself is wrong. Without arguments each line of its input is a JSON list of them, done one after the
+other, each in a session of its own.
 """
 
 import argparse
@@ -31,7 +32,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 APPLICATION_URI = "urn:verbund:test:asyncua"
 
 
-def arguments():
+def arguments(given):
     parser = argparse.ArgumentParser()
     parser.add_argument("endpoint")
     parser.add_argument("--user")
@@ -41,7 +42,7 @@ def arguments():
     parser.add_argument("--timeout", default=20.0, type=float)
     parser.add_argument("command", choices=["browse", "read", "write", "subscribe", "call", "events", "batch"])
     parser.add_argument("rest", nargs="*")
-    return parser.parse_args()
+    return parser.parse_args(given)
 
 
 def plain(value):
@@ -181,17 +182,21 @@ async def connect_and_run(args):
         return {"ok": True} | await run(client, args.command, args.rest)
 
 
-async def main():
-    args = arguments()
-    # Only the one line is for the caller.
-    logging.disable(logging.CRITICAL)
+async def done(given):
+    args = arguments(given)
     try:
-        result = await asyncio.wait_for(connect_and_run(args), args.timeout)
+        return await asyncio.wait_for(connect_and_run(args), args.timeout)
     except ua.UaStatusCodeError as error:
-        result = {"ok": False, "status": ua.StatusCode(error.code).name}
+        return {"ok": False, "status": ua.StatusCode(error.code).name}
     except (ConnectionError, TimeoutError, asyncio.TimeoutError, ua.UaError) as error:
-        result = {"ok": False, "status": type(error).__name__, "message": str(error)}
-    print(json.dumps(result))
+        return {"ok": False, "status": type(error).__name__, "message": str(error)}
 
 
-asyncio.run(main())
+def main():
+    # Only the results are for the caller.
+    logging.disable(logging.CRITICAL)
+    for given in [sys.argv[1:]] if len(sys.argv) > 1 else map(json.loads, sys.stdin):
+        print(json.dumps(asyncio.run(done(given))), flush=True)
+
+
+main()

@@ -1,6 +1,8 @@
-// A foreign OPC UA client (node-opcua) as a command: connects with a user, does one thing, prints one line of JSON.
+// A foreign OPC UA client (node-opcua): connects with a user, does one thing, prints one line of JSON.
 //
-//   node node_client.js ENDPOINT --user U --password P --pki DIR [--policy Basic256Sha256] [--timeout 20] COMMAND ...
+// Each line of its input is a JSON list of arguments, done one after the other, each in a session of its own:
+//
+//   ENDPOINT --user U --password P --pki DIR [--policy Basic256Sha256] [--timeout 20] COMMAND ...
 //
 // The commands, arguments and results are those of asyncua_client.py in this folder.
 'use strict';
@@ -8,6 +10,7 @@
 const fs = require('node:fs');
 const os = require('node:os');
 const path = require('node:path');
+const readline = require('node:readline');
 const { parseArgs } = require('node:util');
 const opcua = require('node-opcua');
 
@@ -190,8 +193,9 @@ async function connectAndRun(endpoint, options, command, rest) {
   }
 }
 
-async function main() {
+async function done(args) {
   const { values, positionals } = parseArgs({
+    args,
     allowPositionals: true,
     options: {
       user: { type: 'string' },
@@ -202,19 +206,27 @@ async function main() {
     },
   });
   const [endpoint, command, ...rest] = positionals;
-  // Only the one line is for the caller.
-  console.log = console.warn = console.error = console.info = () => {};
+  let timer;
   const timeout = new Promise((_, reject) => {
-    setTimeout(() => reject(Object.assign(new Error('timeout'), { status: 'TimeoutError' })), 1000 * values.timeout);
+    timer = setTimeout(() => reject(Object.assign(new Error('timeout'), { status: 'TimeoutError' })), 1000 * values.timeout);
   });
-  let result;
   try {
-    result = await Promise.race([connectAndRun(endpoint, values, command, rest), timeout]);
+    return await Promise.race([connectAndRun(endpoint, values, command, rest), timeout]);
   } catch (error) {
     const named = /\b((?:Bad|Uncertain)[A-Za-z]+)\b/.exec(error.message);
-    result = { ok: false, status: error.status ?? named?.[1] ?? error.name, message: error.message };
+    return { ok: false, status: error.status ?? named?.[1] ?? error.name, message: error.message };
+  } finally {
+    clearTimeout(timer);
   }
-  process.stdout.write(`${JSON.stringify(result)}\n`, () => process.exit(0));
+}
+
+async function main() {
+  // Only the results are for the caller.
+  console.log = console.warn = console.error = console.info = () => {};
+  for await (const line of readline.createInterface({ input: process.stdin })) {
+    process.stdout.write(`${JSON.stringify(await done(JSON.parse(line)))}\n`);
+  }
+  process.exit(0);
 }
 
 main();

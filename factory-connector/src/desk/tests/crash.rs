@@ -83,7 +83,7 @@ async fn reach(folder: &Path, wanted: i64, process: &mut Child) -> i64 {
                 return count;
             }
         }
-        tokio::task::yield_now().await;
+        tokio::time::sleep(PAUSE).await;
     }
 }
 

@@ -10,9 +10,10 @@ use asi_model::DataValue;
 use opcua_stack::opcua::crypto::SecurityPolicy;
 use serde_json::{Value, json};
 use tokio::{
-    io::{AsyncBufReadExt, AsyncReadExt, BufReader},
-    process::{Child, Command},
-    sync::OnceCell,
+    io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader, Lines},
+    process::{Child, ChildStderr, ChildStdin, ChildStdout, Command},
+    sync::{Mutex, OnceCell},
+    time::timeout,
 };
 
 use crate::harness::{TestTwin, document, external, field, field_id, message, now};
@@ -39,85 +40,113 @@ pub async fn installed() {
     INSTALLED
         .get_or_init(|| async {
             let setup = Command::new("bash").arg(repository().join("tests/foreign/setup.sh")).status();
-            let status = tokio::time::timeout(SETUP_TIMEOUT, setup).await.expect("installing takes too long");
+            let status = timeout(SETUP_TIMEOUT, setup).await.expect("installing takes too long");
             assert!(status.unwrap().success(), "tests/foreign/setup.sh installs asyncua and node-opcua");
         })
         .await;
 }
 
+/// A foreign client at work, one command after the other: starting it takes seconds.
+struct Process {
+    peer: Peer,
+    _child: Child,
+    commands: ChildStdin,
+    results: Lines<BufReader<ChildStdout>>,
+    errors: Lines<BufReader<ChildStderr>>,
+}
+
+impl Process {
+    async fn start(peer: Peer) -> Mutex<Self> {
+        installed().await;
+        let scripts = repository().join("tests/foreign/opcua");
+        let (program, script) = match peer {
+            Peer::Asyncua => (repository().join("target/foreign/python/bin/python"), "asyncua_client.py"),
+            Peer::NodeOpcua => ("node".into(), "node_client.js"),
+        };
+        let mut child = Command::new(program)
+            .arg(scripts.join(script))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .kill_on_drop(true)
+            .spawn()
+            .unwrap();
+        Mutex::new(Self {
+            peer,
+            commands: child.stdin.take().unwrap(),
+            results: BufReader::new(child.stdout.take().unwrap()).lines(),
+            errors: BufReader::new(child.stderr.take().unwrap()).lines(),
+            _child: child,
+        })
+    }
+
+    async fn begin(&mut self, arguments: &[&str]) {
+        let line = json!(arguments).to_string() + "\n";
+        self.commands.write_all(line.as_bytes()).await.unwrap();
+    }
+
+    async fn result(&mut self) -> Value {
+        let result = timeout(COMMAND_TIMEOUT, self.results.next_line()).await.unwrap().unwrap();
+        if let Some(line) = result {
+            return serde_json::from_str(&line).unwrap();
+        }
+        let mut complaints = String::new();
+        self.errors.get_mut().read_to_string(&mut complaints).await.unwrap();
+        panic!("{:?} said: {complaints}", self.peer)
+    }
+
+    async fn listening(&mut self) {
+        while let Some(line) = self.errors.next_line().await.unwrap() {
+            if line == "ready" {
+                return;
+            }
+        }
+        panic!("{:?} ended before it listened", self.peer);
+    }
+}
+
 /// One sign-in of a foreign client.
 struct Foreign<'a> {
-    peer: Peer,
-    twin: &'a TestTwin,
+    process: &'a Mutex<Process>,
+    pki: String,
+    endpoint: String,
     user: &'a str,
     password: String,
 }
 
 impl<'a> Foreign<'a> {
-    fn new(peer: Peer, twin: &'a TestTwin, user: &'a str) -> Self {
-        Self { peer, twin, user, password: format!("{user}-secret") }
+    async fn new(process: &'a Mutex<Process>, twin: &TestTwin, user: &'a str) -> Self {
+        let pki = twin.folder.path().join(format!("{:?}", process.lock().await.peer));
+        let pki = pki.into_os_string().into_string().unwrap();
+        Self { process, pki, endpoint: twin.url.to_string(), user, password: format!("{user}-secret") }
     }
 
-    fn spawn(&self, arguments: &[&str]) -> Child {
-        let scripts = repository().join("tests/foreign/opcua");
-        let mut command = match self.peer {
-            Peer::Asyncua => {
-                let mut command = Command::new(repository().join("target/foreign/python/bin/python"));
-                command.arg(scripts.join("asyncua_client.py"));
-                command
-            }
-            Peer::NodeOpcua => {
-                let mut command = Command::new("node");
-                command.arg(scripts.join("node_client.js"));
-                command
-            }
-        };
-        let pki = self.twin.folder.path().join(format!("{:?}", self.peer));
-        command
-            .arg(self.twin.url.as_ref())
-            .args(["--user", self.user, "--password", &self.password, "--timeout", "60", "--pki"])
-            .arg(pki)
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .kill_on_drop(true)
-            .spawn()
-            .unwrap()
+    fn signed_in<'b>(&'b self, arguments: &[&'b str]) -> Vec<&'b str> {
+        let mut all = vec![self.endpoint.as_str(), "--user", self.user, "--password", &self.password];
+        all.extend(["--timeout", "60", "--pki", &self.pki]);
+        all.extend(arguments);
+        all
     }
 
     async fn run(&self, arguments: &[&str]) -> Value {
-        installed().await;
-        let child = self.spawn(arguments);
-        let output = tokio::time::timeout(COMMAND_TIMEOUT, child.wait_with_output()).await.unwrap().unwrap();
-        let complaints = String::from_utf8_lossy(&output.stderr).into_owned();
-        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{:?} said: {complaints}", self.peer))
+        let mut process = self.process.lock().await;
+        process.begin(&self.signed_in(arguments)).await;
+        process.result().await
     }
 
     /// Runs several commands in one session.
     async fn batch(&self, commands: &[&[&str]]) -> Vec<Value> {
         let result = self.run(&["batch", &json!(commands).to_string()]).await;
-        result["results"].as_array().unwrap_or_else(|| panic!("{:?}: {result}", self.peer)).clone()
+        result["results"].as_array().unwrap_or_else(|| panic!("{result}")).clone()
     }
 
     /// Runs a command that listens; `when_ready` is done once it does.
     async fn listen(&self, arguments: &[&str], when_ready: impl AsyncFnOnce()) -> Value {
-        installed().await;
-        let mut child = self.spawn(arguments);
-        let mut errors = BufReader::new(child.stderr.take().unwrap()).lines();
-        let listening = async {
-            while let Some(line) = errors.next_line().await.unwrap() {
-                if line == "ready" {
-                    return;
-                }
-            }
-            panic!("{:?} ended before it listened", self.peer);
-        };
-        tokio::time::timeout(COMMAND_TIMEOUT, listening).await.unwrap();
+        let mut process = self.process.lock().await;
+        process.begin(&self.signed_in(arguments)).await;
+        timeout(COMMAND_TIMEOUT, process.listening()).await.unwrap();
         when_ready().await;
-        let mut result = Vec::new();
-        let mut stdout = child.stdout.take().unwrap();
-        tokio::time::timeout(COMMAND_TIMEOUT, stdout.read_to_end(&mut result)).await.unwrap().unwrap();
-        serde_json::from_slice(&result).unwrap()
+        process.result().await
     }
 }
 
@@ -127,11 +156,12 @@ fn nsu(identifier: &str) -> String {
 
 /// Everything a foreign client does with the twin, one after the other.
 async fn works_with(peer: Peer) {
-    let twin = TestTwin::start().await;
+    let (twin, process) = tokio::join!(TestTwin::start(), Process::start(peer));
     twin.handle.apply(document(message("net", 1)));
     twin.handle.publish_decision(&field("net", "progressStatus"), external());
-    let (engineer, operator, viewer) =
-        (Foreign::new(peer, &twin, "anna"), Foreign::new(peer, &twin, "otto"), Foreign::new(peer, &twin, "vera"));
+    let engineer = Foreign::new(&process, &twin, "anna").await;
+    let operator = Foreign::new(&process, &twin, "otto").await;
+    let viewer = Foreign::new(&process, &twin, "vera").await;
     let id = nsu(&field_id("net", "progressStatus"));
     let (object, method) =
         (nsu("net/op/MakeFrame1/req/ReqResponse1"), nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"));
@@ -256,7 +286,8 @@ async fn node_opcua_browses_reads_writes_subscribes_calls_and_hears_events() {
 async fn foreign_clients_are_refused_with_the_right_status() {
     let twin = TestTwin::start_with(|_| {}).await;
     for peer in [Peer::Asyncua, Peer::NodeOpcua] {
-        let mut client = Foreign::new(peer, &twin, "vera");
+        let process = Process::start(peer).await;
+        let mut client = Foreign::new(&process, &twin, "vera").await;
         let read = ["read", "i=2259"];
         let untrusted = client.run(&read).await;
         assert_eq!(untrusted["ok"], false, "{peer:?}: {untrusted}");
