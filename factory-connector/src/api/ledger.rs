@@ -144,6 +144,11 @@ impl From<LedgerRow> for EntryView {
         }
         let report: Option<serde_json::Value> =
             row.entry.report.as_deref().and_then(|report| serde_json::from_str(report).ok());
+        let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
+        for (field, told) in row.entry.precision {
+            precision.insert(field.clone(), told.statement);
+            precision_parts.insert(field, told.statement_parts);
+        }
         Self {
             sequence: row.number,
             at,
@@ -151,8 +156,8 @@ impl From<LedgerRow> for EntryView {
             kind,
             content,
             value: report.and_then(|report| report.get("Payload").cloned()),
-            precision: row.entry.precision,
-            precision_parts: row.precision_parts,
+            precision,
+            precision_parts,
             left_in_message: row.entry.message_id,
             sent_at: row.entry.sent_at,
             delivered_at: row.entry.delivered_at,

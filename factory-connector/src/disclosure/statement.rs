@@ -1,9 +1,15 @@
 //! What the partner is told about the precision it gets.
 
+mod words;
+
 use asi_model::messages::{AggregateStatement, DisclosureStatement, RateStatement};
 use serde::Serialize;
 
+pub(super) use words::describe_period;
+use words::sentence;
+
 use super::{AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours};
+use crate::print::Language;
 
 /// A part of a policy as the partner is told it: a code with its parameters, for who says it in another language.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
@@ -74,32 +80,6 @@ pub enum StatementPart {
     Withheld,
 }
 
-impl StatementPart {
-    fn in_english(&self) -> String {
-        let of = |unit: &Option<String>| unit.as_ref().map(|unit| format!(" {unit}")).unwrap_or_default();
-        match self {
-            Self::Unchanged => "every change, as it is".to_owned(),
-            Self::Aggregated { function, window_ms } => {
-                format!("{} per {}", function.describe(), describe_period(*window_ms))
-            }
-            Self::Rounded { step, unit } => format!("rounded to multiples of {step}{}", of(unit)),
-            Self::Banded { bounds, unit } => {
-                let bounds: Vec<String> = bounds.iter().map(f64::to_string).collect();
-                format!("in bands from {}{}", bounds.join(", "), of(unit))
-            }
-            Self::Digits { digits } => {
-                format!("with {digits} significant digit{}", if *digits == 1 { "" } else { "s" })
-            }
-            Self::Interval { period_ms } => format!("at most once per {}", describe_period(*period_ms)),
-            Self::Rate { values, period_ms } => format!("at most {values} values per {}", describe_period(*period_ms)),
-            Self::TimeStep { period_ms } => format!("times in steps of {}", describe_period(*period_ms)),
-            Self::Delayed { period_ms } => format!("{} late", describe_period(*period_ms)),
-            Self::Hours { hours } => hours.describe(),
-            Self::Withheld => "withheld in certain states".to_owned(),
-        }
-    }
-}
-
 /// A precision as the partner is told it.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -110,12 +90,23 @@ pub struct Statement {
     pub statement_parts: Vec<StatementPart>,
 }
 
+impl Statement {
+    /// In words of a language.
+    #[must_use]
+    pub fn said_in(&self, language: Language) -> String {
+        match language {
+            Language::En => self.statement.clone(),
+            Language::De => sentence(&self.statement_parts, language),
+        }
+    }
+}
+
 impl DisclosurePolicy {
     /// What the partner is told about its precision.
     #[must_use]
     pub fn statement(&self, unit: Option<&str>) -> DisclosureStatement {
         DisclosureStatement {
-            description: sentence(&self.parts(unit)),
+            description: sentence(&self.parts(unit), Language::En),
             rounding_step: self.rounding_step.map(|step| step.decimal().to_f64()),
             significant_digits: self.significant_digits,
             aggregate: self.aggregate.map(|aggregate| AggregateStatement {
@@ -137,7 +128,7 @@ impl DisclosurePolicy {
     #[must_use]
     pub fn told(&self, unit: Option<&str>) -> Statement {
         let parts = self.parts(unit);
-        Statement { statement: sentence(&parts), statement_parts: parts }
+        Statement { statement: sentence(&parts, Language::En), statement_parts: parts }
     }
 
     /// The same as codes with parameters.
@@ -167,27 +158,6 @@ impl DisclosurePolicy {
         }
         parts
     }
-}
-
-/// Parts as one English sentence.
-fn sentence(parts: &[StatementPart]) -> String {
-    let parts: Vec<String> = parts.iter().map(StatementPart::in_english).collect();
-    let mut text = parts.join("; ");
-    if let Some(first) = text.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
-    text.push('.');
-    text
-}
-
-/// A period with the largest unit that divides it.
-pub(super) fn describe_period(ms: u64) -> String {
-    for (length, name) in [(86_400_000, "d"), (3_600_000, "h"), (60_000, "min"), (1_000, "s")] {
-        if ms.is_multiple_of(length) {
-            return format!("{} {name}", ms / length);
-        }
-    }
-    format!("{ms} ms")
 }
 
 #[cfg(test)]
@@ -223,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_is_said_as_codes() {
+    fn the_same_is_said_as_codes_and_in_german() {
         let policy: DisclosurePolicy = serde_json::from_str(
             r#"{"roundingStep":10,"bands":[0.5,50.0],"significantDigits":2,"aggregate":{"function":"MEAN","windowMs":3600000},
             "minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}],"timeStepMs":1000,"delayMs":5,
@@ -232,6 +202,12 @@ mod tests {
         .expect("a policy");
         let told = policy.told(Some("PIECE"));
         assert_eq!(told.statement, policy.statement(Some("PIECE")).description);
+        assert_eq!(
+            told.said_in(Language::De),
+            "Ein Wert je 1 h: zeitlicher Mittelwert; gerundet auf Vielfache von 10 PIECE; in Bändern ab 0,5; 50 PIECE; mit 2 \
+             gültigen Ziffern; höchstens einmal je 1 min; höchstens 3 Werte je 1 h; Zeiten in Schritten von 1 s; 5 ms \
+             später; nur Mo von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten."
+        );
         let parts = serde_json::to_value(&told.statement_parts).expect("serialises");
         let expected = serde_json::json!([
             { "code": "AGGREGATED", "function": "MEAN", "windowMs": 3_600_000 },

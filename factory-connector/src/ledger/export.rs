@@ -1,8 +1,13 @@
 //! The ledger as people and their tools read it: JSON lines, CSV, or a page to print.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 
-use crate::print::{END, Language, TABLE_END, begin, row, table};
+use crate::{
+    disclosure::Statement,
+    print::{END, Language, TABLE_END, begin, row, table},
+};
 
 /// In which form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, utoipa::ToSchema)]
@@ -54,7 +59,7 @@ pub struct ExportedEntry {
     /// When the platform said that it holds it.
     pub delivered_at: Option<String>,
     /// How each consent named by the entry coarsens, by field: what the partner is told.
-    pub precision: std::collections::BTreeMap<String, String>,
+    pub precision: BTreeMap<String, Statement>,
 }
 
 const COLUMNS: [(&str, &str, &str); 20] = [
@@ -114,8 +119,8 @@ impl Exporter {
     pub fn entry(&self, entry: &ExportedEntry) -> String {
         match self.format {
             ExportFormat::Jsonl => json_line(entry),
-            ExportFormat::Csv => rows(entry).into_iter().map(csv_line).collect(),
-            ExportFormat::Html => rows(entry).into_iter().map(row).collect(),
+            ExportFormat::Csv => rows(entry, Language::En).into_iter().map(csv_line).collect(),
+            ExportFormat::Html => rows(entry, self.language).into_iter().map(row).collect(),
         }
     }
 
@@ -138,17 +143,18 @@ fn json_line(entry: &ExportedEntry) -> String {
         "messageId": entry.message_id,
         "sentAt": entry.sent_at,
         "deliveredAt": entry.delivered_at,
-        "precision": entry.precision,
+        "precision": entry.precision.iter().map(|(field, told)| (field, &told.statement)).collect::<BTreeMap<_, _>>(),
     });
     format!("{line}\n")
 }
 
 /// One row per value of a report, one for any other entry.
-fn rows(exported: &ExportedEntry) -> Vec<Vec<String>> {
+fn rows(exported: &ExportedEntry, language: Language) -> Vec<Vec<String>> {
     let entry: Value = serde_json::from_str(&exported.content).unwrap_or_default();
     let report: Value =
         exported.report.as_deref().and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
     let payload = &report["Payload"];
+    let said = |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
     let of_row = |field: Option<&str>| -> Vec<String> {
         COLUMNS
             .iter()
@@ -157,13 +163,13 @@ fn rows(exported: &ExportedEntry) -> Vec<Vec<String>> {
                 ("value", Some(field)) => plain(&payload[field]),
                 ("unit", Some(field)) => plain(&payload[format!("{field}Unit")]),
                 ("consent", Some(field)) => plain(&entry["consents"][field]),
-                ("precision", Some(field)) => exported.precision.get(field).cloned().unwrap_or_default(),
+                ("precision", Some(field)) => said(exported.precision.get(field)),
                 ("operationNetworkId" | "operationId" | "dynamicDataRequestId", Some(_)) => plain(&payload[*name]),
                 ("operationNetworkId" | "operationId" | "dynamicDataRequestId", None) => plain(&entry["field"][*name]),
                 ("field", None) => plain(&entry["field"]["fieldName"]),
                 ("value", None) => plain(&entry["mappingState"]),
                 ("consent", None) => plain(&entry["version"]),
-                ("precision", None) => exported.precision.values().next().cloned().unwrap_or_default(),
+                ("precision", None) => said(exported.precision.values().next()),
                 ("messageId", _) => exported.message_id.clone().unwrap_or_else(|| plain(&entry["messageId"])),
                 ("sentAt", _) => exported.sent_at.clone().unwrap_or_default(),
                 ("deliveredAt", _) => exported.delivered_at.clone().unwrap_or_default(),
@@ -214,6 +220,7 @@ fn quoted(cell: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::disclosure::DisclosurePolicy;
 
     fn queued(value: Value) -> ExportedEntry {
         let report = serde_json::json!({ "SequenceNumber": 4, "Payload": { "operationNetworkId": { "Type": 12, "Body": "n" },
@@ -226,7 +233,7 @@ mod tests {
             message_id: Some("m1".to_owned()),
             sent_at: Some("2026-11-21T10:00:01Z".to_owned()),
             delivered_at: None,
-            precision: [("note".to_owned(), "Every change, as it is.".to_owned())].into(),
+            precision: [("note".to_owned(), DisclosurePolicy::default().told(None))].into(),
         }
     }
 
@@ -266,7 +273,9 @@ mod tests {
         let html = Exporter::new(ExportFormat::Html, Language::De);
         let page = html.begin("F") + &html.entry(&queued("<script>alert(1)</script>".into())) + &html.end();
         assert!(page.contains("&lt;script&gt;") && !page.contains("<script"), "{page}");
-        assert!(page.contains("Empfänger") && page.ends_with("</html>\n"));
+        assert!(
+            page.contains("Empfänger") && page.contains("Jede Änderung, wie sie ist.") && page.ends_with("</html>\n")
+        );
     }
 
     #[test]

@@ -15,7 +15,7 @@ use selection::{Place, selection};
 
 use super::{StoreError, load::get};
 use crate::{
-    disclosure::{DisclosurePolicy, Statement, StatementPart},
+    disclosure::{DisclosurePolicy, Statement},
     ledger::ExportedEntry,
 };
 
@@ -31,8 +31,6 @@ pub struct LedgerRow {
     pub number: u64,
     /// The hashed text with everything that explains it.
     pub entry: ExportedEntry,
-    /// How each consent named by the entry coarsens, by field, as codes with parameters.
-    pub precision_parts: BTreeMap<String, Vec<StatementPart>>,
 }
 
 /// Reads entries and explains them.
@@ -109,11 +107,10 @@ impl LedgerReader {
             let time = |column| -> Result<Option<String>, StoreError> {
                 Ok(get::<Option<i64>>(row, column)?.map(|micros| DateTime::from_unix_micros(micros).to_string()))
             };
-            let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
+            let mut precision = BTreeMap::new();
             for (name, field, version) in consents(&content, report.as_deref()) {
                 if let Some(told) = self.told(connection, field, version).await? {
-                    precision.insert(name.clone(), told.statement);
-                    precision_parts.insert(name, told.statement_parts);
+                    precision.insert(name, told);
                 }
             }
             let entry = ExportedEntry {
@@ -125,7 +122,7 @@ impl LedgerReader {
                 report,
                 precision,
             };
-            explained.push(LedgerRow { number: get::<i64>(row, 1)?.unsigned_abs(), entry, precision_parts });
+            explained.push(LedgerRow { number: get::<i64>(row, 1)?.unsigned_abs(), entry });
         }
         Ok(explained)
     }
