@@ -15,21 +15,23 @@ async fn the_link_keeps_its_promises_over_mqtt() {
     promises(broker, &url, None).await;
 }
 
+/// Side by side: Mosquitto looks after WebSockets ten times a second only.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_promises_over_mqtt_in_websockets() {
-    let broker = Mosquitto::start(&plan(), Saving::Always).await;
-    let url = format!("mqtt+ws://127.0.0.1:{}", broker.websocket_port());
-    promises(broker, &url, None).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_link_keeps_its_promises_over_mqtt_in_encrypted_websockets() {
-    let certified = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
-    let (certificate, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
-    let certificate = ServerCertificate { certificate: &certificate, key: &key };
-    let broker = Mosquitto::start_with(&plan(), Saving::Always, Some(certificate)).await;
-    let url = format!("mqtt+wss://localhost:{}/any/path", broker.websocket_port());
-    promises(broker, &url, Some(certificate.certificate)).await;
+    let plain = async {
+        let broker = Mosquitto::start(&plan(), Saving::Always).await;
+        let url = format!("mqtt+ws://127.0.0.1:{}", broker.websocket_port());
+        promises(broker, &url, None).await;
+    };
+    let encrypted = async {
+        let certified = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+        let (certificate, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
+        let certificate = ServerCertificate { certificate: &certificate, key: &key };
+        let broker = Mosquitto::start_with(&plan(), Saving::Always, Some(certificate)).await;
+        let url = format!("mqtt+wss://localhost:{}/any/path", broker.websocket_port());
+        promises(broker, &url, Some(certificate.certificate)).await;
+    };
+    tokio::join!(plain, encrypted);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
