@@ -59,7 +59,7 @@ script-deno: ## the second script engine (needs cmake and libsimde-dev), and the
 asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
 	tests/foreign/asi/run.sh --with-open62541
 
-screenshots: demo-programs ## every page in light and dark, German and English, into target/screenshots
+screenshots: demo-programs ## looks for barriers, then every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
 demo-programs: prerequisites-test browser web

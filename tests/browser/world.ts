@@ -101,7 +101,13 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
       ...(network === undefined ? [] : [{ name: 'network', hash: hash('networks', network) }]),
       ...(network === undefined || operation === undefined ? [] : [{ name: 'operation', hash: hash('networks', network, operation) }]),
       { name: 'factories', hash: '#/factories' },
-      ...(factory === undefined ? [] : [{ name: 'factory', hash: hash('factories', factory) }]),
+      ...(factory === undefined
+        ? []
+        : [
+            { name: 'factory', hash: hash('factories', factory) },
+            { name: 'enrolment', hash: hash('factories', factory), act: (shown: Page) => press(shown, /^(create an enrolment token|aufnahmeschlüssel erstellen)$/i) },
+            { name: 'credential-revocation', hash: hash('factories', factory), act: (shown: Page) => press(shown, /^(revoke the credentials|zugangsdaten widerrufen)$/i) },
+          ]),
       { name: 'live', hash: '#/live' },
       { name: 'settings', hash: '#/settings' },
     ]
@@ -120,12 +126,23 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
   return [
     { name: 'overview', hash: '#/' },
     { name: 'inbox', hash: '#/inbox' },
+    ...(inbox.items.some((request) => request.fields.filter((field) => field.mappingState === 'PENDING').length > 1)
+      ? [{ name: 'refusal', hash: '#/inbox', act: (shown: Page) => press(shown, /^(refuse open fields|offene felder ablehnen)$/i) }]
+      : []),
+    { name: 'conversation', hash: '#/inbox', act: (shown) => press(shown, /^(remarks|bemerkungen|new remark|neue bemerkung)$/i) },
+    { name: 'revocation', hash: '#/inbox', act: (shown) => press(shown, /^(revoke|widerrufen)$/i) },
     ...at('field-mapped', fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING')),
+    ...at('versions', fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING')).map((place) => ({
+      ...place,
+      act: (shown: Page) => press(shown, /^(versions|versionen)$/i),
+    })),
     ...at('field-pending', fields.find((field) => field.mappingState === 'PENDING')),
     ...at('field-manual', fields.find((field) => field.valueSource === 'MANUAL')),
     ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
     { name: 'sources', hash: '#/sources' },
     { name: 'operator', hash: '#/operator' },
+    { name: 'operator-quantity', hash: '#/operator', act: (shown) => press(shown, /^(more|mehrere)$/i) },
+    { name: 'operator-problem', hash: '#/operator', act: (shown) => press(shown, /^(problem|störung)$/i) },
     { name: 'policies', hash: '#/policies' },
     { name: 'rule', hash: '#/policies', act: (shown) => press(shown, /^(add a rule|regel hinzufügen)$/i) },
     { name: 'policy', hash: '#/policies', act: (shown) => press(shown, /^(add a policy|freigabe hinzufügen)$/i) },
@@ -163,7 +180,7 @@ export async function enter(page: Page, site: Site, { hash, act }: Place): Promi
 }
 
 async function press(page: Page, name: RegExp): Promise<void> {
-  await page.getByRole('button', { name }).click()
+  await page.getByRole('button', { name }).first().click()
   await expect(page.getByRole('dialog')).toBeVisible()
 }
 

@@ -46,14 +46,16 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
     steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await
 }
 
-/// Plays the story and takes pictures of every page.
+/// Plays the story, looks for barriers on every page, and takes pictures of all.
 ///
 /// # Errors
-/// When the story does not play or a page does not show.
+/// When the story does not play, a page has barriers, or one does not show.
 pub async fn screenshots() -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-pictures-").tempdir()?;
     let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
     play(&mut world, &mut Steps::default()).await?;
+    let without_barriers = browser::run(&world, "test", &["--project=accessibility"]).await?;
+    say(&format!("no barriers: {without_barriers}"));
     let taken = browser::run(&world, "test", &["--project=screenshots"]).await?;
     say(&format!("{taken}; the pictures are in target/screenshots"));
     world.stop()

@@ -10,6 +10,9 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, World},
 };
 
+/// How long a browser may take: pictures of everything are several hundred, drawn without a graphics card.
+const PATIENCE: Duration = Duration::from_secs(1800);
+
 /// Drives both pages through the story of the browser tests: a question, its answer, and the value on the page.
 pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=story"]).await
@@ -50,7 +53,7 @@ pub async fn run_with(
         .env("CONNECTOR_USER", ENGINEER)
         .env("CONNECTOR_PASSWORD", PASSWORD)
         .envs(variables.iter().map(|(name, value)| (*name, value)));
-    let output = tokio::time::timeout(Duration::from_secs(600), command.output())
+    let output = tokio::time::timeout(PATIENCE, command.output())
         .await
         .context("the browser did not end in time")?
         .context("starting the browser tests; run `npm ci` in tests/browser first")?;
