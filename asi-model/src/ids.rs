@@ -169,6 +169,15 @@ id!(
     FieldName, "a field name", "^[A-Za-z_][A-Za-z0-9_.-]{0,63}$", is_field_name
 );
 id!(
+    /// A running connector: drawn anew at every start.
+    InstanceId, "an instance id", "^[A-Za-z0-9_-]{1,64}$", is_name
+);
+id!(
+    /// Where a connector's store is in use. Two processes name the same place only where the operating system lets no
+    /// more than one of them hold the store.
+    PlaceId, "a place id", "^[A-Za-z0-9_-]{1,64}$", is_name
+);
+id!(
     /// A message id, unique per message; written as a UUIDv7 by our own senders.
     MessageId, "a message id", "^[!-~]{1,128}$", is_message_id
 );

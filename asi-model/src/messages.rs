@@ -1,12 +1,14 @@
 //! The messages of the wire contract besides reports: each self-contained, with `messageType` and `messageId`.
 
 mod from_factory;
+mod lease;
 mod to_factory;
 
 pub use from_factory::{
     Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision, DecisionTarget,
     DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState, RateStatement, ValueSource,
 };
+pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
 pub use to_factory::{
     AssetRequest, Comment, OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt,
 };

@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 use crate::{
     messages::{
-        Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, OperationNetworkMessage, Receipt, Withdraw,
+        Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, Lease, LeaseRequest,
+        OperationNetworkMessage, Receipt, Withdraw,
     },
     network::OperationNetwork,
 };
@@ -26,10 +27,12 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("comment.schema.json", message::<Comment>("comment")),
         ("asset-request.schema.json", message::<AssetRequest>("asset-request")),
         ("receipt.schema.json", message::<Receipt>("receipt")),
+        ("lease.schema.json", message::<Lease>("lease")),
         ("acknowledgement.schema.json", message::<Acknowledgement>("acknowledgement")),
         ("decision.schema.json", message::<Decision>("decision")),
         ("gap.schema.json", message::<Gap>("gap")),
         ("asset-offer.schema.json", message::<AssetOffer>("asset-offer")),
+        ("lease-request.schema.json", message::<LeaseRequest>("lease-request")),
         ("network.schema.json", document::<OperationNetwork>("network")),
         ("ua-data.schema.json", pubsub::data()),
         ("ua-metadata.schema.json", pubsub::meta_data()),
@@ -129,7 +132,7 @@ mod tests {
 
     fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value) {
         match message_type {
-            "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt" => {
+            "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt" | "lease" => {
                 let message = validation::parse_any_platform_message(bytes).expect(name);
                 assert_eq!(message.message_type(), message_type);
                 let again = serde_json::to_vec(&message).expect("writable");
@@ -137,7 +140,7 @@ mod tests {
                 // serde reads the same from its own text, as the stores do.
                 assert_eq!(serde_json::from_slice::<crate::messages::PlatformMessage>(&again).expect(name), message);
             }
-            "acknowledgement" | "decision" | "gap" | "asset-offer" => {
+            "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" => {
                 let message = validation::parse_factory_message(bytes).expect(name);
                 let again = serde_json::to_vec(&message).expect("writable");
                 assert_eq!(validation::parse_factory_message(&again).as_ref(), Ok(&message));

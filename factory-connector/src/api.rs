@@ -53,7 +53,7 @@ use mapping_engine::MappingEngineHandle;
 use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
 use sqlx::{Sqlite, SqlitePool, pool::PoolConnection};
-use tokio::sync::Notify;
+use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 use utoipa::OpenApi;
@@ -64,7 +64,7 @@ use utoipa_axum::{
 
 pub use accounts::{Principal, StoredAccounts};
 
-use crate::{books::ConnectorEvent, catalog::CatalogHandle, desk::DeskHandle};
+use crate::{books::ConnectorEvent, catalog::CatalogHandle, desk::DeskHandle, lease::LeaseStatus};
 
 const COOKIE: &str = "verbund_connector";
 /// Largest body of any request, in bytes.
@@ -86,6 +86,8 @@ pub struct Parts {
     pub twin: TwinHandle,
     /// The link to the platform.
     pub link: Option<LinkHandle>,
+    /// Whether this connector may speak for its factory.
+    pub lease: watch::Receiver<LeaseStatus>,
     /// What pages are told.
     pub events: EventLog<ConnectorEvent>,
     /// What the connector waits for.

@@ -182,7 +182,8 @@ impl Books {
         }
         books.watch_after_load(now);
         if is_restored {
-            tracing::warn!("The store is an older copy of itself; every data set writer begins a new epoch.");
+            tracing::warn!("The store was restored, moved or copied; every data set writer begins a new epoch.");
+            books.changes.are_epochs_begun = true;
             let writers: Vec<u16> = books.writer_of.values().copied().collect();
             for writer in writers {
                 books.begin_epoch(writer, now);

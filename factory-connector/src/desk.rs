@@ -128,6 +128,8 @@ pub struct Desk {
     /// The ledger has entries that pages have not heard of, and when they heard last.
     has_ledger_news: bool,
     ledger_told_at: Instant,
+    /// The store was restored, moved or copied, and that every writer has begun a new epoch is not committed yet.
+    are_epochs_due: bool,
 }
 
 /// Opens the way to a desk that is yet to be made.
@@ -167,6 +169,7 @@ impl Desk {
             oldest_unwritten: None,
             has_ledger_news: false,
             ledger_told_at: Instant::now(),
+            are_epochs_due: is_restored,
         })
     }
 
@@ -273,12 +276,14 @@ impl Desk {
         self.next_publish = Instant::now() + self.config.publishing_interval;
         self.oldest_unwritten = None;
         let (changes, aftermath) = self.books.take();
-        let (reports, has_entries) = (changes.reports.len(), !changes.ledger.is_empty());
+        let (reports, are_epochs_begun) = (changes.reports.len(), changes.are_epochs_begun);
+        let has_entries = !changes.ledger.is_empty();
         if !changes.is_empty()
             && let Err(error) = self.store.commit(changes).await
         {
             return self.recover(&error).await;
         }
+        self.are_epochs_due &= !are_epochs_begun;
         metrics::counter!("verbund_reports_total").increment(reports as u64);
         for reply in self.replies.drain(..) {
             reply.give(true);
@@ -311,7 +316,7 @@ impl Desk {
         let mut snapshot = self.store.load().await?;
         // Keep-alives and what was deleted may be under way: their numbers must not be given again.
         snapshot.last_row = snapshot.last_row.max(self.books.last_row);
-        self.books = Books::new(self.config.books.clone(), snapshot, false, self::now())?;
+        self.books = Books::new(self.config.books.clone(), snapshot, self.are_epochs_due, self::now())?;
         Ok(())
     }
 

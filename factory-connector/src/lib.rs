@@ -6,6 +6,7 @@
 //! - [`outbox`]: the two ends of the link.
 //! - [`store`]: the durable file.
 //! - [`disclosure`]: the one gate through which values leave.
+//! - [`lease`]: which of several connectors with one credential may speak.
 //! - [`ledger`]: everything that left, provable.
 //! - [`operator`]: what people enter about operations without a machine.
 //! - [`mod@print`]: pages to print.
@@ -18,6 +19,7 @@ pub mod config;
 pub mod desk;
 pub mod disclosure;
 pub mod enrolment;
+pub mod lease;
 pub mod ledger;
 pub mod operator;
 pub mod outbox;

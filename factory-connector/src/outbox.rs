@@ -18,6 +18,7 @@ pub use departures::{Departure, Departures};
 
 use crate::{
     desk::DeskHandle,
+    lease::{LeaseAnswers, LeaseGate},
     store::{Message, SpoolReader},
 };
 
@@ -61,6 +62,7 @@ pub struct Outbox {
     desk: DeskHandle,
     ephemerals: Arc<Ephemerals>,
     departures: Arc<Departures>,
+    gate: Arc<LeaseGate>,
 }
 
 impl Outbox {
@@ -72,8 +74,9 @@ impl Outbox {
         desk: DeskHandle,
         ephemerals: Arc<Ephemerals>,
         departures: Arc<Departures>,
+        gate: Arc<LeaseGate>,
     ) -> Self {
-        Self { factory_id, reader, desk, ephemerals, departures }
+        Self { factory_id, reader, desk, ephemerals, departures, gate }
     }
 
     fn row(&self, message: Message) -> SpoolRow {
@@ -123,7 +126,13 @@ impl Outbox {
 
 #[async_trait]
 impl SpoolStore for Outbox {
+    /// Nothing leaves on a new connection before the platform has confirmed that this connector is the one to speak.
+    fn connected(&self) {
+        self.gate.close();
+    }
+
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+        let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
         let mut rows: Vec<SpoolRow> =
             self.reader.fetch(fetch).await?.into_iter().map(|message| self.row(message)).collect();
         if fetch.lane == Lane::Control {
@@ -135,6 +144,9 @@ impl SpoolStore for Outbox {
             }));
             rows.sort_by_key(|row| row.id);
             rows.truncate(fetch.limit);
+        }
+        for row in &mut rows {
+            row.envelope.lease = Some(lease);
         }
         Ok(rows)
     }
@@ -153,7 +165,10 @@ impl SpoolStore for Outbox {
     }
 
     fn may_leave(&self, row: &SpoolRow) -> bool {
-        row.envelope.message_id.as_ref().is_none_or(|message_id| self.departures.may_leave(row.id.0, message_id))
+        // What carries no lease asks for one.
+        let has_lease = row.envelope.lease.is_none() || row.envelope.lease == self.gate.number();
+        let message_id = row.envelope.message_id.as_ref();
+        has_lease && message_id.is_none_or(|message_id| self.departures.may_leave(row.id.0, message_id))
     }
 
     async fn last_row(&self) -> Result<RowId, StoreError> {
@@ -165,12 +180,21 @@ impl SpoolStore for Outbox {
     }
 }
 
-/// What the link receives.
-pub struct PlatformInbox(pub DeskHandle);
+/// What the link receives: about the lease for its keeper, all else for the desk.
+pub struct PlatformInbox {
+    /// Takes messages of the platform.
+    pub desk: DeskHandle,
+    /// Takes what is said about the lease.
+    pub lease: LeaseAnswers,
+}
 
 #[async_trait]
 impl Inbox for PlatformInbox {
-    async fn receive(&self, _: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
-        self.0.deliver(deliveries).await
+    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        if matches!(address, LogicalAddress::FactoryLeases(_)) {
+            self.lease.take(&deliveries);
+            return vec![Settlement::Accept; deliveries.len()];
+        }
+        self.desk.deliver(deliveries).await
     }
 }

@@ -31,6 +31,7 @@ use crate::{
     catalog::Catalog,
     config::ConnectorConfig,
     desk::{self, Desk, DeskConfig, Rooms, now},
+    lease::{self, Instance, LeaseGate, LeaseKeeper},
     ledger::{LEDGER_KEY_FILE, LedgerKey},
     outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
     store::{Role, SpoolReader, Store, User, count_users, enrolment, put_user},
@@ -73,6 +74,14 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let store = Store::open(&directory, &factory_id, started_at).await?;
     let key = LedgerKey::open(&directory.join(LEDGER_KEY_FILE))?;
     let metrics = Metrics::install()?;
+    let identity = store.identity().clone();
+    let instance = Instance {
+        factory_id: factory_id.clone(),
+        instance_id: identity.instance_id,
+        place: identity.place,
+        host: identity.host,
+        started_at,
+    };
     let readers = store.readers();
     let shutdown = lifecycle.shutdown();
 
@@ -94,6 +103,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let (engine, engine_handle, candidates) = MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let ephemerals = Arc::new(Ephemerals::default());
     let departures = Arc::new(Departures::default());
+    let gate = Arc::new(LeaseGate::default());
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     let outbox = Outbox::new(
         factory_id.clone(),
@@ -101,13 +111,26 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         desk_handle.clone(),
         Arc::clone(&ephemerals),
         Arc::clone(&departures),
+        Arc::clone(&gate),
     );
+    let (lease_answers, answers) = lease::channel(factory_id.clone());
+    let mut link_config = link::link_config(&enrolled, &config.broker, &factory_id)?;
+    link_config.consumed = LeaseKeeper::received_at_start(&factory_id, identity.was_lease_held);
     let (link, link_handle) = Link::new(
-        link::link_config(&enrolled, &config.broker, &factory_id)?,
+        link_config,
         Arc::new(outbox),
-        Arc::new(PlatformInbox(desk_handle.clone())),
+        Arc::new(PlatformInbox { desk: desk_handle.clone(), lease: lease_answers }),
     )?;
     let events = EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let (keeper, lease_status) = LeaseKeeper::new(
+        instance,
+        identity.was_lease_held,
+        gate,
+        link_handle.clone(),
+        desk_handle.clone(),
+        answers,
+        events.clone(),
+    );
     let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
     let sources = stored_sources(&readers).await?;
     let desk = Desk::new(
@@ -155,6 +178,7 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
             catalog: catalog_handle,
             twin: twin_handle.clone(),
             link: Some(link_handle),
+            lease: lease_status,
             events,
             readiness: readiness.clone(),
             metrics,
@@ -197,6 +221,11 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let token = shutdown.clone();
     lifecycle.spawn("mappings", Importance::Essential, async move {
         mappings::publish(mapping_work, engine_handle, token).await;
+        anyhow::Ok(())
+    });
+    let token = shutdown.clone();
+    lifecycle.spawn("lease", Importance::Essential, async move {
+        keeper.run(token).await;
         anyhow::Ok(())
     });
     let token = shutdown.clone();

@@ -13,6 +13,7 @@ mod lookups;
 mod mappings;
 mod open;
 mod operator;
+mod place;
 mod policies;
 mod retention;
 mod revisions;

@@ -10,6 +10,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub enum LogicalAddress {
     /// `factory.<factoryId>.requests`: the platform writes, the factory's connector reads.
     FactoryRequests(FactoryId),
+    /// `factory.<factoryId>.leases`: the platform writes who speaks for the factory, every connector of it reads.
+    FactoryLeases(FactoryId),
     /// `factory.<factoryId>.ingress`: the factory's connector writes, the platform reads.
     FactoryIngress(FactoryId),
     /// `tool.<toolId>.requests`: a partner's tool writes, the platform reads.
@@ -25,7 +27,7 @@ impl LogicalAddress {
     #[must_use]
     pub const fn factory_id(&self) -> Option<&FactoryId> {
         match self {
-            Self::FactoryRequests(id) | Self::FactoryIngress(id) => Some(id),
+            Self::FactoryRequests(id) | Self::FactoryLeases(id) | Self::FactoryIngress(id) => Some(id),
             _ => None,
         }
     }
@@ -38,12 +40,18 @@ impl LogicalAddress {
             _ => None,
         }
     }
+
+    /// Whether only one consumer gets messages at a time, so that they keep their order whoever connects besides.
+    #[must_use]
+    pub const fn has_single_active_consumer(&self) -> bool {
+        !matches!(self, Self::FactoryLeases(_))
+    }
 }
 
 /// Why a text is not a logical address.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "an address is factory.<id>.requests, factory.<id>.ingress, tool.<id>.requests, tool.<id>.reports or dead-letters, but this is {found:?}"
+    "an address is factory.<id>.requests, factory.<id>.leases, factory.<id>.ingress, tool.<id>.requests, tool.<id>.reports or dead-letters, but this is {found:?}"
 )]
 pub struct InvalidAddress {
     /// What was found, cut after 160 characters.
@@ -54,6 +62,7 @@ impl fmt::Display for LogicalAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::FactoryRequests(id) => write!(f, "factory.{id}.requests"),
+            Self::FactoryLeases(id) => write!(f, "factory.{id}.leases"),
             Self::FactoryIngress(id) => write!(f, "factory.{id}.ingress"),
             Self::ToolRequests(id) => write!(f, "tool.{id}.requests"),
             Self::ToolReports(id) => write!(f, "tool.{id}.reports"),
@@ -74,6 +83,7 @@ impl FromStr for LogicalAddress {
                 let id = FactoryId::new(id).map_err(|_| invalid())?;
                 match role {
                     "requests" => Some(Self::FactoryRequests(id)),
+                    "leases" => Some(Self::FactoryLeases(id)),
                     "ingress" => Some(Self::FactoryIngress(id)),
                     _ => None,
                 }
@@ -111,9 +121,14 @@ mod tests {
 
     #[test]
     fn addresses_survive_a_round_trip() {
-        for text in
-            ["factory.FOR_MUC.requests", "factory.a-b.ingress", "tool.t1.requests", "tool.t1.reports", "dead-letters"]
-        {
+        for text in [
+            "factory.FOR_MUC.requests",
+            "factory.FOR_MUC.leases",
+            "factory.a-b.ingress",
+            "tool.t1.requests",
+            "tool.t1.reports",
+            "dead-letters",
+        ] {
             assert_eq!(text.parse::<LogicalAddress>().expect("an address").to_string(), text);
         }
     }

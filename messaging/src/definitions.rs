@@ -72,7 +72,11 @@ impl Plan {
     /// Every queue there must be, the dead letters not among them.
     fn queues(&self) -> Vec<LogicalAddress> {
         let factories = self.factories.iter().flat_map(|(id, _)| {
-            [LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryIngress(id.clone())]
+            [
+                LogicalAddress::FactoryRequests(id.clone()),
+                LogicalAddress::FactoryLeases(id.clone()),
+                LogicalAddress::FactoryIngress(id.clone()),
+            ]
         });
         let tools = self
             .tools
@@ -94,7 +98,7 @@ impl Plan {
         };
         let factories = self.factories.iter().map(|(id, account)| Rights {
             account,
-            consume: vec![LogicalAddress::FactoryRequests(id.clone())],
+            consume: vec![LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryLeases(id.clone())],
             produce: vec![LogicalAddress::FactoryIngress(id.clone())],
         });
         let tools = self.tools.iter().map(|(id, account)| Rights {

@@ -46,6 +46,8 @@ pub struct Envelope {
     pub ttl: Option<Duration>,
     /// Whether it belongs to the backlog after an outage, behind newer messages already sent.
     pub replay: bool,
+    /// The number of the lease under which a factory's connector sends; none where it asks for one, and of all others.
+    pub lease: Option<u64>,
     /// The body as it travels, packed as `content_encoding` says.
     pub body: Bytes,
 }
@@ -77,6 +79,7 @@ impl Envelope {
             creation_time: None,
             ttl: None,
             replay: false,
+            lease: None,
             body: body.into(),
         }
     }

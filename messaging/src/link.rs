@@ -10,13 +10,13 @@ mod shared;
 mod state;
 mod supervisor;
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use time::OffsetDateTime;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-use crate::{address::LogicalAddress, inbox::Inbox, spool::SpoolStore, transport};
+use crate::{address::LogicalAddress, envelope::Envelope, inbox::Inbox, spool::SpoolStore, transport};
 use shared::Shared;
 use supervisor::Supervisor;
 
@@ -90,6 +90,22 @@ impl LinkHandle {
     /// Tells that rows which were sent, parked or skipped before wait (again).
     pub fn rewind(&self) {
         self.shared.rewind.notify_one();
+    }
+
+    /// Tells that the store shows rows that it hid before. They are looked for as after an outage: the newest first.
+    pub fn begin_anew(&self) {
+        self.shared.anew.notify_one();
+    }
+
+    /// Sends a message that is not kept, ahead of what waits. It is lost with the connection, or where the broker rejects it:
+    /// whoever posts it repeats it until it is answered.
+    pub fn post(&self, address: LogicalAddress, envelope: Envelope) {
+        self.shared.post(address, envelope);
+    }
+
+    /// Ends the connection for a while, as when another one is to have the broker for itself.
+    pub fn rest(&self, reason: impl Into<String>, pause: Duration) {
+        self.shared.rest(reason.into(), pause);
     }
 
     /// Replaces the set of addresses to receive from, without disturbing those that stay.

@@ -133,6 +133,9 @@ pub trait SpoolStore: Send + Sync + 'static {
     /// The waiting rows of a lane within a range, oldest first.
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError>;
 
+    /// A connection was established; nothing has been fetched for it yet.
+    fn connected(&self) {}
+
     /// Whether a row that was fetched some time ago may still leave, asked right before it is put on the wire. One that
     /// may not is dropped without an outcome; the store has to rewind where something else stands in its place.
     fn may_leave(&self, _row: &SpoolRow) -> bool {

@@ -33,7 +33,7 @@ async fn main() -> anyhow::Result<()> {
     let (_board, progress) = ProgressBoard::new(store.clone(), live.clone());
     let wait = std::time::Duration::from_secs(60);
     let (ingest, handle) =
-        Ingest::new(store.clone(), live, Reach::new(Vec::new()), progress, Clock::system(), wait).await?;
+        Ingest::new(store.clone(), live, Reach::new(Vec::new()), progress, Clock::system(), wait, wait).await?;
     let shutdown = CancellationToken::new();
     let running = tokio::spawn(ingest.run(shutdown.clone()));
 

@@ -9,6 +9,7 @@ mod comments;
 mod dead_letters;
 mod enrolments;
 mod factories;
+mod leases;
 mod live;
 mod networks;
 mod organisations;
@@ -82,6 +83,8 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(factories::list, factories::add))
         .routes(routes!(factories::make_token))
         .routes(routes!(factories::revoke))
+        .routes(routes!(leases::show))
+        .routes(routes!(leases::hand_over))
         .routes(routes!(writers::list))
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))

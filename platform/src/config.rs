@@ -31,6 +31,8 @@ pub struct PlatformConfig {
     pub receipts: ReceiptConfig,
     /// Sending parts of networks.
     pub parts: PartConfig,
+    /// Which of several connectors with one credential speaks for a factory.
+    pub leases: LeaseConfig,
     /// How long things are kept.
     pub retention: RetentionConfig,
     /// Logging.
@@ -46,6 +48,7 @@ impl Default for PlatformConfig {
             admin: AdminConfig::default(),
             receipts: ReceiptConfig::default(),
             parts: PartConfig::default(),
+            leases: LeaseConfig::default(),
             retention: RetentionConfig::default(),
             log: LogConfig::default(),
         }
@@ -202,6 +205,21 @@ impl Default for PartConfig {
     }
 }
 
+/// Which of several connectors with one credential speaks for a factory.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LeaseConfig {
+    /// Time without a sign of a connector after which its successor on another machine gets its lease, in milliseconds.
+    /// Connectors renew in a third of it.
+    pub silence_ms: u64,
+}
+
+impl Default for LeaseConfig {
+    fn default() -> Self {
+        Self { silence_ms: 30_000 }
+    }
+}
+
 /// How long things are kept.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -265,6 +283,9 @@ impl PlatformConfig {
         if self.receipts.interval_ms == 0 {
             faults.push("receipts.interval_ms: must be at least 1".to_owned());
         }
+        if self.leases.silence_ms < 300 {
+            faults.push("leases.silence_ms: must be at least 300".to_owned());
+        }
         faults
     }
 
@@ -279,6 +300,12 @@ impl PlatformConfig {
     #[must_use]
     pub const fn receipt_interval(&self) -> Duration {
         Duration::from_millis(self.receipts.interval_ms)
+    }
+
+    /// How long a connector may be silent before it may lose its lease.
+    #[must_use]
+    pub const fn lease_silence(&self) -> Duration {
+        Duration::from_millis(self.leases.silence_ms)
     }
 
     /// The database file.

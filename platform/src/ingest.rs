@@ -7,6 +7,7 @@
 
 mod apply;
 mod decode;
+mod leases;
 mod sequences;
 mod service;
 

@@ -4,6 +4,7 @@
 //! - [`config`]: what an operator sets. [`service`]: everything opened and started from it.
 //! - [`store`]: the database, one repository per noun; [`accounts`], [`administrator`]: who may sign in.
 //! - [`networks`]: changing networks and sending parts. [`ingest`]: what factories and tools send, each message once.
+//! - [`leases`] (pure): which of a factory's running connectors speaks for it.
 //! - [`progress`] (pure), [`progress_board`], [`live`]: how operations stand, and telling it.
 //! - [`receipts`], [`retention`], [`outgoing`]: what is told to connectors, forgotten, sent.
 //! - [`reach`], [`enrolment`], [`certificates`]: who may use the broker, and how it is trusted.
@@ -18,6 +19,7 @@ pub mod clock;
 pub mod config;
 pub mod enrolment;
 pub mod ingest;
+pub mod leases;
 pub mod live;
 pub mod networks;
 pub mod outgoing;

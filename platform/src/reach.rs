@@ -137,7 +137,8 @@ impl Reach {
         self.load_users(store).await?;
         if let Some(broker) = self.broker() {
             for address in addresses(&factories, &tools) {
-                let options = QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() };
+                let is_single_active_consumer = address.has_single_active_consumer();
+                let options = QueueOptions { is_single_active_consumer, ..QueueOptions::default() };
                 broker.declare_queue(&queue(&address), options).await?;
             }
         }
@@ -194,23 +195,27 @@ impl Reach {
     }
 }
 
-/// A connector reads its own requests and writes its own ingress, a tool likewise, and nothing else.
+/// A connector reads its own requests and leases and writes its own ingress, a tool likewise, and nothing else.
 fn permitted(holder: &Holder) -> BrokerUser {
     let (reads, writes) = match holder {
-        Holder::Factory(id) => {
-            (LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryIngress(id.clone()))
-        }
-        Holder::Tool(id) => (LogicalAddress::ToolReports(id.clone()), LogicalAddress::ToolRequests(id.clone())),
+        Holder::Factory(id) => (
+            vec![LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryLeases(id.clone())],
+            LogicalAddress::FactoryIngress(id.clone()),
+        ),
+        Holder::Tool(id) => (vec![LogicalAddress::ToolReports(id.clone())], LogicalAddress::ToolRequests(id.clone())),
     };
-    BrokerUser::default()
-        .may_consume(AddressPattern::exact(&queue(&reads)))
-        .may_produce(AddressPattern::exact(&queue(&writes)))
+    let user = BrokerUser::default().may_produce(AddressPattern::exact(&queue(&writes)));
+    reads.iter().fold(user, |user, address| user.may_consume(AddressPattern::exact(&queue(address))))
 }
 
 fn addresses(factories: &[FactoryId], tools: &[ToolId]) -> Vec<LogicalAddress> {
-    let of_factories = factories
-        .iter()
-        .flat_map(|id| [LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryIngress(id.clone())]);
+    let of_factories = factories.iter().flat_map(|id| {
+        [
+            LogicalAddress::FactoryRequests(id.clone()),
+            LogicalAddress::FactoryLeases(id.clone()),
+            LogicalAddress::FactoryIngress(id.clone()),
+        ]
+    });
     let of_tools =
         tools.iter().flat_map(|id| [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]);
     of_factories.chain(of_tools).collect()
@@ -242,8 +247,10 @@ mod tests {
             (user.permissions.permits_consuming(&queue), user.permissions.permits_producing(&queue))
         };
         assert_eq!(may("factory.A.requests"), (true, false));
+        assert_eq!(may("factory.A.leases"), (true, false));
         assert_eq!(may("factory.A.ingress"), (false, true));
-        for foreign in ["factory.B.requests", "factory.B.ingress", "dead-letters", "tool.A.reports"] {
+        for foreign in ["factory.B.requests", "factory.B.leases", "factory.B.ingress", "dead-letters", "tool.A.reports"]
+        {
             assert_eq!(may(foreign), (false, false), "{foreign}");
         }
         assert!(reach.users().user("factory.B").is_none());

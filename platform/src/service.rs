@@ -129,8 +129,10 @@ impl Platform {
         let reach = Reach::new(config.broker.users.clone());
         let (board, progress) = ProgressBoard::new(store.clone(), live.clone());
         let resend_after = Duration::from_millis(config.parts.resend_after_ms);
+        let silence = config.lease_silence();
         let (ingest, ingest_handle) =
-            Ingest::new(store.clone(), live.clone(), reach.clone(), progress, clock.clone(), resend_after).await?;
+            Ingest::new(store.clone(), live.clone(), reach.clone(), progress, clock.clone(), resend_after, silence)
+                .await?;
 
         reach.load_users(&store).await?;
         let (broker, access, link_config) = open_broker(&config, &reach, started_at).await?;

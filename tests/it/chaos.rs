@@ -13,3 +13,9 @@ async fn nothing_is_lost_or_doubled_whatever_is_killed() {
     let length = Length { span: Duration::from_secs(15), kills: 30 };
     chaos::run(SEED, length, false).await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_copied_connector_is_refused_and_everybody_says_so() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    chaos::copied().await.unwrap();
+}

@@ -4,6 +4,7 @@
 //! knows of it; and every remark that one side took is on both sides once.
 
 mod clock;
+mod copied;
 mod disk;
 mod line;
 mod load;
@@ -17,6 +18,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+pub use copied::copied;
 pub use plan::{Fault, Plan, Strike};
 
 use crate::{

@@ -1,5 +1,6 @@
 //! Two factories and a cloud: every program that takes part in the frame order, in one folder, on ports of its own.
 
+mod copies;
 mod files;
 mod places;
 

@@ -261,6 +261,7 @@ fn about(message: &PlatformMessage) -> (FactoryId, Option<asi_model::OperationNe
         PlatformMessage::Comment(m) => (m.factory_id.clone(), Some(m.operation_network_id.clone()), None),
         PlatformMessage::AssetRequest(m) => (m.factory_id.clone(), None, None),
         PlatformMessage::Receipt(m) => (m.factory_id.clone(), None, None),
+        PlatformMessage::Lease(m) => (m.factory_id.clone(), None, None),
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::to_factory::Comment;
+use super::{lease::LeaseRequest, to_factory::Comment};
 use crate::{
     ids::{AssetId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationId, OperationNetworkId},
     values::DateTime,
@@ -23,6 +23,8 @@ pub enum FactoryMessage {
     Comment(Comment),
     /// Status data sets that could be asked for.
     AssetOffer(AssetOffer),
+    /// A running connector asks for the lease.
+    LeaseRequest(LeaseRequest),
 }
 
 impl FactoryMessage {
@@ -35,6 +37,7 @@ impl FactoryMessage {
             Self::Gap(_) => "gap",
             Self::Comment(_) => "comment",
             Self::AssetOffer(_) => "asset-offer",
+            Self::LeaseRequest(_) => "lease-request",
         }
     }
 
@@ -47,6 +50,20 @@ impl FactoryMessage {
             Self::Gap(m) => &m.message_id,
             Self::Comment(m) => &m.message_id,
             Self::AssetOffer(m) => &m.message_id,
+            Self::LeaseRequest(m) => &m.message_id,
+        }
+    }
+
+    /// The factory that the message claims to be of.
+    #[must_use]
+    pub const fn factory_id(&self) -> &FactoryId {
+        match self {
+            Self::Acknowledgement(m) => &m.factory_id,
+            Self::Decision(m) => &m.factory_id,
+            Self::Gap(m) => &m.factory_id,
+            Self::Comment(m) => &m.factory_id,
+            Self::AssetOffer(m) => &m.factory_id,
+            Self::LeaseRequest(m) => &m.factory_id,
         }
     }
 }

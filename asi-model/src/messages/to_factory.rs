@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::from_factory::AssetKind;
+use super::{from_factory::AssetKind, lease::Lease};
 use crate::{
     ids::{
         AssetId, CollaborationId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationNetworkId,
@@ -27,6 +27,8 @@ pub enum PlatformMessage {
     AssetRequest(AssetRequest),
     /// What the platform holds.
     Receipt(Receipt),
+    /// Who holds the lease.
+    Lease(Lease),
 }
 
 impl PlatformMessage {
@@ -39,6 +41,7 @@ impl PlatformMessage {
             Self::Comment(_) => "comment",
             Self::AssetRequest(_) => "asset-request",
             Self::Receipt(_) => "receipt",
+            Self::Lease(_) => "lease",
         }
     }
 
@@ -51,6 +54,7 @@ impl PlatformMessage {
             Self::Comment(m) => &m.message_id,
             Self::AssetRequest(m) => &m.message_id,
             Self::Receipt(m) => &m.message_id,
+            Self::Lease(m) => &m.message_id,
         }
     }
 }

@@ -6,8 +6,9 @@ use crate::{
     json::{Kind, Node},
     messages::{
         Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, AssetRequest, Comment,
-        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState,
-        OperationNetworkMessage, PlatformMessage, RateStatement, Receipt, Withdraw, WriterReceipt,
+        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, Lease, LeaseParty,
+        LeaseRequest, LeaseResult, MappingState, OperationNetworkMessage, PlatformMessage, RateStatement, Receipt,
+        Withdraw, WriterReceipt,
     },
 };
 
@@ -30,7 +31,7 @@ pub(super) fn platform_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 5] = ["operation-network", "withdraw", "comment", "asset-request", "receipt"];
+    const TYPES: [&str; 6] = ["operation-network", "withdraw", "comment", "asset-request", "receipt", "lease"];
     let message = match message_type(reader, root, &TYPES)? {
         "operation-network" => PlatformMessage::OperationNetwork(operation_network(reader, root, expected)?),
         "withdraw" => PlatformMessage::Withdraw(Withdraw {
@@ -41,6 +42,7 @@ pub(super) fn platform_message(
         }),
         "comment" => PlatformMessage::Comment(comment(reader, root, expected)),
         "asset-request" => PlatformMessage::AssetRequest(asset_request(reader, root, expected)),
+        "lease" => PlatformMessage::Lease(lease(reader, root, expected)?),
         _ => PlatformMessage::Receipt(Receipt {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, expected),
@@ -54,12 +56,13 @@ pub(super) fn factory_message(reader: &mut Reader, root: Node<'_, '_>) -> Option
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 5] = ["acknowledgement", "decision", "gap", "comment", "asset-offer"];
+    const TYPES: [&str; 6] = ["acknowledgement", "decision", "gap", "comment", "asset-offer", "lease-request"];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
         "decision" => FactoryMessage::Decision(decision(reader, root)?),
         "gap" => FactoryMessage::Gap(gap(reader, root)),
         "comment" => FactoryMessage::Comment(comment(reader, root, None)),
+        "lease-request" => FactoryMessage::LeaseRequest(lease_request(reader, root)?),
         _ => FactoryMessage::AssetOffer(AssetOffer {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, None),
@@ -321,4 +324,50 @@ fn gap(reader: &mut Reader, root: Node<'_, '_>) -> Gap {
             .required(root, "cause", |reader, node| reader.choice(node, &CAUSES))
             .unwrap_or(GapCause::Coalesced),
     }
+}
+
+fn lease_request(reader: &mut Reader, root: Node<'_, '_>) -> Option<LeaseRequest> {
+    let started_at = reader.required(root, "startedAt", Reader::time);
+    Some(LeaseRequest {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, None),
+        instance_id: reader.required_id(root, "instanceId"),
+        place: reader.required_id(root, "place"),
+        host: reader.required(root, "host", Reader::name).unwrap_or_default(),
+        started_at: started_at?,
+    })
+}
+
+fn lease(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> Option<Lease> {
+    const RESULTS: [(&str, LeaseResult); 2] = [("GRANTED", LeaseResult::Granted), ("REFUSED", LeaseResult::Refused)];
+    let result = reader.required(root, "result", |reader, node| reader.choice(node, &RESULTS));
+    let lease_number =
+        reader.required(root, "leaseNumber", |reader, node| reader.integer(node, "a lease's number from 0"));
+    Some(Lease {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, expected),
+        correlation_id: reader.required_id(root, "correlationId"),
+        instance_id: reader.required_id(root, "instanceId"),
+        place: reader.required_id(root, "place"),
+        host: reader.required(root, "host", Reader::name).unwrap_or_default(),
+        ask_again_ms: reader.required(root, "askAgainMs", milliseconds).unwrap_or_default(),
+        holder: reader.optional(root, "holder", lease_party),
+        contender: reader.optional(root, "contender", lease_party),
+        result: result?,
+        lease_number: lease_number?,
+    })
+}
+
+fn lease_party(reader: &mut Reader, node: Node<'_, '_>) -> Option<LeaseParty> {
+    if !reader.is_object(node, "A connector") {
+        return None;
+    }
+    let since = reader.required(node, "since", Reader::time);
+    let last_heard_at = reader.required(node, "lastHeardAt", Reader::time);
+    Some(LeaseParty {
+        instance_id: reader.required_id(node, "instanceId"),
+        host: reader.required(node, "host", Reader::name).unwrap_or_default(),
+        since: since?,
+        last_heard_at: last_heard_at?,
+    })
 }

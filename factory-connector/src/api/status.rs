@@ -24,6 +24,10 @@ pub struct Status {
     /// The link to the platform: `state` (connecting, up, down, stopped), since when, and why.
     #[schema(value_type = Object)]
     link: serde_json::Value,
+    /// Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`), since when, and which
+    /// other connector (`holder`, `contender`) has the factory's credential, too.
+    #[schema(value_type = Object)]
+    lease: serde_json::Value,
     /// The OPC UA server.
     #[schema(value_type = Object)]
     twin: serde_json::Value,
@@ -57,6 +61,7 @@ pub async fn show(State(api): State<Api>) -> Result<Json<Status>, Problem> {
         started_at: api.started_at,
         now: now(),
         link,
+        lease: serde_json::to_value(&*api.lease.borrow()).unwrap_or_default(),
         twin: serde_json::json!({ "endpointUrl": api.twin.endpoint().borrow().clone() }),
         spool: serde_json::to_value(backlog).unwrap_or_default(),
         sources: api.shop_floor.states(),

@@ -163,6 +163,8 @@ impl Desk {
             PlatformMessage::Withdraw(withdraw) => self.books.network_withdrawn(withdraw, now),
             PlatformMessage::Comment(comment) => self.books.comment_arrived(comment, now),
             PlatformMessage::Receipt(receipt) => self.receipt(receipt, now).await?,
+            // Is received at an address of its own.
+            PlatformMessage::Lease(_) => {}
             PlatformMessage::AssetRequest(request) => {
                 let fault = asi_model::messages::Fault {
                     pointer: "/assetId".to_owned(),

@@ -2,6 +2,7 @@
 
 mod crash;
 mod failures;
+mod lease;
 mod ledger;
 mod lookup;
 mod revocation;
@@ -29,6 +30,7 @@ use super::*;
 use crate::{
     books::{EntryOutcome, Verdict, new_message_id},
     disclosure::DisclosurePolicy,
+    lease::LeaseGate,
     ledger::LEDGER_KEY_FILE,
     operator::{Action, EntryId, OperationKey, OperatorEntry},
     outbox::{Departures, Outbox},
@@ -65,6 +67,7 @@ struct Office {
     kept: Option<TempDir>,
     desk: DeskHandle,
     outbox: Outbox,
+    gate: Arc<LeaseGate>,
     readers: SqlitePool,
     shutdown: CancellationToken,
     running: JoinHandle<Result<(), StoreError>>,
@@ -97,8 +100,16 @@ impl Office {
         let ephemerals = Arc::new(Ephemerals::default());
         let departures = Arc::new(Departures::default());
         let reader = SpoolReader::new(readers.clone());
-        let outbox =
-            Outbox::new(factory_id.clone(), reader, desk.clone(), Arc::clone(&ephemerals), Arc::clone(&departures));
+        let gate = Arc::new(LeaseGate::default());
+        gate.open(1);
+        let outbox = Outbox::new(
+            factory_id.clone(),
+            reader,
+            desk.clone(),
+            Arc::clone(&ephemerals),
+            Arc::clone(&departures),
+            Arc::clone(&gate),
+        );
         let config = DeskConfig {
             books: BooksConfig { factory_id, encoding: Encoding::Digicor },
             publishing_interval: Duration::from_millis(1),
@@ -115,6 +126,7 @@ impl Office {
             kept,
             desk,
             outbox,
+            gate,
             readers,
             shutdown,
             running,

@@ -4,11 +4,11 @@ use std::str::FromStr as _;
 
 use anyhow::Context as _;
 use asi_model::FactoryId;
-use messaging::{BrokerUrl, LinkConfig, LogicalAddress, Login, Roots};
+use messaging::{BrokerUrl, LinkConfig, Login, Roots};
 
 use crate::{config::BrokerSection, store::Enrolment};
 
-/// The link's configuration.
+/// The link's configuration; what it receives follows from the lease.
 pub(super) fn link_config(
     enrolled: &Enrolment,
     section: &BrokerSection,
@@ -34,7 +34,6 @@ pub(super) fn link_config(
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
     }
     link.proxy = section.proxy.as_ref().map(crate::config::ProxySection::http_proxy).transpose()?;
-    link.consumed = vec![LogicalAddress::FactoryRequests(factory_id.clone())];
     Ok(link)
 }
 

@@ -74,6 +74,10 @@ pub struct Changes {
     pub removed_sources: Vec<String>,
     /// Versions, shadows and templates of mappings.
     pub mappings: MappingChanges,
+    /// Every writer has begun a new epoch, as a restored, moved or copied store demands.
+    pub are_epochs_begun: bool,
+    /// This connector was granted its factory's lease, or refused it.
+    pub is_lease_held: Option<bool>,
 }
 
 impl Changes {
@@ -109,6 +113,8 @@ impl Changes {
             && self.sources.is_empty()
             && self.removed_sources.is_empty()
             && self.mappings.is_empty()
+            && !self.are_epochs_begun
+            && self.is_lease_held.is_none()
     }
 }
 

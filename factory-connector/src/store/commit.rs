@@ -35,6 +35,7 @@ impl Store {
         ledger::write(&mut transaction, &changes).await?;
         write_sources(&mut transaction, &changes).await?;
         operator::write(&mut transaction, &changes).await?;
+        write_identity(&mut transaction, &changes).await?;
         transaction.commit().await.map_err(StoreError::while_doing("commit a transaction"))
     }
 }
@@ -59,6 +60,20 @@ async fn write_sources(connection: &mut SqliteConnection, changes: &Changes) -> 
             .execute(&mut *connection)
             .await
             .map_err(StoreError::while_doing("remove a source"))?;
+    }
+    Ok(())
+}
+
+async fn write_identity(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+    let action = "store the connector's identity";
+    if changes.are_epochs_begun {
+        let statement = "UPDATE identity SET must_begin_epochs = 0";
+        sqlx::query(statement).execute(&mut *connection).await.map_err(StoreError::while_doing(action))?;
+    }
+    if let Some(is_held) = changes.is_lease_held {
+        let statement = "UPDATE identity SET leased_place = iif(?, place, NULL)";
+        let query = sqlx::query(statement).bind(i64::from(is_held));
+        query.execute(connection).await.map_err(StoreError::while_doing(action))?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use asi_model::{DateTime, FactoryId};
+use asi_model::{DateTime, FactoryId, InstanceId, PlaceId};
 use sqlx::{
     ConnectOptions as _, Connection as _, Row as _, SqlSafeStr as _, SqliteConnection, SqlitePool,
     migrate::{Migration, MigrationType, Migrator},
@@ -14,7 +14,10 @@ use sqlx::{
 };
 use uuid::Uuid;
 
-use super::StoreError;
+use super::{
+    StoreError,
+    place::{host_of, place_of},
+};
 
 /// The migrations, oldest first. They only go forward and never change after a release.
 const MIGRATIONS: &[(i64, &str, &str)] = &[
@@ -26,6 +29,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (31, "revocations", include_str!("../../migrations/0031_revocations.sql")),
     (32, "ledger ends", include_str!("../../migrations/0032_ledger_ends.sql")),
     (33, "ledger lookup", include_str!("../../migrations/0033_ledger_lookup.sql")),
+    (40, "places", include_str!("../../migrations/0040_places.sql")),
 ];
 
 const DATABASE_FILE: &str = "connector.sqlite";
@@ -41,8 +45,18 @@ const LOG_BYTES: &str = "67108864";
 pub struct Identity {
     /// The factory.
     pub factory_id: FactoryId,
-    /// The file is not the one that was used last, but an older copy of it: what was numbered since is unknown.
+    /// What was numbered since the file was written may be unknown to it: it is an older copy of the one that was used
+    /// last, or was moved or copied to where it is used now, or its machine was started anew and may be a copy itself.
+    /// Holds until every writer has begun a new epoch.
     pub is_restored: bool,
+    /// This start.
+    pub instance_id: InstanceId,
+    /// Where the file is in use: no two living processes are at one place.
+    pub place: PlaceId,
+    /// The same for people.
+    pub host: String,
+    /// The lease on the factory's identity was granted last at this place, and not refused since.
+    pub was_lease_held: bool,
 }
 
 /// The open file. The writing connection is the desk's alone.
@@ -78,9 +92,16 @@ impl Store {
         migrator().run(&mut writer).await?;
         let generation_file = directory.join(GENERATION_FILE);
         let known = std::fs::read_to_string(&generation_file).ok();
-        let generation = Uuid::new_v4().to_string();
-        let identity = identify(&mut writer, factory_id, known.as_deref(), &generation, now).await?;
-        std::fs::write(&generation_file, &generation).map_err(access(&generation_file))?;
+        let instance_id = InstanceId::new(Uuid::new_v4().to_string()).expect("a UUID makes an instance id");
+        let start = Start {
+            known_generation: known.as_deref(),
+            instance_id,
+            place: place_of(&lock).map_err(access(directory))?,
+            host: host_of(directory),
+            at: now,
+        };
+        let identity = identify(&mut writer, factory_id, start).await?;
+        std::fs::write(&generation_file, identity.instance_id.as_str()).map_err(access(&generation_file))?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
             .connect_with(options.read_only(true))
@@ -168,40 +189,56 @@ fn lock(directory: &Path) -> Result<File, StoreError> {
     }
 }
 
+/// What is known of a start before the store is read.
+struct Start<'a> {
+    known_generation: Option<&'a str>,
+    instance_id: InstanceId,
+    place: PlaceId,
+    host: String,
+    at: DateTime,
+}
+
 /// Reads or writes the identity, and marks this start in it. A generation that differs from the one in the file beside
-/// the database tells that the database was exchanged for an older copy.
+/// the database tells that the database was exchanged for an older copy; another place, that both were moved or copied.
 async fn identify(
     writer: &mut SqliteConnection,
     factory_id: &FactoryId,
-    known: Option<&str>,
-    generation: &str,
-    now: DateTime,
+    start: Start<'_>,
 ) -> Result<Identity, StoreError> {
-    let action = "read the store's identity";
-    let stored = sqlx::query("SELECT factory_id, generation FROM identity")
+    let Start { known_generation, instance_id, place, host, at } = start;
+    let failed = || StoreError::while_doing("read the store's identity");
+    let stored = sqlx::query("SELECT factory_id, generation, place, must_begin_epochs, leased_place FROM identity")
         .fetch_optional(&mut *writer)
         .await
-        .map_err(StoreError::while_doing(action))?;
-    let is_restored = match stored {
-        None => false,
+        .map_err(failed())?;
+    let (is_restored, was_lease_held) = match stored {
+        None => (false, false),
         Some(row) => {
-            let found: String = row.try_get(0).map_err(StoreError::while_doing(action))?;
-            let stored: String = row.try_get(1).map_err(StoreError::while_doing(action))?;
+            let found: String = row.try_get(0).map_err(failed())?;
+            let generation: String = row.try_get(1).map_err(failed())?;
+            let former: Option<String> = row.try_get(2).map_err(failed())?;
+            let must_begin_epochs: i64 = row.try_get(3).map_err(failed())?;
+            let leased: Option<String> = row.try_get(4).map_err(failed())?;
             if found != factory_id.as_str() {
                 return Err(StoreError::ForeignFactory { found, wanted: factory_id.to_string() });
             }
-            known.is_none_or(|known| known != stored)
+            let is_exchanged = known_generation.is_none_or(|known| known != generation);
+            let is_elsewhere = former.is_some_and(|former| former != place.as_str());
+            (is_exchanged || is_elsewhere || must_begin_epochs != 0, leased.is_some_and(|at| at == place.as_str()))
         }
     };
     sqlx::query(
-        "INSERT INTO identity (id, factory_id, generation, created_at) VALUES (1, ?, ?, ?) \
-         ON CONFLICT (id) DO UPDATE SET generation = excluded.generation",
+        "INSERT INTO identity (id, factory_id, generation, created_at, place, must_begin_epochs) \
+         VALUES (1, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET generation = excluded.generation, \
+         place = excluded.place, must_begin_epochs = excluded.must_begin_epochs",
     )
     .bind(factory_id.as_str())
-    .bind(generation)
-    .bind(now.unix_micros())
+    .bind(instance_id.as_str())
+    .bind(at.unix_micros())
+    .bind(place.as_str())
+    .bind(i64::from(is_restored))
     .execute(writer)
     .await
     .map_err(StoreError::while_doing("mark this start in the store"))?;
-    Ok(Identity { factory_id: factory_id.clone(), is_restored })
+    Ok(Identity { factory_id: factory_id.clone(), is_restored, instance_id, place, host, was_lease_held })
 }

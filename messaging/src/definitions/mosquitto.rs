@@ -44,6 +44,8 @@ mod tests {
         insta::assert_snapshot!(of_f1, @r"
         topic read verbund/v1/factory/f1/requests
         topic read verbund/v1/factory/f1/requests/replay
+        topic read verbund/v1/factory/f1/leases
+        topic read verbund/v1/factory/f1/leases/replay
         topic write verbund/v1/factory/f1/ingress
         topic write verbund/v1/factory/f1/ingress/replay
         ");

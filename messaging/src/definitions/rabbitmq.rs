@@ -20,8 +20,9 @@ const DEAD: &str = "verbund.dead";
 /// need no rights on any other exchange; in particular none on the default exchange, which reaches every queue.
 #[must_use]
 pub fn rabbitmq_definitions(plan: &Plan, virtual_host: &str, mut salt: impl FnMut() -> [u8; 4]) -> Value {
-    let names: Vec<String> = plan.queues().iter().map(ToString::to_string).collect();
-    let mut queues: Vec<Value> = names.iter().map(|name| queue(plan, virtual_host, name)).collect();
+    let addresses = plan.queues();
+    let names: Vec<String> = addresses.iter().map(ToString::to_string).collect();
+    let mut queues: Vec<Value> = addresses.iter().map(|address| queue(plan, virtual_host, address)).collect();
     let dead_letters = LogicalAddress::DeadLetters.to_string();
     queues.push(json!({
         "name": dead_letters, "vhost": virtual_host, "durable": true, "auto_delete": false,
@@ -51,12 +52,12 @@ pub fn rabbitmq_definitions(plan: &Plan, virtual_host: &str, mut salt: impl FnMu
     })
 }
 
-fn queue(plan: &Plan, virtual_host: &str, name: &str) -> Value {
+fn queue(plan: &Plan, virtual_host: &str, address: &LogicalAddress) -> Value {
     json!({
-        "name": name, "vhost": virtual_host, "durable": true, "auto_delete": false,
+        "name": address.to_string(), "vhost": virtual_host, "durable": true, "auto_delete": false,
         "arguments": {
             "x-queue-type": "quorum",
-            "x-single-active-consumer": true,
+            "x-single-active-consumer": address.has_single_active_consumer(),
             "x-delivery-limit": plan.limits.deliveries_max,
             "x-dead-letter-exchange": DEAD,
             "x-dead-letter-strategy": "at-least-once",
@@ -120,7 +121,7 @@ mod tests {
           "vhost": "/",
           "configure": "^$",
           "write": "^verbund$",
-          "read": "^(factory\\.f1\\.requests)$"
+          "read": "^(factory\\.f1\\.requests|factory\\.f1\\.leases)$"
         }
         "#);
         insta::assert_json_snapshot!(definitions["topic_permissions"][1], @r#"
@@ -132,8 +133,8 @@ mod tests {
           "read": "^$"
         }
         "#);
-        assert_eq!(definitions["topic_permissions"][0]["write"], "^(factory\\.f1\\.requests)$");
-        assert_eq!(definitions["queues"].as_array().map(Vec::len), Some(3));
+        assert_eq!(definitions["topic_permissions"][0]["write"], "^(factory\\.f1\\.requests|factory\\.f1\\.leases)$");
+        assert_eq!(definitions["queues"].as_array().map(Vec::len), Some(4));
         assert!(!definitions.to_string().contains("\"password\""));
     }
 

@@ -64,6 +64,13 @@ impl Cursor {
         }
     }
 
+    /// Everything is looked for from the start; what is open stays so. `last` is the greatest row number at this moment.
+    pub(crate) fn begin(&mut self, last: RowId) {
+        let open = std::mem::take(&mut self.open);
+        let lanes = self.lanes.clone();
+        *self = Self { open, lanes, ..Self::new(last, ReplayShare::default()) };
+    }
+
     /// New rows were written.
     pub(crate) fn on_wake(&mut self) {
         self.control.is_drained = false;
@@ -275,6 +282,15 @@ mod tests {
         assert!(!bench.cursor.is_idle());
         bench.accept(2);
         assert!(bench.cursor.is_idle());
+    }
+
+    #[test]
+    fn what_was_hidden_goes_as_after_an_outage() {
+        let mut bench = Bench::new(&[Some(1), None]);
+        assert_eq!(bench.next(), Some((2, false)), "under way all the time");
+        bench.push(&[Some(1), None, Some(2), Some(1)]);
+        bench.cursor.begin(RowId(6));
+        assert_eq!(bench.all(), [(4, false), (5, false), (6, false), (1, true), (3, true)]);
     }
 
     #[test]

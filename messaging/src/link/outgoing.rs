@@ -18,7 +18,11 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, error, warn};
 
-use super::{LinkLimits, cursor::Cursor, shared::Shared};
+use super::{
+    LinkLimits,
+    cursor::Cursor,
+    shared::{POSTED_MAX, Shared},
+};
 use crate::{
     address::LogicalAddress,
     inbox::Rejection,
@@ -29,6 +33,8 @@ use crate::{
 use lane::{Lane, LaneEvent};
 use recorder::Recorder;
 
+/// Rows that were posted have numbers below those of the spool; nothing is recorded of them.
+const POSTED_FROM: i64 = -1;
 /// How often the backlog is looked at while something changes, and rests are checked.
 const TICK: Duration = Duration::from_secs(1);
 /// How often the spool is looked through when nothing woke the link: a wake that was missed must not lose a message.
@@ -71,6 +77,7 @@ pub(super) struct Pump {
     is_backlog_stale: bool,
     paused_until: Option<Instant>,
     retries: Vec<Instant>,
+    last_posted: i64,
 }
 
 impl Pump {
@@ -98,6 +105,7 @@ impl Pump {
             is_backlog_stale: true,
             paused_until: None,
             retries: Vec::new(),
+            last_posted: POSTED_FROM,
         }
     }
 
@@ -132,7 +140,17 @@ impl Pump {
                     self.cursor.on_wake();
                 }
                 () = self.shared.rewind.notified() => self.cursor.on_rewind(),
-                () = sleep_until(next_retry.unwrap_or(recheck_at)), if next_retry.is_some() => self.retry(),
+                () = self.shared.post.notified() => self.send_posted(&outcomes),
+                () = self.shared.anew.notified() => {
+                    self.is_backlog_stale = true;
+                    if !self.begin(&stop).await {
+                        break;
+                    }
+                }
+                () = sleep_until(next_retry.unwrap_or(recheck_at)), if next_retry.is_some() => {
+                    self.retry();
+                    self.send_posted(&outcomes);
+                }
                 () = sleep_until(recheck_at) => {
                     recheck_at = Instant::now() + RECHECK;
                     if self.cursor.is_idle() {
@@ -150,12 +168,24 @@ impl Pump {
         let _ = recording.await;
     }
 
+    /// What is not kept goes first. At an address that rests it waits for the end of the rest.
+    fn send_posted(&mut self, outcomes: &mpsc::UnboundedSender<RowOutcome>) {
+        for (address, envelope) in self.shared.take_posted() {
+            if self.addresses.get(&address).is_some_and(|state| state.resting_until.is_some()) {
+                self.shared.put_back(address, envelope);
+                continue;
+            }
+            self.last_posted -= 1;
+            self.send(SpoolRow { id: RowId(self.last_posted), address, envelope, attempts: 0 }, outcomes);
+        }
+    }
+
     /// Finds where the backlog ends. Returns whether it was found before the end.
     async fn begin(&mut self, stop: &CancellationToken) -> bool {
         loop {
             match self.store.last_row().await {
                 Ok(last) => {
-                    self.cursor = Cursor::new(last, self.limits.replay_share);
+                    self.cursor.begin(last);
                     return true;
                 }
                 Err(problem) => self.store_failed(&problem),
@@ -202,7 +232,8 @@ impl Pump {
 
     fn send(&mut self, row: SpoolRow, outcomes: &mpsc::UnboundedSender<RowOutcome>) {
         let now = OffsetDateTime::now_utc();
-        if row.envelope.is_expired(now) {
+        let is_posted = row.id.0 <= POSTED_FROM;
+        if !is_posted && row.envelope.is_expired(now) {
             metrics::counter!("link_messages_sent_total", "outcome" => "expired").increment(1);
             let _ = outcomes.send(RowOutcome { id: row.id, outcome: SendOutcome::Expired, at: now });
             return;
@@ -210,9 +241,10 @@ impl Pump {
         let window = self.limits.window.max(1);
         let address = self.addresses.entry(row.address.clone()).or_default();
         let room = if address.failures > 0 { 1 } else { window };
-        // What was passed over goes first, so nothing behind it may overtake.
-        if address.has_skipped || address.resting_until.is_some() || address.under_way >= room {
-            address.has_skipped = true;
+        // What was passed over goes first, so nothing behind it may overtake. What is posted has no place among the rows.
+        let is_full = address.has_skipped || address.under_way >= room;
+        if address.resting_until.is_some() || (is_full && !is_posted) {
+            address.has_skipped |= !is_posted;
             self.cursor.close(row.id);
             return;
         }
@@ -220,7 +252,8 @@ impl Pump {
             let terminus = self.profile.produce(&row.address);
             let connection = Arc::clone(&self.connection);
             let store = Arc::clone(&self.store);
-            Lane::open(&mut self.lanes, connection, row.address.clone(), terminus, window, store, self.events.clone())
+            let room = window + POSTED_MAX;
+            Lane::open(&mut self.lanes, connection, row.address.clone(), terminus, room, store, self.events.clone())
         });
         let (id, attempts, of) = (row.id, row.attempts, row.address.clone());
         match lane.send(row) {
@@ -230,7 +263,7 @@ impl Pump {
             }
             Err(_) => {
                 // The lane is ending; it is opened anew when its end is known.
-                address.has_skipped = true;
+                address.has_skipped |= !is_posted;
                 self.cursor.close(id);
             }
         }
@@ -259,6 +292,9 @@ impl Pump {
         let Some((address, attempts)) = self.settled(id) else { return };
         let at = OffsetDateTime::now_utc();
         let record = |outcome| {
+            if id.0 <= POSTED_FROM {
+                return;
+            }
             let _ = outcomes.send(RowOutcome { id, outcome, at });
         };
         let count =

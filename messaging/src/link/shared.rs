@@ -1,8 +1,9 @@
 //! What the link's tasks and its handles share.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, VecDeque},
     sync::atomic::{AtomicBool, Ordering},
+    time::Duration,
 };
 
 use parking_lot::Mutex;
@@ -10,7 +11,10 @@ use time::OffsetDateTime;
 use tokio::sync::{Notify, watch};
 
 use super::state::{LinkPhase, LinkState};
-use crate::{address::LogicalAddress, spool::Backlog};
+use crate::{address::LogicalAddress, envelope::Envelope, spool::Backlog};
+
+/// Most messages that wait without being kept; beyond, the oldest go.
+pub(crate) const POSTED_MAX: usize = 4;
 
 pub(crate) struct Shared {
     pub state: watch::Sender<LinkState>,
@@ -18,6 +22,13 @@ pub(crate) struct Shared {
     pub wake: Notify,
     pub rewind: Notify,
     pub reconnect: Notify,
+    pub anew: Notify,
+    /// Something was posted.
+    pub post: Notify,
+    /// The link is to rest.
+    pub rest: Notify,
+    posted: Mutex<VecDeque<(LogicalAddress, Envelope)>>,
+    resting: Mutex<Option<(String, Duration)>>,
     hindrances: Mutex<BTreeMap<String, String>>,
     has_data_flowed: AtomicBool,
 }
@@ -30,6 +41,11 @@ impl Shared {
             wake: Notify::new(),
             rewind: Notify::new(),
             reconnect: Notify::new(),
+            anew: Notify::new(),
+            post: Notify::new(),
+            rest: Notify::new(),
+            posted: Mutex::default(),
+            resting: Mutex::default(),
             hindrances: Mutex::default(),
             has_data_flowed: AtomicBool::new(false),
         }
@@ -65,6 +81,47 @@ impl Shared {
     pub(crate) fn received(&self, at: OffsetDateTime) {
         self.has_data_flowed.store(true, Ordering::Relaxed);
         self.state.send_modify(|state| state.last_received_at = Some(at));
+    }
+
+    /// Lets a message go with the present connection, or with the next one.
+    pub(crate) fn post(&self, address: LogicalAddress, envelope: Envelope) {
+        self.put_back(address, envelope);
+        self.post.notify_one();
+    }
+
+    /// Keeps a posted message that cannot go yet.
+    pub(crate) fn put_back(&self, address: LogicalAddress, envelope: Envelope) {
+        let mut posted = self.posted.lock();
+        posted.push_back((address, envelope));
+        while posted.len() > POSTED_MAX {
+            posted.pop_front();
+        }
+    }
+
+    /// What was posted and has not been sent.
+    pub(crate) fn take_posted(&self) -> VecDeque<(LogicalAddress, Envelope)> {
+        std::mem::take(&mut self.posted.lock())
+    }
+
+    /// Asks for a rest.
+    pub(crate) fn rest(&self, reason: String, pause: Duration) {
+        *self.resting.lock() = Some((reason, pause));
+        self.rest.notify_one();
+    }
+
+    /// Waits until a rest is asked for.
+    pub(crate) async fn rest_wanted(&self) {
+        loop {
+            self.rest.notified().await;
+            if self.resting.lock().is_some() {
+                return;
+            }
+        }
+    }
+
+    /// The rest that was asked for, once.
+    pub(crate) fn take_rest(&self) -> Option<(String, Duration)> {
+        self.resting.lock().take()
     }
 
     /// Whether anything was sent or received since the connection is up.

@@ -43,6 +43,7 @@ impl Supervisor {
             let fault = match connecting {
                 Ok(connection) => {
                     info!(broker = name, "the link is up");
+                    self.store.connected();
                     self.shared.enter(LinkPhase::Up, &name, None);
                     let up_since = tokio::time::Instant::now();
                     let fault = self.serve(Arc::from(connection), &shutdown).await;
@@ -65,7 +66,13 @@ impl Supervisor {
     }
 
     async fn pause(&self, broker: &str, fault: ConnectionFault, backoff: &mut Backoff, shutdown: &CancellationToken) {
-        let pause = backoff.after_failure(fault.is_permanent, rand::random());
+        let (fault, pause) = match self.shared.take_rest() {
+            Some((reason, pause)) => (ConnectionFault::permanent(reason), pause),
+            None => {
+                let pause = backoff.after_failure(fault.is_permanent, rand::random());
+                (fault, pause)
+            }
+        };
         let pause_ms = u64::try_from(pause.as_millis()).unwrap_or(u64::MAX);
         warn!(broker, reason = fault.reason, permanent = fault.is_permanent, pause_ms, "the link is down");
         metrics::counter!("link_failures_total", "kind" => if fault.is_permanent { "permanent" } else { "passing" })
@@ -109,6 +116,7 @@ impl Supervisor {
             fault = connection.lost() => fault,
             Some(reason) = stalled.recv() => ConnectionFault::passing(reason),
             () = shutdown.cancelled() => ConnectionFault::passing("shut down"),
+            () = self.shared.rest_wanted() => ConnectionFault::passing("it is to rest"),
             // Both run until they are stopped; else they have panicked.
             _ = &mut consuming => ConnectionFault::passing("receiving failed unexpectedly"),
             _ = &mut pumping => ConnectionFault::passing("sending failed unexpectedly"),

@@ -67,6 +67,14 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
     eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
     assert_eq!(count("poison"), 1);
 
+    // What is sent under a lease says so on the other side.
+    factory.send_under(7, "factory.f1.ingress", "leased");
+    let is_leased = || {
+        let received = platform.inbox.received.lock();
+        received.iter().any(|(_, d)| d.envelope.message_id == "leased".parse().ok() && d.envelope.lease == Some(7))
+    };
+    eventually("it arrives with its mark", is_leased).await;
+
     // Another factory's topics are closed to it.
     let intruder = start("f2", "secret of f2", &["factory.f1.requests", "factory.f2.requests"]);
     intruder.send("factory.f1.ingress", "forged");

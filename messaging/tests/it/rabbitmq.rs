@@ -38,6 +38,23 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     eventually("the rejected one is a dead letter", is_dead).await;
     eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
 
+    // A second connector of the factory gets no requests while the first is there, but hears about the lease; and what
+    // is sent under a lease says so on the other side.
+    let leases = ["factory.f1.leases"];
+    let second = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "secret of f1", &leases);
+    let mut state = second.handle.state();
+    state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
+    platform.send("factory.f1.leases", "lease");
+    eventually("the second hears about the lease", || second.inbox.ids() == ["lease"]).await;
+    second.stop().await;
+    factory.send_under(u64::MAX, "factory.f1.ingress", "leased");
+    let lease_of = |id: &str| {
+        let received = platform.inbox.received.lock();
+        received.iter().find(|(_, d)| d.envelope.message_id == id.parse().ok()).map(|(_, d)| d.envelope.lease)
+    };
+    eventually("it arrives", || lease_of("leased").is_some()).await;
+    assert_eq!((lease_of("leased"), lease_of("good")), (Some(Some(u64::MAX)), Some(None)));
+
     // Another factory's addresses are closed to it, and that hinders nothing else.
     let intruder = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f2", "secret of f2", &["factory.f1.requests"]);
     intruder.send("factory.f1.ingress", "forged");

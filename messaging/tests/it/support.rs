@@ -59,6 +59,13 @@ impl TestLink {
         self.handle.wake();
     }
 
+    pub fn send_under(&self, lease: u64, to: &str, id: &str) {
+        let mut leased = envelope(id);
+        leased.lease = Some(lease);
+        self.spool.push(address(to), leased);
+        self.handle.wake();
+    }
+
     pub fn reason(&self) -> String {
         self.handle.state().borrow().reason.clone().unwrap_or_default()
     }

@@ -132,6 +132,7 @@ async fn replay_own(app: &Application, id: u64) -> Result<Option<bool>, Problem>
         creation_time: None,
         ttl: None,
         replay: true,
+        lease: None,
         body: Bytes::from(body),
     };
     let delivery = Delivery {

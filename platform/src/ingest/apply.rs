@@ -16,9 +16,13 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
-use super::decode::{Content, Incoming, IncomingReport};
+use super::{
+    decode::{Content, Incoming, IncomingReport},
+    leases::Signs,
+};
 use crate::{
     clock::new_message_id,
+    leases::FactoryLease,
     live::{LiveEvent, News, ValueNews},
     networks::{Author, ChangeError, add_request},
     plain::{data_value, plain},
@@ -64,24 +68,28 @@ const TOOL_BACKLOG_MAX: u64 = 10_000;
 
 /// Applies batches of messages to the store; what it has read it remembers until the end of the work.
 pub(super) struct Applier<'w> {
-    work: &'w mut Work,
-    now: DateTime,
+    pub(super) work: &'w mut Work,
+    pub(super) now: DateTime,
     resend_after: std::time::Duration,
-    effects: Effects,
+    pub(super) effects: Effects,
+    pub(super) signs: &'w Signs,
+    pub(super) leases: HashMap<FactoryId, Option<FactoryLease>>,
     asked: HashMap<(OperationNetworkId, String), Option<Arc<Asked>>>,
     writers: HashMap<WriterKey, WriterRow>,
     reports: Vec<NewReport>,
     values: HashMap<FieldKey, CurrentValue>,
-    heard: HashMap<FactoryId, Heard>,
+    pub(super) heard: HashMap<FactoryId, Heard>,
 }
 
 impl<'w> Applier<'w> {
-    pub(super) fn new(work: &'w mut Work, now: DateTime, resend_after: std::time::Duration) -> Self {
+    pub(super) fn new(work: &'w mut Work, now: DateTime, resend_after: std::time::Duration, signs: &'w Signs) -> Self {
         Self {
             work,
             now,
             resend_after,
             effects: Effects::default(),
+            signs,
+            leases: HashMap::new(),
             asked: HashMap::new(),
             writers: HashMap::new(),
             reports: Vec::new(),
@@ -92,9 +100,16 @@ impl<'w> Applier<'w> {
 
     /// Applies a batch of one address, in its order.
     pub(super) async fn batch(&mut self, address: &LogicalAddress, batch: &[Incoming]) -> Result<(), StoreError> {
-        let rows: Vec<NewInboxMessage> = batch.iter().filter(|message| is_kept(&message.content)).map(kept).collect();
-        let mut new = self.work.inbox().store(&address.to_string(), &rows).await?;
+        let mut usable = Vec::with_capacity(batch.len());
         for message in batch {
+            if self.may_speak(address, message).await? {
+                usable.push(message);
+            }
+        }
+        let kept_ones = usable.iter().filter(|message| is_kept(&message.content));
+        let rows: Vec<NewInboxMessage> = kept_ones.map(|message| kept(message)).collect();
+        let mut new = self.work.inbox().store(&address.to_string(), &rows).await?;
+        for message in usable {
             if let Some(factory) = address.factory_id() {
                 let heard = self.heard.entry(factory.clone()).or_default();
                 heard.at = heard.at.max(Some(message.received_at));
@@ -309,6 +324,8 @@ impl<'w> Applier<'w> {
                 Ok(())
             }
             FactoryMessage::AssetOffer(offer) => self.work.meta_data().put_offer(offer, incoming.received_at).await,
+            // Answered before anything else of its batch.
+            FactoryMessage::LeaseRequest(_) => Ok(()),
         }
     }
 
@@ -444,7 +461,7 @@ impl<'w> Applier<'w> {
         self.work.outbox().add(&message).await
     }
 
-    async fn refuse(
+    pub(super) async fn refuse(
         &mut self,
         factory: &FactoryId,
         incoming: &Incoming,

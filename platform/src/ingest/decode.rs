@@ -29,6 +29,8 @@ pub struct Incoming {
     pub received_at: DateTime,
     /// Whether it belongs to the backlog after an outage.
     pub is_replay: bool,
+    /// The number of the lease under which it was sent, where it says one.
+    pub lease: Option<u64>,
     /// The body, unpacked.
     pub body: String,
     /// What it says.
@@ -109,6 +111,7 @@ pub fn decode(address: &LogicalAddress, delivery: &Delivery, lookup: &dyn MetaDa
             message_type,
             received_at,
             is_replay: envelope.replay,
+            lease: envelope.lease,
             body,
             content,
         },
@@ -117,6 +120,7 @@ pub fn decode(address: &LogicalAddress, delivery: &Delivery, lookup: &dyn MetaDa
             message_type: envelope.subject.clone(),
             received_at,
             is_replay: envelope.replay,
+            lease: envelope.lease,
             body: String::new(),
             content: Content::Dead(Box::new(dead_letter(address, delivery, code, reason))),
         },
@@ -173,13 +177,7 @@ fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusa
             rejection.faults.iter().take(5).map(|fault| format!("{}: {}", fault.pointer, fault.message)).collect();
         ("INVALID_MESSAGE", format!("The message is not valid: {}", faults.join(" ")))
     })?;
-    let claimed = match &message {
-        FactoryMessage::Acknowledgement(m) => &m.factory_id,
-        FactoryMessage::Decision(m) => &m.factory_id,
-        FactoryMessage::Gap(m) => &m.factory_id,
-        FactoryMessage::Comment(m) => &m.factory_id,
-        FactoryMessage::AssetOffer(m) => &m.factory_id,
-    };
+    let claimed = message.factory_id();
     if claimed != factory {
         return Err(forged(factory, claimed.as_str()));
     }

@@ -15,6 +15,7 @@ use tokio_util::sync::CancellationToken;
 use super::{
     apply::{Applier, Effects},
     decode::{Content, Incoming, dead_letter, decode as understand},
+    leases::Signs,
 };
 use crate::{
     clock::Clock,
@@ -44,6 +45,7 @@ pub struct Ingest {
     progress: ProgressBoardHandle,
     clock: Clock,
     resend_after: Duration,
+    signs: Signs,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
     /// When pages were told last that a factory lives.
@@ -65,7 +67,8 @@ struct Batch {
 }
 
 impl Ingest {
-    /// A service over the store; knows the metadata that was received before.
+    /// A service over the store; knows the metadata that was received before. A connector that was not heard for the time
+    /// of `silence` may lose its lease to another one.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -76,6 +79,7 @@ impl Ingest {
         progress: ProgressBoardHandle,
         clock: Clock,
         resend_after: Duration,
+        silence: Duration,
     ) -> Result<(Self, IngestHandle), StoreError> {
         let mut table = MetaDataTable::new();
         for (factory, body) in store.read().await?.meta_data().list().await? {
@@ -86,8 +90,8 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
-        let told_heard = Mutex::default();
-        Ok((Self { store, live, reach, progress, clock, resend_after, meta_data, batches, told_heard }, handle))
+        let (told_heard, signs) = (Mutex::default(), Signs::new(silence));
+        Ok((Self { store, live, reach, progress, clock, resend_after, signs, meta_data, batches, told_heard }, handle))
     }
 
     /// Runs until shutdown; what was taken by then is written.
@@ -154,7 +158,7 @@ impl Ingest {
 
     async fn write_once(&self, batches: &[(&LogicalAddress, &[Incoming])]) -> Result<(), StoreError> {
         let mut work = self.store.begin().await?;
-        let mut applier = Applier::new(&mut work, self.clock.now(), self.resend_after);
+        let mut applier = Applier::new(&mut work, self.clock.now(), self.resend_after, &self.signs);
         for (address, messages) in batches {
             applier.batch(address, messages).await?;
         }

@@ -16,9 +16,10 @@ pub type Database = sqlx::Sqlite;
 /// A connection of [`Database`].
 pub(super) type Connection = <Database as sqlx::Database>::Connection;
 
-const MIGRATIONS: [(i64, &str, &str); 2] = [
+const MIGRATIONS: [(i64, &str, &str); 3] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
+    (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
 ];
 
 const READERS_MAX: u32 = 8;

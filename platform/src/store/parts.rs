@@ -119,6 +119,22 @@ impl Parts<'_> {
         Ok(())
     }
 
+    /// Lets everything that is in effect at a factory be sent once more, as when another connector speaks for it.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn send_again(&mut self, factory: &FactoryId, now: DateTime) -> Result<(), StoreError> {
+        let sql = "UPDATE network_part SET state = 'SENT', sent_count = 0, resend_at = $2
+                   WHERE factory_id = $1 AND state != 'REJECTED'";
+        sqlx::query(sql)
+            .bind(factory.as_str())
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("send parts again"))?;
+        Ok(())
+    }
+
     /// All parts of a network, by factory. Whoever may see the network may see how its parts stand.
     ///
     /// # Errors

@@ -41,7 +41,8 @@ impl World {
     fn config(&self) -> PlatformConfig {
         let text = format!(
             "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n[broker]\nlisten = \"127.0.0.1:0\"\n\
-             [admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n",
+             [admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
+             [leases]\nsilence_ms = 5000\n",
             self.folder.path()
         );
         daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid")

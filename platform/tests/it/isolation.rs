@@ -57,6 +57,7 @@ fn filled(method: &str, path: &str) -> (String, Option<Value>) {
         }
         ("POST", "/organisations") => Some(json!({ "organisationId": "new", "name": "new" })),
         ("POST", "/factories") => Some(json!({ "factoryId": "NEW", "organisationId": "stranger", "name": "new" })),
+        ("POST", "/factories/{factoryId}/lease/handovers") => Some(json!({ "instanceId": "b" })),
         ("POST", "/tools") => Some(json!({ "toolId": "NEW", "organisationId": "stranger", "name": "new" })),
         ("POST", "/collaborations") => Some(json!({ "collaborationId": "new", "name": "new" })),
         ("PUT", "/users/{userName}") => {

@@ -5,6 +5,7 @@ mod enrolment;
 mod harness;
 mod isolation;
 mod journey;
+mod leases;
 mod openapi;
 mod receipts;
 mod rubbish;

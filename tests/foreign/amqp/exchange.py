@@ -2,6 +2,9 @@
 
     exchange.py --url amqps://127.0.0.1:5671 --user u --password p [--ca root.pem]
                 [--send ADDRESS --subject TYPE --body FILE ...] [--receive ADDRESS --count N --seconds S]
+                [--leases ADDRESS]
+
+With --leases it answers requests for a factory's lease, as the platform does, and counts them not.
 
 One JSON line per event on standard output: {"sent": id, "outcome": "accepted"|"rejected"|..., "condition": ...} and
 {"received": {...properties, "body": text}}. Exit status 0 when everything sent was settled and `count` messages came.
@@ -35,11 +38,17 @@ class Exchange(MessagingHandler):
             sasl_enabled=True, allowed_mechs="PLAIN", allow_insecure_mechs=True, reconnect=False)
         if self.options.receive:
             event.container.create_receiver(self.connection, self.options.receive)
+        self.sender, self.lessor, self.asked = None, None, []
+        if self.options.leases:
+            self.lessor = event.container.create_sender(self.connection, self.options.leases)
         if self.options.send:
             self.sender = event.container.create_sender(self.connection, self.options.send)
         event.reactor.schedule(self.options.seconds, self)
 
     def on_sendable(self, event):
+        self.grant()
+        if event.sender != self.sender:
+            return
         while event.sender.credit and self.options.body:
             with open(self.options.body.pop(0), "rb") as file:
                 body = file.read()
@@ -50,7 +59,7 @@ class Exchange(MessagingHandler):
             self.say({"sending": message.id, "bytes": len(body)})
 
     def on_settled(self, event):
-        if event.sender is None:
+        if event.sender is None or event.sender != self.sender:
             return
         names = {Disposition.ACCEPTED: "accepted", Disposition.REJECTED: "rejected",
                  Disposition.RELEASED: "released", Disposition.MODIFIED: "modified"}
@@ -69,10 +78,23 @@ class Exchange(MessagingHandler):
             body = bytes(body)
         if isinstance(body, bytes):
             body = body.decode("utf-8", "replace")
+        if self.lessor is not None and message.subject == "lease-request":
+            self.asked.append(json.loads(body))
+            self.grant()
+            return
         self.say({"received": {"id": str(message.id), "subject": message.subject,
                                "contentType": message.content_type, "body": body}})
         self.wanted -= 1
         self.finish_when_done()
+
+    def grant(self):
+        while self.asked and self.lessor.credit:
+            asked = self.asked.pop(0)
+            lease = {name: asked[name] for name in ("factoryId", "instanceId", "place", "host")}
+            lease |= {"messageType": "lease", "messageId": str(uuid.uuid4()), "correlationId": asked["messageId"],
+                      "result": "GRANTED", "leaseNumber": 1, "askAgainMs": 10000}
+            self.lessor.send(Message(id=lease["messageId"], subject="lease", content_type="application/json",
+                                     body=json.dumps(lease).encode(), inferred=True))
 
     def on_timer_task(self, event):
         if self.waiting > 0 or self.wanted > 0:
@@ -116,6 +138,7 @@ def main():
     parser.add_argument("--subject")
     parser.add_argument("--body", action="append", default=[])
     parser.add_argument("--receive")
+    parser.add_argument("--leases")
     parser.add_argument("--count", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=20)
     exchange = Exchange(parser.parse_args())

@@ -41,7 +41,7 @@ plain_listen = "127.0.0.1:{broker_plain}"
 user_name = "{OBSERVER}"
 password = "{OBSERVER_PASSWORD}"
 consume = ["factory.*.ingress", "dead-letters", "tool.*.reports"]
-produce = ["factory.*.requests", "tool.*.requests"]
+produce = ["factory.*.requests", "factory.*.leases", "tool.*.requests"]
 
 [admin]
 user_name = "{ADMIN}"

@@ -11500,6 +11500,11 @@ export interface components {
         /** @description How the connector stands. */
         Status: {
             factoryId: string;
+            /**
+             * @description Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`), since when, and which
+             *     other connector (`holder`, `contender`) has the factory's credential, too.
+             */
+            lease: Record<string, never>;
             /** @description The link to the platform: `state` (connecting, up, down, stopped), since when, and why. */
             link: Record<string, never>;
             /**

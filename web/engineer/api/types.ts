@@ -126,6 +126,24 @@ export interface LinkStatus {
   reason?: string | null
 }
 
+/** A connector with this one's credential. */
+export interface LeaseParty {
+  instanceId: string
+  host: string
+  since: string
+  lastHeardAt: string
+}
+
+/** Whether this connector may speak for its factory. */
+export interface LeaseStatus {
+  state: 'ASKING' | 'HELD' | 'REFUSED'
+  since: string
+  host: string
+  leaseNumber?: number | null
+  holder?: LeaseParty | null
+  contender?: LeaseParty | null
+}
+
 export interface SpoolStatus {
   waiting: number
   sent: number
@@ -135,8 +153,9 @@ export interface SpoolStatus {
 
 export type SourceStatus = Schemas['SourceStatus']
 
-export type Status = Omit<Schemas['Status'], 'link' | 'twin' | 'spool' | 'sources'> & {
+export type Status = Omit<Schemas['Status'], 'link' | 'lease' | 'twin' | 'spool' | 'sources'> & {
   link: LinkStatus
+  lease: LeaseStatus
   twin: { endpointUrl?: string | null }
   spool: SpoolStatus
   sources: SourceStatus[]

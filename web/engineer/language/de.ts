@@ -67,6 +67,16 @@ export const de: Texts = {
     when: 'Wann',
     subject: 'Betreff',
   },
+  lease: {
+    title: 'Spricht für die Fabrik',
+    state: { ASKING: 'Die Plattform hat noch nicht geantwortet', HELD: 'Diese Anbindung', REFUSED: 'Eine andere Anbindung' },
+    refused: 'Eine andere Anbindung spricht für diese Fabrik. Von hier geht nichts hinaus; Werte werden aufgehoben.',
+    contested: 'Eine zweite Anbindung mit den Zugangsdaten dieser läuft. Sie wurde abgewiesen.',
+    own: 'Diese Anbindung:',
+    other: 'Die andere:',
+    refusedRemedy: 'Halten Sie eine der beiden an. Gibt es die andere nicht mehr, kann ein Verwalter der Plattform auf der Seite der Fabrik dieser das Wort geben.',
+    contestedRemedy: 'Suchen Sie die andere und halten Sie sie an: Wahrscheinlich wurde sie aus einer Kopie des Datenverzeichnisses dieser Anbindung gestartet.',
+  },
   inbox: {
     title: 'Eingang',
     subtitle: 'Was Partner über Ihre Vorgänge wissen möchten, und was Sie entschieden haben',

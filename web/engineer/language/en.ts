@@ -65,6 +65,16 @@ export const en = {
     when: 'When',
     subject: 'Subject',
   },
+  lease: {
+    title: 'Speaks for the factory',
+    state: { ASKING: 'The platform has not answered yet', HELD: 'This connector', REFUSED: 'Another connector' } as Record<string, string>,
+    refused: 'Another connector speaks for this factory. Nothing leaves from here; values are kept.',
+    contested: 'A second connector with this connector’s credential is running. It was refused.',
+    own: 'This connector:',
+    other: 'The other one:',
+    refusedRemedy: 'Stop one of the two. If the other one is gone for good, an administrator of the platform can hand the lease over to this one, on the factory’s page.',
+    contestedRemedy: 'Find the other one and stop it: it was probably started from a copy of this connector’s data directory.',
+  },
   inbox: {
     title: 'Inbox',
     subtitle: 'What partners ask about your operations, and what you decided',

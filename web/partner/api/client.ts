@@ -1,6 +1,6 @@
 import { path, query, request } from '@/transport/http'
 import { LiveFeed } from '@/transport/live.svelte'
-import type { Collaboration, Comment, DeadLetter, DynamicDataRequest, EnrolmentToken, Factory, NetworkSummary, NetworkView, NewComment, NewFactory, OperationNetwork, Organisation, Page, PlatformStatus, Report, Writer } from './types'
+import type { Collaboration, Comment, DeadLetter, DynamicDataRequest, EnrolmentToken, Factory, FactoryLease, NetworkSummary, NetworkView, NewComment, NewFactory, OperationNetwork, Organisation, Page, PlatformStatus, Report, Writer } from './types'
 
 /** The platform's API. */
 export const platform = {
@@ -12,6 +12,8 @@ export const platform = {
   addFactory: (factory: NewFactory) => request<Factory>('POST', '/factories', { body: factory }),
   enrol: (factoryId: string) => request<EnrolmentToken>('POST', path('factories', factoryId, 'enrolment-tokens')),
   revokeCredentials: (factoryId: string) => request<unknown>('DELETE', path('factories', factoryId, 'credentials')),
+  lease: (factoryId: string, signal?: AbortSignal) => request<FactoryLease>('GET', path('factories', factoryId, 'lease'), { signal }),
+  handLeaseOver: (factoryId: string, instanceId: string) => request<FactoryLease>('POST', path('factories', factoryId, 'lease', 'handovers'), { body: { instanceId } }),
   writers: (factoryId: string, signal?: AbortSignal) => request<Page<Writer>>('GET', path('factories', factoryId, 'writers'), { signal }),
 
   networks: (signal?: AbortSignal) => request<Page<NetworkSummary>>('GET', '/operation-networks', { signal }),

@@ -923,6 +923,177 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/factories/{factoryId}/lease": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Shows who speaks for a factory and who else asked to: for its own organisation and administrators. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    factoryId: string;
+                };
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["LeaseView"];
+                    };
+                };
+                /** @description A parameter is wrong. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist, or the viewer has no part in it. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/factories/{factoryId}/lease/handovers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Gives the lease to a connector that was refused, as when the old machine is gone for good. The former holder is
+         *     refused from now on.
+         */
+        post: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path: {
+                    factoryId: string;
+                };
+                cookie?: never;
+            };
+            requestBody: {
+                content: {
+                    "application/json": components["schemas"]["Handover"];
+                };
+            };
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["LeaseView"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist, or the viewer has no part in it. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/factories/{factoryId}/writers": {
         parameters: {
             query?: never;
@@ -2755,6 +2926,22 @@ export interface components {
             /** Format: int32 */
             lastSequence: number;
         };
+        /** @description To whom the lease goes. */
+        Handover: {
+            /** @description One of the contenders. */
+            instanceId: string;
+        };
+        /** @description How a factory's lease stands. */
+        LeaseView: {
+            /** @description Connectors that asked and were refused, whoever was heard last first. */
+            contenders: components["schemas"]["Party"][];
+            holder?: components["schemas"]["Party"] | null;
+            /**
+             * Format: int64
+             * @description Counts up whenever the lease passes to another place; 0 while nobody has asked for it.
+             */
+            leaseNumber: number;
+        };
         /**
          * @description Where a field stands.
          * @enum {string}
@@ -3270,6 +3457,27 @@ export interface components {
             /** @description What became of it. */
             state: components["schemas"]["PartState"];
         };
+        /** @description A connector that holds the lease or asked for it. */
+        Party: {
+            /** @description Its machine and folder. */
+            host: string;
+            /** @description The running connector; another one at every start. */
+            instanceId: string;
+            /** @description The holder was heard after it had asked: both run. It gets the lease from an administrator only. */
+            isSecond?: boolean;
+            /**
+             * Format: date-time
+             * @description When it asked last.
+             */
+            lastHeardAt: string;
+            /** @description Where its store is in use. */
+            place: string;
+            /**
+             * Format: date-time
+             * @description Since when it holds the lease, or when it asked first.
+             */
+            since: string;
+        };
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
          *     never shown.
@@ -3532,6 +3740,8 @@ export const PATHS: readonly string[] = [
   "/api/v1/factories",
   "/api/v1/factories/{factoryId}/credentials",
   "/api/v1/factories/{factoryId}/enrolment-tokens",
+  "/api/v1/factories/{factoryId}/lease",
+  "/api/v1/factories/{factoryId}/lease/handovers",
   "/api/v1/factories/{factoryId}/writers",
   "/api/v1/live",
   "/api/v1/operation-networks",

@@ -128,6 +128,18 @@ export const de: Texts = {
     saved: 'Fabrik hinzugefügt.',
     cause: { COALESCED: 'zusammengefasst', EXPIRED: 'verfallen', WITHDRAWN: 'zurückgezogen', REVOKED: 'widerrufen' },
   },
+  lease: {
+    title: 'Wer für die Fabrik spricht',
+    hint: 'Von allen laufenden Anbindungen mit den Zugangsdaten der Fabrik darf nur eine berichten. Eine Kopie daneben wird abgewiesen.',
+    holder: 'Anbindung',
+    refused: 'Abgewiesen',
+    second: 'Beide laufen. Halten Sie eine an; die abgewiesene kommt nur zu Wort, wenn Sie es ihr geben.',
+    undecided: 'Sie kommt von selbst zu Wort, wenn von der anderen nichts mehr zu hören ist.',
+    handOver: 'Das Wort übergeben',
+    handOverTitle: 'Das Wort übergeben?',
+    handOverText: (host: string) => `Ab jetzt spricht ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Was die andere nicht gesendet hat, bleibt dort.`,
+    handedOver: 'Das Wort ist übergeben.',
+  },
   live: {
     title: 'Live-Strom',
     subtitle: 'Alles, was ankommt, sobald es ankommt',

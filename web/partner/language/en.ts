@@ -126,6 +126,18 @@ export const en = {
     saved: 'Factory added.',
     cause: { COALESCED: 'coalesced', EXPIRED: 'expired', WITHDRAWN: 'withdrawn', REVOKED: 'revoked' } as Record<string, string>,
   },
+  lease: {
+    title: 'Who speaks for the factory',
+    hint: 'Of all running connectors with the factory’s credential only one may report. A copy beside it is refused.',
+    holder: 'Connector',
+    refused: 'Refused',
+    second: 'Both are running. Stop one of them; the refused one gets the lease only if you hand it over.',
+    undecided: 'It gets the lease by itself if nothing more is heard of the other one.',
+    handOver: 'Hand the lease over',
+    handOverTitle: 'Hand the lease over?',
+    handOverText: (host: string) => `From now on ${host} speaks for the factory, and the other connector is refused. What the other one has not sent stays there.`,
+    handedOver: 'The lease is handed over.',
+  },
   live: {
     title: 'Live feed',
     subtitle: 'Everything that arrives, as it arrives',

@@ -18,6 +18,8 @@ use crate::{
 
 /// The application property that marks the backlog after an outage.
 const REPLAY: &str = "replay";
+/// The application property with the number of the sender's lease. A text, for not every broker keeps all numbers.
+const LEASE: &str = "lease";
 /// The annotation by which a broker vouches for the sender.
 const PRINCIPAL: &str = "x-opt-principal";
 
@@ -40,11 +42,14 @@ pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Da
         absolute_expiry_time: envelope.expires_at().map(timestamp),
         ..Properties::default()
     };
-    let application_properties = envelope.replay.then(|| {
-        let mut properties = ApplicationProperties::default();
-        properties.0.insert(REPLAY.to_owned(), SimpleValue::Bool(true));
-        properties
-    });
+    let mut marks = ApplicationProperties::default();
+    if envelope.replay {
+        marks.0.insert(REPLAY.to_owned(), SimpleValue::Bool(true));
+    }
+    if let Some(lease) = envelope.lease {
+        marks.0.insert(LEASE.to_owned(), SimpleValue::String(lease.to_string()));
+    }
+    let application_properties = (envelope.replay || envelope.lease.is_some()).then_some(marks);
     Message {
         header: Some(header),
         delivery_annotations: None,
@@ -89,10 +94,12 @@ pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) ->
             _ => None,
         }
     });
-    let replay = application_properties
-        .as_ref()
-        .and_then(|properties| properties.0.get(REPLAY))
-        .is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
+    let mark = |name: &str| application_properties.as_ref().and_then(|properties| properties.0.get(name));
+    let replay = mark(REPLAY).is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
+    let lease = mark(LEASE).and_then(|value| match value {
+        SimpleValue::String(text) => text.parse().ok(),
+        _ => None,
+    });
     let envelope = Envelope {
         message_id: properties.message_id.as_ref().and_then(text_of_id),
         subject: properties.subject.unwrap_or_default(),
@@ -102,6 +109,7 @@ pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) ->
         creation_time: properties.creation_time.as_ref().and_then(moment),
         ttl: header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))),
         replay,
+        lease,
         body: Bytes::from(body),
     };
     Ok(Delivery {
@@ -163,7 +171,7 @@ mod tests {
         envelope.correlation_id = Some(MessageId::new("m0").expect("an id"));
         envelope.creation_time = Some(now);
         envelope.ttl = Some(Duration::from_secs(60));
-        envelope.replay = true;
+        (envelope.replay, envelope.lease) = (true, Some(7));
         let sent = to_message(&envelope, now);
         let arrived = sent.map_body(|data| Body::Data(Batch::new(vec![data])));
         let delivery = to_delivery(arrived, now).expect("a delivery");

@@ -18,6 +18,7 @@ const MESSAGE_ID: &str = "message-id";
 const SUBJECT: &str = "subject";
 const CONTENT_ENCODING: &str = "content-encoding";
 const CREATION_TIME: &str = "creation-time";
+const LEASE: &str = "lease";
 /// The last word of the topic that the backlog after an outage is published to.
 pub(super) const REPLAY: &str = "/replay";
 
@@ -30,6 +31,7 @@ pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) 
     property(MESSAGE_ID, envelope.message_id.as_ref().map(ToString::to_string));
     property(CONTENT_ENCODING, envelope.content_encoding.map(|encoding| encoding.as_str().to_owned()));
     property(CREATION_TIME, envelope.creation_time.and_then(|at| at.format(&Rfc3339).ok()));
+    property(LEASE, envelope.lease.map(|number| number.to_string()));
     let left = envelope.expires_at().map(|at| (at - now).whole_seconds().max(1));
     let properties = PublishProperties {
         message_expiry_interval: left.map(|seconds| u32::try_from(seconds).unwrap_or(u32::MAX)),
@@ -67,6 +69,7 @@ pub(super) fn to_delivery(publish: Publish, now: OffsetDateTime) -> Result<Deliv
         creation_time: property(CREATION_TIME).and_then(|at| OffsetDateTime::parse(at, &Rfc3339).ok()),
         ttl: properties.message_expiry_interval.map(|seconds| Duration::from_secs(u64::from(seconds))),
         replay: publish.topic.ends_with(REPLAY.as_bytes()),
+        lease: property(LEASE).and_then(|number| number.parse().ok()),
         body: publish.payload,
     };
     Ok(Delivery { envelope, principal: None, is_redelivered: publish.dup, delivery_count: 0, received_at: now })
@@ -83,8 +86,8 @@ mod tests {
         envelope.correlation_id = MessageId::new("m0").ok();
         envelope.creation_time = Some(now);
         envelope.ttl = Some(Duration::from_secs(60));
-        for replay in [false, true] {
-            envelope.replay = replay;
+        for (replay, lease) in [(false, None), (true, Some(7))] {
+            (envelope.replay, envelope.lease) = (replay, lease);
             let delivery = to_delivery(to_publish("a/b", &envelope, now), now).expect("a delivery");
             assert_eq!(delivery.envelope, envelope);
         }

@@ -20,6 +20,7 @@ async fn messages_travel_both_ways_with_their_headers() {
     request.ttl = Some(Duration::from_secs(3600));
     request.creation_time = Some(time::OffsetDateTime::now_utc());
     request.correlation_id = Some("m0".parse().expect("an id"));
+    request.lease = Some(u64::MAX);
     platform.send("factory.f1.requests", request.clone());
     factory.send("factory.f1.ingress", envelope("a1", "{}").compressed());
 
@@ -31,7 +32,7 @@ async fn messages_travel_both_ways_with_their_headers() {
         (delivery.envelope.message_id, delivery.envelope.correlation_id),
         (request.message_id, request.correlation_id)
     );
-    assert_eq!(delivery.envelope.body, request.body);
+    assert_eq!((delivery.envelope.body, delivery.envelope.lease), (request.body, request.lease));
     assert!(!delivery.is_redelivered);
     assert!(delivery.envelope.ttl.is_some_and(|ttl| ttl > Duration::from_secs(3590)));
     assert_eq!(platform.inbox.received.lock()[0].1.principal.as_deref(), Some("f1"));
@@ -305,6 +306,34 @@ async fn addresses_come_and_go_while_the_link_is_up() {
     .await;
     assert_eq!(link.handle.state().borrow().connects, 1);
     link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_post_is_not_kept_and_a_rest_leaves_the_broker() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start(folder.path()).await;
+    let platform = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
+    let factory = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
+    let post = |id: &str| factory.handle.post(address("factory.f1.ingress"), envelope(id, "{}"));
+    post("before-anything-else");
+    eventually("the post arrives", || platform.inbox.ids() == ["before-anything-else"]).await;
+    assert_eq!(factory.spool.waiting(), 0, "the spool never knew of it");
+
+    factory.handle.rest("somebody else is to have it", Duration::from_secs(3600));
+    let mut state = factory.handle.state();
+    let resting = state.wait_for(|state| matches!(state.phase, LinkPhase::Down { .. })).await.expect("it runs").clone();
+    assert!(matches!(resting.phase, LinkPhase::Down { is_permanent: true, .. }));
+    assert_eq!(resting.reason.as_deref(), Some("somebody else is to have it"));
+    platform.send("factory.f1.requests", envelope("r1", "{}"));
+    eventually("it waits at the broker", || broker.ready("factory.f1.requests") == 1).await;
+    factory.handle.reconnect_now();
+    eventually("it is fetched after the rest", || factory.inbox.ids() == ["r1"]).await;
+    post("after-the-rest");
+    eventually("the next post arrives", || platform.inbox.ids().len() == 2).await;
+    assert_eq!(factory.handle.state().borrow().connects, 2);
+    platform.stop().await;
+    factory.stop().await;
     broker.stop().await;
 }
 

@@ -105,7 +105,7 @@ pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<Stri
     let file = world.places.folder.join("proton.json");
     std::fs::write(&file, request.to_string())?;
     let (url, file) = (format!("amqp://127.0.0.1:{}", world.places.broker_plain), file.display().to_string());
-    let (requests, ingress) = (format!("factory.{MUNICH}.requests"), format!("factory.{MUNICH}.ingress"));
+    let [requests, leases, ingress] = ["requests", "leases", "ingress"].map(|role| format!("factory.{MUNICH}.{role}"));
     let arguments = [
         "--url",
         &url,
@@ -119,6 +119,8 @@ pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<Stri
         "operation-network",
         "--body",
         &file,
+        "--leases",
+        &leases,
         "--receive",
         &ingress,
         "--count",

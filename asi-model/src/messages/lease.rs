@@ -1,0 +1,81 @@
+//! Who speaks for a factory: of all running connectors with its credential, the one that holds the lease.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    ids::{FactoryId, InstanceId, MessageId, PlaceId},
+    values::DateTime,
+};
+
+/// A running connector asks for the lease on its factory's identity, or renews it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LeaseRequest {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that the connector speaks for.
+    pub factory_id: FactoryId,
+    /// The connector that asks: another id at every start.
+    pub instance_id: InstanceId,
+    /// Where its store is in use.
+    pub place: PlaceId,
+    /// The machine and folder, for people.
+    pub host: String,
+    /// When it started, by its own clock.
+    pub started_at: DateTime,
+}
+
+/// Who holds the lease, in answer to a request for it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Lease {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory it is for.
+    pub factory_id: FactoryId,
+    /// The request answered.
+    pub correlation_id: MessageId,
+    /// The connector that asked. Another one that reads this knows that there are two.
+    pub instance_id: InstanceId,
+    /// Where the connector that asked is in use.
+    pub place: PlaceId,
+    /// The machine and folder of the connector that asked.
+    pub host: String,
+    /// Whether it may speak for the factory.
+    pub result: LeaseResult,
+    /// Counts up whenever the lease passes to another place. What the holder sends carries it.
+    pub lease_number: u64,
+    /// When to ask again, in milliseconds.
+    pub ask_again_ms: u64,
+    /// Who holds the lease, where it was refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holder: Option<LeaseParty>,
+    /// Who else asked for it and was refused, where it was granted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contender: Option<LeaseParty>,
+}
+
+/// The answer to a request for the lease.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum LeaseResult {
+    /// It is the factory's connector.
+    Granted,
+    /// Another one is.
+    Refused,
+}
+
+/// A connector that holds the lease or asked for it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LeaseParty {
+    /// The connector.
+    pub instance_id: InstanceId,
+    /// Its machine and folder.
+    pub host: String,
+    /// Since when it holds the lease, or when it asked first.
+    pub since: DateTime,
+    /// When it was heard last.
+    pub last_heard_at: DateTime,
+}

@@ -1,0 +1,161 @@
+//! What follows from the platform's answers, without a platform.
+
+use super::*;
+
+fn at(seconds: i64) -> DateTime {
+    DateTime::from_unix_micros(seconds * 1_000_000)
+}
+
+fn id(text: &str) -> MessageId {
+    text.parse().expect("an id")
+}
+
+/// A lease, the moment it was made, and a number for its next request.
+struct Bench {
+    lease: Lease,
+    start: Instant,
+    requests: u32,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let instance = Instance {
+            factory_id: "F".parse().expect("an id"),
+            instance_id: "me".parse().expect("an id"),
+            place: "here".parse().expect("an id"),
+            host: "my machine".to_owned(),
+            started_at: at(0),
+        };
+        Self { lease: Lease::new(instance, at(0)), start: Instant::now(), requests: 0 }
+    }
+
+    fn on(&mut self, input: Input, second: u64) -> Vec<Action> {
+        self.requests += 1;
+        let now = at(i64::try_from(second).expect("small"));
+        self.lease.on(input, id(&format!("q{}", self.requests)), self.start + Duration::from_secs(second), now)
+    }
+
+    /// The id of the request that is the only action.
+    fn asked(actions: &[Action]) -> MessageId {
+        match actions {
+            [Action::Ask(request)] => request.message_id.clone(),
+            other => panic!("one request, not {other:?}"),
+        }
+    }
+}
+
+fn party(host: &str) -> LeaseParty {
+    LeaseParty {
+        instance_id: "other".parse().expect("an id"),
+        host: host.to_owned(),
+        since: at(1),
+        last_heard_at: at(2),
+    }
+}
+
+fn answer(request: &MessageId, result: LeaseResult) -> LeaseAnswer {
+    let is_granted = result == LeaseResult::Granted;
+    LeaseAnswer {
+        message_id: id("a"),
+        factory_id: "F".parse().expect("an id"),
+        correlation_id: request.clone(),
+        instance_id: "me".parse().expect("an id"),
+        place: "here".parse().expect("an id"),
+        host: "my machine".to_owned(),
+        result,
+        lease_number: 3,
+        ask_again_ms: 10_000,
+        holder: (!is_granted).then(|| party("their machine")),
+        contender: None,
+    }
+}
+
+fn answered(answer: LeaseAnswer) -> Input {
+    Input::Answered(Box::new(answer))
+}
+
+#[test]
+fn nothing_leaves_before_the_grant_of_each_connection() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.on(Input::Tick, 0), [], "there is no connection");
+    let first = Bench::asked(&bench.on(Input::Connected, 1));
+    let granted = bench.on(answered(answer(&first, LeaseResult::Granted)), 1);
+    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!((bench.lease.status().state, bench.lease.status().since), (LeaseState::Held, at(1)));
+
+    let renewal = Bench::asked(&bench.on(Input::Tick, 11));
+    assert_eq!(bench.on(answered(answer(&renewal, LeaseResult::Granted)), 11), [], "nothing changes");
+
+    assert_eq!(bench.on(Input::Disconnected, 12), []);
+    let again = Bench::asked(&bench.on(Input::Connected, 13));
+    assert_eq!(
+        bench.on(answered(answer(&renewal, LeaseResult::Granted)), 13),
+        [],
+        "that was about the last connection"
+    );
+    let granted = bench.on(answered(answer(&again, LeaseResult::Granted)), 13);
+    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!(bench.lease.status().since, at(1), "it was held all the time");
+}
+
+#[test]
+fn a_lost_answer_is_asked_for_again_and_the_lease_is_kept_meanwhile() {
+    let mut bench = Bench::new();
+    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
+    let mut second = 0;
+    for _ in 0..8 {
+        let wake_at = bench.lease.wake_at().expect("it waits for an answer");
+        let pause = wake_at.duration_since(bench.start).as_secs() - second;
+        assert!((2..=60).contains(&pause), "{pause}");
+        second += pause;
+        Bench::asked(&bench.on(Input::Tick, second));
+        assert_eq!(bench.lease.status().state, LeaseState::Held);
+    }
+}
+
+#[test]
+fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
+    let mut bench = Bench::new();
+    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
+    let renewal = Bench::asked(&bench.on(Input::Tick, 10));
+    let refused = bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10);
+    assert_eq!(refused, [Action::Close, Action::Rest(Duration::from_secs(10))]);
+    assert_eq!(bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10), [], "the same once more");
+    let status = bench.lease.status();
+    assert_eq!((status.state, status.lease_number), (LeaseState::Refused, None));
+    assert_eq!(status.holder.as_ref().map(|holder| &*holder.host), Some("their machine"));
+    assert_eq!(bench.on(Input::Tick, 100), [], "it rests");
+    assert_eq!(bench.on(Input::Disconnected, 10), [Action::Receive(false)]);
+
+    let later = Bench::asked(&bench.on(Input::Connected, 20));
+    assert_eq!(bench.lease.status().state, LeaseState::Refused, "as far as is known");
+    let granted = bench.on(answered(answer(&later, LeaseResult::Granted)), 20);
+    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!((bench.lease.status().state, &bench.lease.status().holder), (LeaseState::Held, &None));
+}
+
+#[test]
+fn an_answer_to_another_connector_shows_that_there_are_two() {
+    let mut bench = Bench::new();
+    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
+    let mut predecessors = answer(&id("old"), LeaseResult::Granted);
+    predecessors.instance_id = "before".parse().expect("an id");
+    assert_eq!(bench.on(answered(predecessors.clone()), 1), [], "that one is gone");
+    assert_eq!(bench.lease.status().contender, None);
+
+    let elsewhere =
+        LeaseAnswer { place: "there".parse().expect("an id"), host: "their machine".into(), ..predecessors };
+    assert_eq!(bench.on(answered(elsewhere), 2), []);
+    let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);
+    assert_eq!((bench.lease.status().state, told), (LeaseState::Held, Some("their machine")));
+
+    // Ours may have gone there.
+    let mut granted = answer(&Bench::asked(&bench.on(Input::Tick, 3)), LeaseResult::Granted);
+    granted.contender = Some(party("their machine, says the platform"));
+    bench.on(answered(granted), 3);
+    let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);
+    assert_eq!(told, Some("their machine, says the platform"));
+}

@@ -1,0 +1,96 @@
+//! Which of a factory's running connectors speaks for it.
+
+use asi_model::{FactoryId, InstanceId};
+use axum::{Json, extract::State};
+use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    administrator_only,
+    problems::{ChangeProblems, ReadProblems},
+};
+use crate::{
+    accounts::Principal,
+    application::Application,
+    leases::{FactoryLease, Party},
+};
+
+/// How a factory's lease stands.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LeaseView {
+    /// Counts up whenever the lease passes to another place; 0 while nobody has asked for it.
+    lease_number: u64,
+    /// The connector that speaks for the factory; absent while none has asked.
+    holder: Option<Party>,
+    /// Connectors that asked and were refused, whoever was heard last first.
+    contenders: Vec<Party>,
+}
+
+/// To whom the lease goes.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Handover {
+    /// One of the contenders.
+    #[schema(value_type = String)]
+    instance_id: InstanceId,
+}
+
+impl From<Option<FactoryLease>> for LeaseView {
+    fn from(lease: Option<FactoryLease>) -> Self {
+        match lease {
+            Some(FactoryLease { number, holder, contenders }) => {
+                Self { lease_number: number, holder: Some(holder), contenders }
+            }
+            None => Self { lease_number: 0, holder: None, contenders: Vec::new() },
+        }
+    }
+}
+
+/// Shows who speaks for a factory and who else asked to: for its own organisation and administrators.
+#[utoipa::path(get, operation_id = "showLease", path = "/factories/{factoryId}/lease", tag = "factories", security(("session" = [])),
+    params(("factoryId" = String, Path)), responses((status = 200, body = LeaseView), ReadProblems))]
+pub async fn show(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<FactoryId>,
+) -> Result<Json<LeaseView>, Problem> {
+    let mut work = app.store.read().await?;
+    let factory = work.factories().lookup(&who.principal.scope(), &id).await?;
+    factory
+        .filter(|factory| {
+            who.principal.is_administrator() || who.principal.organisation() == Some(&factory.organisation_id)
+        })
+        .ok_or_else(|| Problem::not_found(format_args!("factory {id}")))?;
+    Ok(Json(work.leases().lookup(&id).await?.into()))
+}
+
+/// Gives the lease to a connector that was refused, as when the old machine is gone for good. The former holder is
+/// refused from now on.
+#[utoipa::path(post, operation_id = "handLeaseOver", path = "/factories/{factoryId}/lease/handovers", tag = "factories", security(("session" = [])),
+    params(("factoryId" = String, Path)), request_body = Handover,
+    responses((status = 200, body = LeaseView), ChangeProblems))]
+pub async fn hand_over(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<FactoryId>,
+    ApiJson(handover): ApiJson<Handover>,
+) -> Result<Json<LeaseView>, Problem> {
+    administrator_only::check(&who)?;
+    let now = app.clock.now();
+    let mut work = app.store.begin().await?;
+    let lease = work.leases().lookup(&id).await?.ok_or_else(|| Problem::not_found(format_args!("lease of {id}")))?;
+    let former = lease.holder.host.clone();
+    let lease = lease.handed_over(&handover.instance_id, now).ok_or_else(|| {
+        Problem::conflict(
+            "NO_SUCH_CONTENDER",
+            "No such connector was refused lately. Look again who asks for the lease.",
+        )
+    })?;
+    work.leases().put(&id, &lease).await?;
+    work.parts().send_again(&id, now).await?;
+    work.commit().await?;
+    tracing::info!(factory.id = %id, host = %lease.holder.host, former, "The lease of a factory was handed over.");
+    Ok(Json(Some(lease).into()))
+}

@@ -1,0 +1,61 @@
+//! Which of a factory's running connectors speaks for it.
+
+use asi_model::FactoryId;
+
+use super::{
+    connection::{Connection, Work},
+    error::StoreError,
+    row::{Columns, document, signed},
+};
+use crate::leases::FactoryLease;
+
+/// The repository.
+pub struct Leases<'w>(&'w mut Connection);
+
+impl Work {
+    /// Leases on factories' identities.
+    pub fn leases(&mut self) -> Leases<'_> {
+        Leases(self.connection())
+    }
+}
+
+impl Leases<'_> {
+    /// How a factory's lease stands; none where no connector has asked for it yet.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(&mut self, factory: &FactoryId) -> Result<Option<FactoryLease>, StoreError> {
+        let row = sqlx::query("SELECT lease_number, holder, contenders FROM lease WHERE factory_id = $1")
+            .bind(factory.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a lease up"))?;
+        row.map(|row| {
+            Ok(FactoryLease {
+                number: row.unsigned("lease_number")?,
+                holder: row.json("holder")?,
+                contenders: row.json("contenders")?,
+            })
+        })
+        .transpose()
+    }
+
+    /// Stores how a factory's lease stands.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown factory.
+    pub async fn put(&mut self, factory: &FactoryId, lease: &FactoryLease) -> Result<(), StoreError> {
+        let sql = "INSERT INTO lease (factory_id, lease_number, holder, contenders) VALUES ($1, $2, $3, $4)
+                   ON CONFLICT (factory_id) DO UPDATE SET lease_number = excluded.lease_number,
+                       holder = excluded.holder, contenders = excluded.contenders";
+        sqlx::query(sql)
+            .bind(factory.as_str())
+            .bind(signed(lease.number))
+            .bind(document(&lease.holder))
+            .bind(document(&lease.contenders))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a lease"))?;
+        Ok(())
+    }
+}
