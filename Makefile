@@ -22,20 +22,31 @@ demo-check: prerequisites-test foreign browser web ## the demo headless, each st
 dev: prerequisites web ## build everything for development
 	$(CARGO) build --workspace --all-targets
 
-test: prerequisites-test foreign browser web lint ## everything that proves the product right (what CI runs)
+test: prerequisites-test foreign browser web ## everything that proves the product right (what CI runs)
+	# The checks of the pages take what the build and the tests leave over of the processors.
+	mkdir -p target
+	nice -n 19 $(MAKE) web-checks >target/web-checks.log 2>&1 & checks=$$!; trap "kill $$checks 2>/dev/null || true" EXIT; \
+	  $(MAKE) rust-checks rust-tests; \
+	  wait $$checks && echo "The pages are in order." || { cat target/web-checks.log; exit 1; }
+
+check: test ## the same, under the name people look for
+
+lint: web-checks rust-checks ## format, clippy, documentation, and the same for the web pages
+
+rust-checks: web
+	$(CARGO) fmt --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
+
+rust-tests: web
 	$(CARGO) build --locked --workspace --bins --tests
 	# Much of what tests do is waiting for other programs: one more at a time than there are processors.
 	if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  $(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1)); \
 	  else $(CARGO) test --locked --workspace --no-fail-fast; fi
 
-check: test ## the same, under the name people look for
-
-lint: web ## format, clippy, documentation, and the same for the web pages
-	$(CARGO) fmt --check
+web-checks: web
 	$(MAKE) -j3 --output-sync=target web-lint web-check web-test
-	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
 
 web-lint web-check web-test: web
 	cd web && npm run --silent $(@:web-%=%)
@@ -90,4 +101,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
