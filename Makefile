@@ -25,7 +25,7 @@ dev: prerequisites web ## build everything for development
 test: prerequisites-test foreign browser web ## everything that proves the product right (what CI runs)
 	# The checks of the pages take what the build and the tests leave over of the processors.
 	mkdir -p target
-	nice -n 19 $(MAKE) web-checks >target/web-checks.log 2>&1 & checks=$$!; trap "kill $$checks 2>/dev/null || true" EXIT; \
+	nice -n 5 $(MAKE) web-checks >target/web-checks.log 2>&1 & checks=$$!; trap "kill $$checks 2>/dev/null || true" EXIT; \
 	  $(MAKE) rust-checks rust-tests; \
 	  wait $$checks && echo "The pages are in order." || { cat target/web-checks.log; exit 1; }
 

@@ -1,3 +1,5 @@
+import { readFileSync } from 'node:fs'
+import path from 'node:path'
 import { describe, expect, it } from 'vitest'
 import { de as engineerDe } from '@/engineer/language/de'
 import { en as engineerEn } from '@/engineer/language/en'
@@ -34,4 +36,16 @@ it('follows the language that is chosen', () => {
   language.choose('de')
   expect(words.session.signIn).toBe('Anmelden')
   expect(document.documentElement.lang).toBe('de')
+})
+
+it('says in both languages what each key of the connector’s configuration means', () => {
+  const example = readFileSync(path.resolve(import.meta.dirname, '../../factory-connector/factory-connector.example.toml'), 'utf8')
+  let section = ''
+  const keys = example.split('\n').flatMap((line) => {
+    section = /^(?:#: )?\[([\w.]+)\]$/.exec(line)?.[1] ?? section
+    const key = /^(?:#: )?(\w+) = /.exec(line)?.[1]
+    return key === undefined ? [] : [section === '' ? key : `${section}.${key}`]
+  })
+  expect(keys.length).toBeGreaterThan(30)
+  for (const { settings } of [engineerEn, engineerDe]) expect(keys.filter((key) => !(key in settings.meaning))).toEqual([])
 })
