@@ -3,13 +3,11 @@
 mod api;
 mod daemon;
 mod foreign;
-mod ports;
 mod steps;
 mod wait;
 
 pub use api::{Api, ApiError};
 pub use daemon::{Daemon, DaemonCommand, binary};
 pub use foreign::{python, repository};
-pub use ports::free_ports;
 pub use steps::{Steps, say};
 pub use wait::{Deadline, eventually};

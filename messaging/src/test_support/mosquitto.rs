@@ -2,7 +2,6 @@
 
 use std::{
     fs,
-    net::TcpListener,
     path::Path,
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
@@ -54,7 +53,7 @@ impl Mosquitto {
     pub async fn start_with(plan: &Plan, saving: Saving, certificate: Option<ServerCertificate<'_>>) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
-        let [port, websocket_port] = free_ports();
+        let [port, websocket_port] = free_ports::reserve().expect("free ports");
         let encryption = certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
             fs::write(path("certificate.pem"), certificate).expect("written");
             fs::write(path("key.pem"), key).expect("written");
@@ -133,11 +132,6 @@ impl Drop for Mosquitto {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-fn free_ports() -> [u16; 2] {
-    let listeners = [(); 2].map(|()| TcpListener::bind("127.0.0.1:0").expect("a port"));
-    listeners.map(|listener| listener.local_addr().expect("an address").port())
 }
 
 fn spawn(folder: &Path) -> Child {

@@ -2,7 +2,6 @@
 
 use std::{
     fs,
-    net::TcpListener,
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
@@ -26,10 +25,8 @@ struct Ports {
 }
 
 impl Ports {
-    /// Reserved all at once, so that they differ.
     fn free() -> Self {
-        let listeners = [(); 3].map(|()| TcpListener::bind("127.0.0.1:0").expect("a port"));
-        let [amqp, distribution, epmd] = listeners.map(|l| l.local_addr().expect("an address").port());
+        let [amqp, distribution, epmd] = free_ports::reserve().expect("free ports");
         Self { amqp, distribution, epmd }
     }
 }

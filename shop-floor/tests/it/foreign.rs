@@ -64,9 +64,7 @@ async fn install() {
 impl Peer {
     async fn start(stack: Stack, is_protected: bool) -> Self {
         install().await;
-        let free = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-        let port = free.local_addr().expect("bound").port();
-        drop(free);
+        let [port] = free_ports::reserve().expect("a free port");
         let directory = tempfile::tempdir().expect("a folder for certificates");
         let mut peer = Self { stack, port, directory, is_protected, running: None };
         peer.restart(0, 0).await;

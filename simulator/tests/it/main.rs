@@ -134,9 +134,8 @@ async fn http(address: std::net::SocketAddr, request: &str, body: &str) -> (u16,
 
 #[tokio::test]
 async fn the_control_interface_sets_reads_and_breaks() {
-    let free = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let address = free.local_addr().expect("bound");
-    drop(free);
+    let [port] = free_ports::reserve().expect("a free port");
+    let address = ([127, 0, 0, 1], port).into();
     let mut config = Config::of(vec![MachineConfig::new("Belt", MachineKind::Conveyor)]);
     config.control = Some(address);
     let (_handle, _directory, _stop) = start(config).await;

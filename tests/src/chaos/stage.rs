@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     demo::{self, Cast},
-    harness::{Daemon, Steps, free_ports, say},
+    harness::{Daemon, Steps, say},
     scenario::frame_order::{HAMBURG, MUNICH},
     world::{Places, World},
 };
@@ -47,7 +47,7 @@ impl Stage {
     /// Starts everything in a folder, with values flowing.
     pub async fn set(folder: PathBuf, steps: &mut Steps) -> anyhow::Result<(Self, Cast)> {
         let mut places = Places::anywhere(folder)?;
-        let [detour] = free_ports()?;
+        let [detour] = free_ports::reserve()?;
         places.broker_detour = Some(detour);
         let mut disks = BTreeMap::new();
         for (whose, folder) in [

@@ -7,7 +7,7 @@ use anyhow::Context as _;
 
 use super::check::browser;
 use crate::{
-    harness::{Daemon, DaemonCommand, Steps, binary, free_ports, say},
+    harness::{Daemon, DaemonCommand, Steps, binary, say},
     scenario::{
         frame_order::{HAMBURG, MUNICH},
         story,
@@ -27,7 +27,7 @@ pub async fn newcomer(with_very_much: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-newcomer-").tempdir()?;
     let mut world = World::start(Places::anywhere(folder.path().to_owned())?)?;
     let mut steps = Steps::default();
-    let [machine, bank, control] = free_ports::<3>()?;
+    let [machine, bank, control] = free_ports::reserve::<3>()?;
     let mut machines = plant(folder.path(), machine, bank, control)?;
     let outcome = everything(&mut world, &mut steps, machine, with_very_much.then_some(bank)).await;
     if outcome.is_err() {

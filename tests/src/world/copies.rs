@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 
 use super::{ENGINEER, PASSWORD, World, daemon, ready};
-use crate::harness::{Api, Daemon, free_ports};
+use crate::harness::{Api, Daemon};
 
 impl World {
     /// Copies a connector's data directory beside it. The connector must not run.
@@ -26,7 +26,7 @@ impl World {
     pub fn start_copy(&self, factory_id: &str) -> anyhow::Result<(Daemon, Api)> {
         let folder = &self.places.folder;
         let [original, copy] = self.original_and_copy(factory_id);
-        let [web, twin] = free_ports()?;
+        let [web, twin] = free_ports::reserve()?;
         let known = self.places.factory(factory_id)?;
         let text = std::fs::read_to_string(folder.join(format!("connector-{factory_id}.toml")))?
             .replace(&format!("\"{}\"", original.display()), &format!("\"{}\"", copy.display()))

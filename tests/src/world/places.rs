@@ -5,10 +5,7 @@ use std::{net::TcpListener, path::PathBuf};
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    harness::free_ports,
-    scenario::frame_order::{HAMBURG, MUNICH},
-};
+use crate::scenario::frame_order::{HAMBURG, MUNICH};
 
 /// The folder and the ports of one world; kept in the folder, so that a second start finds everything again.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -71,7 +68,7 @@ impl Places {
         let ports: [u16; 15] =
             [8080, 5671, 5672, 8091, 4841, 8191, 4851, 4852, 4853, 8092, 4842, 8192, 4861, 4862, 4863];
         let all_free = ports.iter().map(|&p| TcpListener::bind(("127.0.0.1", p))).collect::<Result<Vec<_>, _>>();
-        Ok(Self::from_ports(if all_free.is_ok() { ports } else { free_ports()? }))
+        Ok(Self::from_ports(if all_free.is_ok() { ports } else { free_ports::reserve()? }))
     }
 
     /// Places in a folder with ports that nobody uses.
@@ -79,7 +76,7 @@ impl Places {
     /// # Errors
     /// When there are no free ports.
     pub fn anywhere(folder: PathBuf) -> anyhow::Result<Self> {
-        Ok(Self { folder: folder.canonicalize()?, ..Self::from_ports(free_ports()?) })
+        Ok(Self { folder: folder.canonicalize()?, ..Self::from_ports(free_ports::reserve()?) })
     }
 
     fn from_ports(ports: [u16; 15]) -> Self {

@@ -69,11 +69,6 @@ impl Script {
     }
 }
 
-/// A port that is free now.
-fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
-}
-
 fn registering(port: u16) -> impl FnOnce(&mut TwinConfig) {
     move |config| {
         config.security.trust_unknown_certificates = true;
@@ -85,7 +80,7 @@ fn registering(port: u16) -> impl FnOnce(&mut TwinConfig) {
 /// Starts with the discovery server absent, so that it has to be tried again; registers again and again; takes leave.
 async fn is_registered_by(arguments: &[&str], service: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let port = free_port();
+    let [port] = free_ports::reserve().unwrap();
     let twin = TestTwin::start_with(registering(port)).await;
     let (port, pki) = (port.to_string(), folder.path().to_str().unwrap().to_owned());
     let mut server = Script::start("discovery_server.js", &[&[port.as_str(), "--pki", &pki], arguments].concat()).await;
@@ -113,7 +108,7 @@ async fn an_old_discovery_server_is_asked_the_old_way() {
 #[tokio::test]
 async fn a_discovery_server_is_trusted_like_anybody_else() {
     let folder = tempfile::tempdir().unwrap();
-    let port = free_port();
+    let [port] = free_ports::reserve().unwrap();
     let pki = folder.path().to_str().unwrap().to_owned();
     let mut server = Script::start("discovery_server.js", &[&port.to_string(), "--pki", &pki]).await;
     let twin = TestTwin::start_with(|config| {

@@ -3,7 +3,7 @@
 use shop_floor::{SecurityChoice, SourceConfig, SourceId};
 use tempfile::TempDir;
 
-use crate::harness::{Daemon, DaemonCommand, binary, free_ports};
+use crate::harness::{Daemon, DaemonCommand, binary};
 
 /// The namespace of the bank's nodes.
 pub(super) const NAMESPACE: &str = "urn:verbund:simulator:Bank";
@@ -25,7 +25,7 @@ impl Bank {
     /// So many counters that together change so often.
     pub async fn start(variables: u32, changes_per_second: u32) -> anyhow::Result<Self> {
         let folder = tempfile::Builder::new().prefix("verbund-bank-").tempdir()?;
-        let [port] = free_ports()?;
+        let [port] = free_ports::reserve()?;
         let config = folder.path().join("machines.toml");
         let pki = folder.path().join("pki");
         std::fs::write(

@@ -22,7 +22,7 @@ use tempfile::TempDir;
 use super::bank::{Bank, node};
 use crate::{
     bench::usage::Usage,
-    harness::{Api, Daemon, DaemonCommand, binary, eventually, free_ports},
+    harness::{Api, Daemon, DaemonCommand, binary, eventually},
 };
 
 const FACTORY: &str = "BENCH";
@@ -62,7 +62,7 @@ impl Connector {
     pub async fn start(filled: Filled) -> anyhow::Result<Self> {
         let folder = filled.folder;
         let data = folder.path().join("data");
-        let [web, twin] = free_ports()?;
+        let [web, twin] = free_ports::reserve()?;
         let config = folder.path().join("connector.toml");
         let text = format!(
             "data_directory = {data:?}\n\n[web]\nlisten = \"127.0.0.1:{web}\"\n\n[twin]\nlisten = \"127.0.0.1:{twin}\"\n\n\

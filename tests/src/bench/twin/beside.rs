@@ -21,7 +21,7 @@ use super::{
     command, distribution, result,
     server::{PERIOD, VARIABLES},
 };
-use crate::harness::{free_ports, repository};
+use crate::harness::repository;
 
 /// How long is measured, after a while of getting warm.
 const SPAN: Duration = Duration::from_secs(10);
@@ -43,7 +43,7 @@ struct Taken {
 pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let mut ours = command(Part::Serve)?;
     let ours = scenario(ours.stdin(Stdio::piped()).spawn().context("starting the twin")?).await?;
-    let port = free_ports::<1>()?[0];
+    let port = free_ports::reserve::<1>()?[0];
     let theirs = Command::new("node")
         .arg(repository()?.join("tests/foreign/opcua/bench_server.js"))
         .args([port.to_string(), VARIABLES.to_string(), PERIOD.as_millis().to_string()])
