@@ -8,6 +8,7 @@ use std::{fs::File, io, os::unix::fs::MetadataExt as _, path::Path};
 
 use asi_model::PlaceId;
 use sha2::{Digest as _, Sha256};
+use uuid::Uuid;
 
 /// Drawn by Linux whenever it starts; containers see that of their machine.
 const BOOT_ID: &str = "/proc/sys/kernel/random/boot_id";
@@ -20,7 +21,8 @@ const PLACE_BYTES: usize = 16;
 /// The place of a locked file.
 pub(super) fn place_of(lock: &File) -> io::Result<PlaceId> {
     let file = lock.metadata()?;
-    let boot = std::fs::read_to_string(BOOT_ID).unwrap_or_default();
+    // Where the run cannot be told, each start counts as one: its copy on another disk might have the same number.
+    let boot = std::fs::read_to_string(BOOT_ID).unwrap_or_else(|_| Uuid::new_v4().to_string());
     let digest = Sha256::digest(format!("{}/{}/{}", boot.trim(), file.dev(), file.ino()));
     Ok(PlaceId::new(hex::encode(&digest[..PLACE_BYTES])).expect("hexadecimal digits make a place id"))
 }
