@@ -84,7 +84,9 @@ impl Wire {
         let state = Arc::new(Mutex::new(State::default()));
         let stop = CancellationToken::new();
         let room = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
-        let keep_alive = granted.server_keep_alive.map_or(limits.idle_timeout, |s| Duration::from_secs(u64::from(s)));
+        // Zero: the broker does not watch (MQTT 5 §3.2.2.3.14). We do.
+        let watched = granted.server_keep_alive.filter(|seconds| *seconds > 0);
+        let keep_alive = watched.map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
         let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
         let lane_opened = Arc::new(Notify::new());
         let reader =
@@ -362,6 +364,14 @@ mod tests {
         for id in 1..=20 {
             assert_eq!(arrived.recv().await.map(|publish| publish.pkid), Some(id));
         }
+    }
+
+    #[tokio::test]
+    async fn a_broker_that_does_not_watch_is_watched() {
+        let (wire, mut broker) = flooded(0).await;
+        let ping = timeout(LinkLimits::default().idle_timeout, broker.next()).await;
+        assert!(matches!(ping, Ok(Some(Ok(Packet::PingReq(_))))), "{ping:?}");
+        assert!(wire.loss.borrow().is_none(), "it is not given up");
     }
 
     #[tokio::test]
