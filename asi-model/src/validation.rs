@@ -47,7 +47,7 @@ pub const REVISION_MAX: u64 = (1 << 53) - 1;
 
 /// Why a message is rejected, and what could be read of it nevertheless.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the message has {} fault(s), the first: {}", faults.len(), faults.first().map_or("", |fault| &fault.message))]
+#[error("{}", told(faults))]
 pub struct Rejection {
     /// Everything that is wrong; never empty.
     pub faults: Vec<Fault>,
@@ -57,6 +57,14 @@ pub struct Rejection {
     pub operation_network_id: Option<OperationNetworkId>,
     /// The revision it is about.
     pub revision: Option<u64>,
+}
+
+/// Faults that a log or a dead letter names; all are in the list.
+const FAULTS_TOLD: usize = 5;
+
+fn told(faults: &[Fault]) -> String {
+    let first = faults.iter().take(FAULTS_TOLD);
+    first.map(|fault| format!("{}: {}", fault.pointer, fault.message)).collect::<Vec<_>>().join(" ")
 }
 
 impl Rejection {

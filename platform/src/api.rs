@@ -13,6 +13,7 @@ mod leases;
 mod live;
 mod networks;
 mod organisations;
+mod own_factory;
 mod page;
 mod problems;
 mod reports;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    administrator_only,
+    administrator_only, own_factory,
     problems::{ChangeProblems, ReadProblems},
 };
 use crate::{
@@ -57,12 +57,7 @@ pub async fn show(
     ApiPath(id): ApiPath<FactoryId>,
 ) -> Result<Json<LeaseView>, Problem> {
     let mut work = app.store.read().await?;
-    let factory = work.factories().lookup(&who.principal.scope(), &id).await?;
-    factory
-        .filter(|factory| {
-            who.principal.is_administrator() || who.principal.organisation() == Some(&factory.organisation_id)
-        })
-        .ok_or_else(|| Problem::not_found(format_args!("factory {id}")))?;
+    own_factory::check(&mut work, &who.principal, &id).await?;
     Ok(Json(work.leases().lookup(&id).await?.into()))
 }
 

@@ -6,7 +6,7 @@ use daemon::web::{ApiPath, Problem, session::SignedIn};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{page::Page, problems::ReadProblems};
+use super::{own_factory, page::Page, problems::ReadProblems};
 use crate::{accounts::Principal, application::Application};
 
 /// Missing numbers shown per writer.
@@ -58,12 +58,7 @@ pub async fn list(
     ApiPath(id): ApiPath<FactoryId>,
 ) -> Result<Json<Page<WriterView>>, Problem> {
     let mut work = app.store.read().await?;
-    let factory = work.factories().lookup(&who.principal.scope(), &id).await?;
-    factory
-        .filter(|factory| {
-            who.principal.is_administrator() || who.principal.organisation() == Some(&factory.organisation_id)
-        })
-        .ok_or_else(|| Problem::not_found(format_args!("factory {id}")))?;
+    own_factory::check(&mut work, &who.principal, &id).await?;
     let mut views = Vec::new();
     for row in work.writers().of_factory(&id).await? {
         let gaps = work.writers().gaps(&row.key).await?;

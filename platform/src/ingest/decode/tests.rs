@@ -1,0 +1,105 @@
+//! What is understood of good, forged and broken messages.
+
+use messaging::Envelope;
+use serde_json::{Value, json};
+
+use super::*;
+
+fn ingress() -> LogicalAddress {
+    LogicalAddress::FactoryIngress("FOR_MUC".parse().expect("valid"))
+}
+
+fn delivery(body: impl Into<bytes::Bytes>) -> Delivery {
+    Delivery {
+        envelope: Envelope::new("t1".parse().expect("valid"), "any", body),
+        principal: None,
+        is_redelivered: false,
+        delivery_count: 0,
+        received_at: time::OffsetDateTime::UNIX_EPOCH,
+    }
+}
+
+fn report() -> Value {
+    json!({ "MessageId": "m1", "MessageType": "ua-data", "PublisherId": "FOR_MUC",
+      "Messages": [ { "DataSetWriterId": 1, "SequenceNumber": 4,
+        "MetaDataVersion": { "MajorVersion": 608_926_829, "MinorVersion": 608_926_829 },
+        "Timestamp": "2019-04-18T18:20:30Z",
+        "Payload": {
+          "reportName": { "Type": 12, "Body": "ProgressReport" },
+          "dynamicDataRequestId": { "Type": 12, "Body": "ReqResponse1" },
+          "operationId": { "Type": 12, "Body": "MakeFrame1" },
+          "operationNetworkId": { "Type": 12, "Body": "frame-4711" },
+          "shopfloorTimestamp": { "Type": 13, "Body": "2019-04-18T18:20:05Z" },
+          "progressStatus": { "Type": 9, "Body": "1" },
+          "progressStatusUnit": { "Type": 12, "Body": "PIECE" } } } ] })
+}
+
+fn check(body: &Value) -> Incoming {
+    decode(&ingress(), &delivery(body.to_string()), &())
+}
+
+fn code_of(incoming: &Incoming) -> Option<&'static str> {
+    match &incoming.content {
+        Content::Dead(letter) => Some(letter.code),
+        _ => None,
+    }
+}
+
+#[test]
+fn the_report_of_the_contract_is_understood() {
+    let incoming = check(&report());
+    assert_eq!((incoming.message_id.as_str(), incoming.message_type.as_str()), ("m1", "ua-data"));
+    let Content::Reports { reports, keep_alives, .. } = incoming.content else { panic!("reports") };
+    assert!(keep_alives.is_empty());
+    let report = &reports[0];
+    assert_eq!((report.data_set_writer_id, report.epoch, report.sequence), (1, 608_926_829, 4));
+    assert_eq!(report.request.to_string(), "frame-4711/MakeFrame1/ReqResponse1");
+    assert_eq!(report.fields.len(), 1, "units and reserved members are no fields");
+    let (name, value) = &report.fields[0];
+    assert_eq!((name.as_str(), value.value.as_f64()), ("progressStatus", Some(1.0)));
+    assert_eq!(value.source_timestamp, report.shopfloor_timestamp);
+}
+
+#[test]
+fn the_sender_is_known_by_the_address() {
+    let mut forged = report();
+    for (publisher, expected) in
+        [("FOR_MUC.robot%201", None), ("INS_HAM", Some("FORGED_PUBLISHER")), ("FOR_MUC2", Some("FORGED_PUBLISHER"))]
+    {
+        forged["PublisherId"] = json!(publisher);
+        assert_eq!(code_of(&check(&forged)), expected, "{publisher}");
+    }
+    let decision = json!({ "messageType": "gap", "messageId": "m2", "factoryId": "INS_HAM", "dataSetWriterId": 1,
+        "epoch": 1, "firstSequence": 1, "lastSequence": 2, "cause": "COALESCED" });
+    assert_eq!(code_of(&check(&decision)), Some("FORGED_PUBLISHER"));
+}
+
+#[test]
+fn rubbish_is_told_with_its_reason() {
+    for (body, expected) in [
+        (Vec::from("not JSON"), "INVALID_MESSAGE"),
+        (vec![0xff, 0xfe], "NOT_UTF8"),
+        (Vec::from("[".repeat(200_000)), "INVALID_MESSAGE"),
+        (Vec::from(r#"{"messageType":"decision"}"#), "INVALID_MESSAGE"),
+        (vec![b' '; 300 * 1024], "UNREADABLE_BODY"),
+    ] {
+        let incoming = decode(&ingress(), &delivery(body.clone()), &());
+        assert_eq!(code_of(&incoming), Some(expected), "{:?}", String::from_utf8_lossy(&body[..body.len().min(40)]));
+        assert_eq!(incoming.message_id.as_str(), "t1", "the transport's id stands in");
+    }
+    let mut without_sequence = report();
+    without_sequence["Messages"][0].as_object_mut().expect("an object").remove("SequenceNumber");
+    assert_eq!(code_of(&check(&without_sequence)), Some("NO_SEQUENCE"));
+    let mut without_request = report();
+    without_request["Messages"][0]["Payload"].as_object_mut().expect("an object").remove("operationId");
+    assert_eq!(code_of(&check(&without_request)), Some("NO_REQUEST"));
+}
+
+#[test]
+fn keep_alives_are_no_reports() {
+    let body = json!({ "MessageId": "m3", "MessageType": "ua-data", "PublisherId": "FOR_MUC", "Messages": [
+        { "DataSetWriterId": 1, "SequenceNumber": 5, "MessageType": "ua-keepalive",
+          "MetaDataVersion": { "MajorVersion": 7, "MinorVersion": 7 } } ] });
+    let Content::Reports { reports, keep_alives, .. } = check(&body).content else { panic!("reports") };
+    assert_eq!((reports.len(), keep_alives), (0, vec![(1, 7)]));
+}
