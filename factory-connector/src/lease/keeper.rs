@@ -47,15 +47,27 @@ pub fn channel(factory_id: asi_model::FactoryId) -> (LeaseAnswers, mpsc::Receive
 }
 
 impl LeaseAnswers {
+    fn read(&self, delivery: &Delivery) -> Result<LeaseAnswer, String> {
+        let body = delivery.envelope.unpacked(asi_model::messages::MESSAGE_BYTES_MAX);
+        let body = body.map_err(|problem| problem.to_string())?;
+        match asi_model::validation::parse_platform_message(&body, &self.factory_id) {
+            Ok(PlatformMessage::Lease(answer)) => Ok(answer),
+            Ok(other) => Err(format!("it is a {}", other.message_type())),
+            Err(rejection) => Err(rejection.to_string()),
+        }
+    }
+
     /// Takes what was received; what is of no use is gone, for it is asked for again.
     pub fn take(&self, deliveries: &[Delivery]) {
         for delivery in deliveries {
-            let body = delivery.envelope.unpacked(asi_model::messages::MESSAGE_BYTES_MAX);
-            let message =
-                body.ok().and_then(|body| asi_model::validation::parse_platform_message(&body, &self.factory_id).ok());
-            match message {
-                Some(PlatformMessage::Lease(answer)) => drop(self.keeper.try_send(answer)),
-                _ => tracing::warn!("An answer about the lease cannot be read."),
+            match self.read(delivery) {
+                Ok(answer) => drop(self.keeper.try_send(answer)),
+                Err(reason) => tracing::warn!(
+                    message.id = delivery.envelope.message_id.as_ref().map(tracing::field::display),
+                    reason,
+                    "What came where answers about the lease come cannot be read; it is asked again. If it goes on, compare \
+                     the versions of the connector and the platform."
+                ),
             }
         }
     }

@@ -8,7 +8,7 @@ use asi_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{books::Grounds, disclosure::DisclosurePolicy};
+use crate::{books::Grounds, disclosure::DisclosurePolicy, print::Language};
 
 /// Sequence numbers of one writer and epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -112,6 +112,22 @@ impl EventKind {
     /// Those that name reports by their writer.
     pub const OF_REPORTS: [Self; 7] =
         [Self::Queued, Self::Sent, Self::Receipted, Self::Coalesced, Self::Expired, Self::Purged, Self::Revoked];
+
+    /// For people to read, as the pages say it.
+    #[must_use]
+    pub const fn said_in(self, language: Language) -> &'static str {
+        let (english, german) = match self {
+            Self::Consent => ("Decision", "Entscheidung"),
+            Self::Queued => ("Queued", "Eingereiht"),
+            Self::Sent => ("Sent", "Gesendet"),
+            Self::Receipted => ("Receipted", "Quittiert"),
+            Self::Coalesced => ("Coalesced", "Zusammengefasst"),
+            Self::Expired => ("Expired", "Verfallen"),
+            Self::Purged => ("Purged", "Gelöscht"),
+            Self::Revoked => ("Consent ended", "Einwilligung beendet"),
+        };
+        language.choose(english, german)
+    }
 
     /// As in the hashed text.
     #[must_use]

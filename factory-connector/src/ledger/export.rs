@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize as _;
 use serde_json::Value;
 
+use super::EventKind;
 use crate::{
     disclosure::Statement,
     print::{END, Language, TABLE_END, begin, row, table},
@@ -119,8 +121,10 @@ impl Exporter {
     pub fn entry(&self, entry: &ExportedEntry) -> String {
         match self.format {
             ExportFormat::Jsonl => json_line(entry),
-            ExportFormat::Csv => rows(entry, Language::En).into_iter().map(csv_line).collect(),
-            ExportFormat::Html => rows(entry, self.language).into_iter().map(row).collect(),
+            ExportFormat::Csv => rows(entry, Language::En, plain).into_iter().map(csv_line).collect(),
+            ExportFormat::Html => {
+                rows(entry, self.language, |event| said(event, self.language)).into_iter().map(row).collect()
+            }
         }
     }
 
@@ -149,12 +153,12 @@ fn json_line(entry: &ExportedEntry) -> String {
 }
 
 /// One row per value of a report, one for any other entry.
-fn rows(exported: &ExportedEntry, language: Language) -> Vec<Vec<String>> {
+fn rows(exported: &ExportedEntry, language: Language, event: impl Fn(&Value) -> String) -> Vec<Vec<String>> {
     let entry: Value = serde_json::from_str(&exported.content).unwrap_or_default();
     let report: Value =
         exported.report.as_deref().and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
     let payload = &report["Payload"];
-    let said = |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
+    let precision = |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
     let of_row = |field: Option<&str>| -> Vec<String> {
         COLUMNS
             .iter()
@@ -163,23 +167,29 @@ fn rows(exported: &ExportedEntry, language: Language) -> Vec<Vec<String>> {
                 ("value", Some(field)) => plain(&payload[field]),
                 ("unit", Some(field)) => plain(&payload[format!("{field}Unit")]),
                 ("consent", Some(field)) => plain(&entry["consents"][field]),
-                ("precision", Some(field)) => said(exported.precision.get(field)),
+                ("precision", Some(field)) => precision(exported.precision.get(field)),
                 ("operationNetworkId" | "operationId" | "dynamicDataRequestId", Some(_)) => plain(&payload[*name]),
                 ("operationNetworkId" | "operationId" | "dynamicDataRequestId", None) => plain(&entry["field"][*name]),
                 ("field", None) => plain(&entry["field"]["fieldName"]),
                 ("value", None) => plain(&entry["mappingState"]),
                 ("consent", None) => plain(&entry["version"]),
-                ("precision", None) => said(exported.precision.values().next()),
+                ("precision", None) => precision(exported.precision.values().next()),
                 ("messageId", _) => exported.message_id.clone().unwrap_or_else(|| plain(&entry["messageId"])),
                 ("sentAt", _) => exported.sent_at.clone().unwrap_or_default(),
                 ("deliveredAt", _) => exported.delivered_at.clone().unwrap_or_default(),
                 ("hash", _) => exported.hash.clone(),
+                ("event", _) => event(&entry["event"]),
                 (name, _) => plain(&entry[name]),
             })
             .collect()
     };
     let fields: Vec<&String> = entry["consents"].as_object().map(|fields| fields.keys().collect()).unwrap_or_default();
     if fields.is_empty() { vec![of_row(None)] } else { fields.into_iter().map(|field| of_row(Some(field))).collect() }
+}
+
+/// An event in words; one of a later version by its code.
+fn said(event: &Value, language: Language) -> String {
+    EventKind::deserialize(event).map_or_else(|_| plain(event), |kind| kind.said_in(language).to_owned())
 }
 
 /// A JSON value as a person reads it: the body of a variant, texts without quotes.
@@ -274,7 +284,11 @@ mod tests {
         let page = html.begin("F") + &html.entry(&queued("<script>alert(1)</script>".into())) + &html.end();
         assert!(page.contains("&lt;script&gt;") && !page.contains("<script"), "{page}");
         assert!(
-            page.contains("Empfänger") && page.contains("Jede Änderung, wie sie ist.") && page.ends_with("</html>\n")
+            page.contains("Empfänger")
+                && page.contains("Eingereiht")
+                && !page.contains("QUEUED")
+                && page.contains("Jede Änderung, wie sie ist.")
+                && page.ends_with("</html>\n")
         );
     }
 

@@ -37,7 +37,8 @@ fn in_english(part: &StatementPart) -> String {
         }
         StatementPart::Interval { period_ms } => format!("at most once per {}", describe_period(*period_ms)),
         StatementPart::Rate { values, period_ms } => {
-            format!("at most {values} values per {}", describe_period(*period_ms))
+            let plural = if *values == 1 { "" } else { "s" };
+            format!("at most {values} value{plural} per {}", describe_period(*period_ms))
         }
         StatementPart::TimeStep { period_ms } => format!("times in steps of {}", describe_period(*period_ms)),
         StatementPart::Delayed { period_ms } => format!("{} late", describe_period(*period_ms)),
