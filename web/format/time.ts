@@ -1,4 +1,4 @@
-import { language } from '@/language/language.svelte'
+import { language, type LanguageCode } from '@/language/language.svelte'
 import { words } from '@/language/words'
 
 const SECOND = 1000
@@ -54,9 +54,9 @@ export function shortMoment(at: string | number | Date): string {
 }
 
 /** The name of a day of the week, 0 is Monday. */
-export function weekday(number: number, width: 'short' | 'long'): string {
+export function weekday(number: number, width: 'short' | 'long', code: LanguageCode = language.code): string {
   // The first of January 2024 was a Monday.
-  return new Intl.DateTimeFormat(language.code === 'de' ? 'de-DE' : 'en-GB', { weekday: width, timeZone: 'UTC' }).format(new Date(Date.UTC(2024, 0, 1 + number)))
+  return new Intl.DateTimeFormat(code === 'de' ? 'de-DE' : 'en-GB', { weekday: width, timeZone: 'UTC' }).format(new Date(Date.UTC(2024, 0, 1 + number)))
 }
 
 /** A day for reading. */

@@ -108,6 +108,21 @@ export const en = {
     uncertain: 'Uncertain',
     bad: 'Bad',
   } as Record<string, string>,
+  /** The words in which a factory tells its partners a precision. */
+  statement: {
+    unchanged: 'every change, as it is',
+    aggregates: { LAST: 'the last value', MAXIMUM: 'the maximum', MINIMUM: 'the minimum', SUM: 'the sum', MEAN: 'the mean over time' } as Record<string, string>,
+    aggregated: (what: string, window: string) => `${what} per ${window}`,
+    rounded: (step: string) => `rounded to multiples of ${step}`,
+    banded: (bounds: string[], unit: string) => `in bands from ${bounds.join(', ')}${unit}`,
+    digits: (n: number) => (n === 1 ? 'with 1 significant digit' : `with ${n} significant digits`),
+    interval: (period: string) => `at most once per ${period}`,
+    rate: (n: number, period: string) => (n === 1 ? `at most 1 value per ${period}` : `at most ${n} values per ${period}`),
+    timeStep: (step: string) => `times in steps of ${step}`,
+    delayed: (delay: string) => `${delay} late`,
+    hours: (days: string, from: string, until: string) => `only ${days} from ${from} until ${until}`,
+    withheld: 'withheld in certain states',
+  },
   value: { none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
   action: {
     close: 'Close',

@@ -1,4 +1,5 @@
 import { describe, expect, it, vi } from 'vitest'
+import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
 import type { FieldState, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
@@ -6,6 +7,7 @@ import { saying } from './live/saying'
 import { drawnOperations } from './networks/drawn'
 import { takeEvent, takeProgress } from './networks/events'
 import { series, takeReport, type Point } from './operation/history'
+import { precisionText } from './operation/precision'
 import { cadenceMs } from './requests/cadence'
 import { RequestDraft } from './requests/request-draft.svelte'
 
@@ -130,4 +132,27 @@ it('events are told on one line', () => {
   expect(saying({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({ where: 'F / n / o / r / made', what: 'Refused · Secret.' })
   const { fieldName: _, ...request } = key
   expect(saying({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({ where: 'F / n / o / r', what: 'made 4' })
+})
+
+describe('a precision', () => {
+  it.each([
+    [null, 'Jede Änderung, wie sie ist.'],
+    [{ description: 'Every change, as it is.' }, 'Jede Änderung, wie sie ist.'],
+    [{ description: 'Rounded to multiples of 10 PIECE; at most once per 1 min.', roundingStep: 10, minimumIntervalMs: 60_000 }, 'Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.'],
+    [
+      { description: 'The mean over time per 1 h; with 2 significant digits; at most 1 value per 2 h; times in steps of 15 min; 1500 ms late.', aggregate: { function: 'the mean over time', windowMs: 3_600_000 }, significantDigits: 2, rateLimitList: [{ values: 1, periodMs: 7_200_000 }], timeStepMs: 900_000, delayMs: 1_500 },
+      'Ein Wert je 1 h: zeitlicher Mittelwert; mit 2 gültigen Ziffern; höchstens 1 Wert je 2 h; Zeiten in Schritten von 15 min; 1500 ms später.',
+    ],
+  ])('%j is said in the language of the reader', (told, text) => {
+    language.choose('de')
+    expect(precisionText(told, 'PIECE')).toBe(text)
+  })
+  it.each([
+    { description: 'Rounded to multiples of 10 PIECE; withheld in certain states.', roundingStep: 10 },
+    { description: 'Rounded to 10 pieces, by day only.', roundingStep: 10 },
+    { description: 'The median per 1 h.', aggregate: { function: 'the median', windowMs: 3_600_000 } },
+  ])('%j stays as it came: its members do not say all of it', (told) => {
+    language.choose('de')
+    expect(precisionText(told, 'PIECE')).toBe(told.description)
+  })
 })

@@ -63,6 +63,8 @@ const fieldPath = (key: FieldKey): string => path('fields', key.operationNetwork
 
 /** A long ledger takes its time: every entry is hashed again. */
 const VERIFYING_MS_MAX = 600_000
+/** Few, as every row weighs on every dialog above the list: opening one is a new style for all that is beneath it. */
+const RULE_DECISIONS_PER_PAGE = 25
 
 /** Whether the connector of this build answers a path. */
 export function offers(resourcePath: string): boolean {
@@ -101,7 +103,7 @@ export const connector = {
   putRule: (id: string, rule: Rule, version: number) => request<unknown>('PUT', path('rules', id), { body: rule, ifMatch: version }),
   previewRule: (rule: Rule, signal?: AbortSignal) => request<RulePreview>('POST', '/rules/preview', { body: rule, signal }),
   applyRules: () => request<{ decidedCount: number }>('POST', '/rules/apply'),
-  ruleDecisions: (cursor?: string, signal?: AbortSignal) => request<Page<RuleDecision>>('GET', `/rule-decisions${query({ cursor })}`, { signal }),
+  ruleDecisions: (cursor?: string, signal?: AbortSignal) => request<Page<RuleDecision>>('GET', `/rule-decisions${query({ cursor, limit: RULE_DECISIONS_PER_PAGE })}`, { signal }),
   undoRuleDecision: (id: string) => request<unknown>('POST', path('rule-decisions', id, 'undo')),
 
   leakBudgets: (signal?: AbortSignal) => request<Page<PartnerLeaks>>('GET', '/leak-budgets', { signal }),

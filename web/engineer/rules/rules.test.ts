@@ -4,6 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
+import type { Rule } from '../api/types'
 import PoliciesPage from './PoliciesPage.svelte'
 
 const versioned = { version: 3, changedBy: 'eva', changedAt: '2026-11-21T06:00:00Z' }
@@ -29,6 +30,7 @@ beforeEach(() => {
   toasts.list = []
 })
 afterEach(() => {
+  vi.useRealTimers()
   vi.unstubAllGlobals()
 })
 
@@ -46,6 +48,40 @@ describe('policies and rules', () => {
     await vi.waitFor(() => expect(toasts.list).toHaveLength(1))
     toasts.list[0]?.action?.run()
     await vi.waitFor(() => expect(changes(log).map(({ body }) => (body as { isEnabled: boolean }).isEnabled)).toEqual([true, false]))
+  })
+
+  it('what a rule means is asked when its conditions change, not its name', async () => {
+    vi.useFakeTimers({ shouldAdvanceTime: true })
+    const user = userEvent.setup({ advanceTimers: (ms) => vi.advanceTimersByTime(ms) })
+    const log = connector()
+    const asked = (): unknown[] => log.filter(({ path }) => path === '/rules/preview').map(({ body }) => (body as Rule).when.namePattern)
+    render(PoliciesPage)
+    await user.click(await screen.findByRole('button', { name: 'Edit: Power to Acme' }))
+    vi.advanceTimersByTime(1_000)
+    expect(asked()).toEqual([undefined])
+    const dialog = within(screen.getByRole('dialog'))
+    await user.type(dialog.getByLabelText('Name'), ' and others')
+    vi.advanceTimersByTime(1_000)
+    expect(asked()).toEqual([undefined])
+    await user.type(dialog.getByLabelText('Name of the field'), 'power*')
+    vi.advanceTimersByTime(1_000)
+    expect(asked()).toEqual([undefined, 'power*'])
+  })
+
+  it('the rarer ways to coarsen are there where they are looked for or in use', async () => {
+    connector({ 'GET /policies': () => ({ items: [policy, { ...policy, id: 'late', name: 'Late', disclosure: { delayMs: 5 } }] }) })
+    render(PoliciesPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Edit: Coarse' }))
+    const dialog = within(screen.getByRole('dialog'))
+    expect(dialog.queryByLabelText('Bands')).toBeNull()
+    await userEvent.click(dialog.getByText('More ways to coarsen'))
+    await userEvent.type(await dialog.findByLabelText('Bands'), '5')
+    await userEvent.clear(dialog.getByLabelText('Bands'))
+    await userEvent.tab()
+    expect(dialog.getByLabelText('Bands')).toBeTruthy()
+    await userEvent.click(dialog.getByRole('button', { name: 'Cancel' }))
+    await userEvent.click(screen.getByRole('button', { name: 'Edit: Late' }))
+    expect(within(screen.getByRole('dialog')).getByLabelText('Bands')).toBeTruthy()
   })
 
   it('a policy is added, and stays open with the reason where it is refused', async () => {
@@ -88,7 +124,7 @@ describe('policies and rules', () => {
     expect(screen.queryByRole('button', { name: 'Load more' })).toBeNull()
     await userEvent.click(within(row).getByRole('button', { name: 'Undo' }))
     const pages = (): string[] => log.map(({ path }) => path).filter((path) => path.startsWith('/rule-decisions') && !path.endsWith('undo'))
-    await vi.waitFor(() => expect(pages()).toEqual(['/rule-decisions', '/rule-decisions?cursor=4', '/rule-decisions', '/rule-decisions?cursor=4']))
+    await vi.waitFor(() => expect(pages()).toEqual(['/rule-decisions?limit=25', '/rule-decisions?cursor=4&limit=25', '/rule-decisions?limit=25', '/rule-decisions?cursor=4&limit=25']))
     expect(screen.getByText('op5 / power')).toBeTruthy()
   })
 

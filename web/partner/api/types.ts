@@ -38,7 +38,11 @@ export type Part = Omit<Schemas['PartView'], 'faultList'> & { faultList: Fault[]
 export interface DisclosureStatement {
   description: string
   roundingStep?: number | null
+  significantDigits?: number | null
+  /** Which aggregate, in English words. */
+  aggregate?: { function: string; windowMs: number } | null
   minimumIntervalMs?: number | null
+  rateLimitList?: { values: number; periodMs: number }[]
   timeStepMs?: number | null
   delayMs?: number | null
 }

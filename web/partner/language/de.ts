@@ -56,7 +56,6 @@ export const de: Texts = {
     measured: 'gemessen ',
     received: 'empfangen ',
     sequence: (n: number) => `Bericht Nr. ${n}`,
-    exact: 'Jede Änderung, wie sie ist.',
     withdraw: 'Diese Anfrage zurückziehen',
     withdrawn: 'Die Anfrage wurde zurückgezogen.',
     purpose: 'Zweck',

@@ -54,7 +54,6 @@ export const en = {
     measured: 'measured ',
     received: 'received ',
     sequence: (n: number) => `report no. ${n}`,
-    exact: 'Every change, as it is.',
     withdraw: 'Withdraw this request',
     withdrawn: 'The request was withdrawn.',
     purpose: 'Purpose',

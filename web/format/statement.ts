@@ -1,0 +1,74 @@
+import { de } from '@/language/de'
+import { en } from '@/language/en'
+import { language, type LanguageCode } from '@/language/language.svelte'
+import { weekday } from './time'
+
+/** A part of a precision as partners are told it: a code with its parameters. */
+export type StatementPart =
+  | { code: 'UNCHANGED' | 'WITHHELD' }
+  | { code: 'AGGREGATED'; function: string; windowMs: number }
+  | { code: 'ROUNDED'; step: number; unit?: string | null }
+  | { code: 'BANDED'; bounds: number[]; unit?: string | null }
+  | { code: 'DIGITS'; digits: number }
+  | { code: 'INTERVAL' | 'TIME_STEP' | 'DELAYED'; periodMs: number }
+  | { code: 'RATE'; values: number; periodMs: number }
+  | { code: 'HOURS'; hours: { days: string[]; from: string; until: string } }
+
+const CATALOGUES = { de, en }
+const DAYS = ['MONDAY', 'TUESDAY', 'WEDNESDAY', 'THURSDAY', 'FRIDAY', 'SATURDAY', 'SUNDAY']
+const SIZES = [['d', 86_400_000], ['h', 3_600_000], ['min', 60_000], ['s', 1_000], ['ms', 1]] as const
+
+/**
+ * A precision in the reader's words. What the connector says in English is taken where it has no parts, or one that this
+ * page does not know.
+ */
+export function statementText(parts: readonly StatementPart[] | undefined, english: string): string {
+  return sentence(parts ?? [], language.code) ?? english
+}
+
+/** A precision as one sentence; in English the one that the connector tells. Nothing where a part is not known. */
+export function sentence(parts: readonly StatementPart[], code: LanguageCode): string | undefined {
+  const said = parts.map((part) => partText(part, code))
+  if (said.length === 0 || said.includes(undefined)) return undefined
+  const text = said.join('; ')
+  return `${text.slice(0, 1).toLocaleUpperCase()}${text.slice(1)}.`
+}
+
+function partText(part: StatementPart, code: LanguageCode): string | undefined {
+  const { statement, span } = CATALOGUES[code]
+  // Digits in groups would be taken for decimals in the other language.
+  const number = (value: number): string => new Intl.NumberFormat(code, { maximumSignificantDigits: 15, useGrouping: false }).format(value)
+  const period = (ms: number): string => {
+    const [name, size] = SIZES.find(([, each]) => ms % each === 0) ?? ['ms', 1]
+    return `${number(ms / size)} ${span[name]}`
+  }
+  const of = (unit: string | null | undefined): string => (unit == null ? '' : ` ${unit}`)
+  switch (part.code) {
+    case 'UNCHANGED':
+      return statement.unchanged
+    case 'AGGREGATED': {
+      const what = statement.aggregates[part.function]
+      return what === undefined ? undefined : statement.aggregated(what, period(part.windowMs))
+    }
+    case 'ROUNDED':
+      return statement.rounded(number(part.step) + of(part.unit))
+    case 'BANDED':
+      return statement.banded(part.bounds.map(number), of(part.unit))
+    case 'DIGITS':
+      return statement.digits(part.digits)
+    case 'INTERVAL':
+      return statement.interval(period(part.periodMs))
+    case 'RATE':
+      return statement.rate(part.values, period(part.periodMs))
+    case 'TIME_STEP':
+      return statement.timeStep(period(part.periodMs))
+    case 'DELAYED':
+      return statement.delayed(period(part.periodMs))
+    case 'HOURS':
+      return statement.hours(part.hours.days.map((day) => weekday(DAYS.indexOf(day), 'short', code)).join(', '), part.hours.from, part.hours.until)
+    case 'WITHHELD':
+      return statement.withheld
+    default:
+      return undefined
+  }
+}
