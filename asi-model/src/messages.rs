@@ -6,7 +6,8 @@ mod to_factory;
 
 pub use from_factory::{
     Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision, DecisionTarget,
-    DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, MappingState, RateStatement, ValueSource,
+    DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement, MappingState, RateStatement,
+    ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
 pub use to_factory::{

@@ -143,6 +143,10 @@ describe('a precision', () => {
       { description: 'The mean over time per 1 h; with 2 significant digits; at most 1 value per 2 h; times in steps of 15 min; 1500 ms late.', aggregate: { function: 'the mean over time', windowMs: 3_600_000 }, significantDigits: 2, rateLimitList: [{ values: 1, periodMs: 7_200_000 }], timeStepMs: 900_000, delayMs: 1_500 },
       'Ein Wert je 1 h: zeitlicher Mittelwert; mit 2 gültigen Ziffern; höchstens 1 Wert je 2 h; Zeiten in Schritten von 15 min; 1500 ms später.',
     ],
+    [
+      { description: 'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states.', bandList: [-5, 0.5], hoursList: [{ dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00' }], isWithheldInStates: true },
+      'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten.',
+    ],
   ])('%j is said in the language of the reader', (told, text) => {
     language.choose('de')
     expect(precisionText(told, 'PIECE')).toBe(text)

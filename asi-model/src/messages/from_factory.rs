@@ -198,7 +198,7 @@ pub struct Decision {
     pub decided_at: DateTime,
     /// The precision the partner gets.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub disclosure: Option<DisclosureStatement>,
+    pub disclosure: Option<Box<DisclosureStatement>>,
 }
 
 /// In words and numbers, how a value is coarsened before it leaves.
@@ -228,6 +228,30 @@ pub struct DisclosureStatement {
     /// Values leave this many milliseconds late.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delay_ms: Option<u64>,
+    /// Values are these bounds: of each the greatest not above it, in the field's unit.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub band_list: Vec<f64>,
+    /// Values leave within these hours only; all of them hold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hours_list: Vec<HoursStatement>,
+    /// Nothing leaves in certain states; which these are is not told.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_withheld_in_states: bool,
+}
+
+/// Hours of the plant's clock.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct HoursStatement {
+    /// The days, `MONDAY` to `SUNDAY`.
+    pub day_list: Vec<String>,
+    /// The first minute, `HH:MM`.
+    pub from: String,
+    /// The first minute no more, `HH:MM`.
+    pub until: String,
+    /// How far the plant's clock is ahead of UTC, in minutes.
+    #[serde(default)]
+    pub utc_offset_minutes: i16,
 }
 
 /// What is made of a window's values.

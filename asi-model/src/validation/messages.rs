@@ -6,9 +6,9 @@ use crate::{
     json::{Kind, Node},
     messages::{
         Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, AssetRequest, Comment,
-        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, Lease, LeaseParty,
-        LeaseRequest, LeaseResult, MappingState, OperationNetworkMessage, PlatformMessage, RateStatement, Receipt,
-        Withdraw, WriterReceipt,
+        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement, Lease,
+        LeaseParty, LeaseRequest, LeaseResult, MappingState, OperationNetworkMessage, PlatformMessage, RateStatement,
+        Receipt, Withdraw, WriterReceipt,
     },
 };
 
@@ -16,6 +16,19 @@ use crate::{
 const RECEIPTS_MAX: usize = 10_000;
 /// Most limits of the rate that one disclosure states.
 const RATE_LIMITS_MAX: usize = 16;
+/// Most ranges of hours of one disclosure.
+const HOURS_MAX: usize = 32;
+/// Most bands of one disclosure.
+const BANDS_MAX: usize = 1_000;
+const DAYS: [(&str, &str); 7] = [
+    ("MONDAY", "MONDAY"),
+    ("TUESDAY", "TUESDAY"),
+    ("WEDNESDAY", "WEDNESDAY"),
+    ("THURSDAY", "THURSDAY"),
+    ("FRIDAY", "FRIDAY"),
+    ("SATURDAY", "SATURDAY"),
+    ("SUNDAY", "SUNDAY"),
+];
 const ASSET_KINDS: [(&str, AssetKind); 4] = [
     ("POSE", AssetKind::Pose),
     ("POWER", AssetKind::Power),
@@ -254,7 +267,7 @@ fn decision(reader: &mut Reader, root: Node<'_, '_>) -> Option<Decision> {
     let mapping_state = reader.required(root, "mappingState", |reader, node| reader.choice(node, &STATES));
     let reason = reader.optional(root, "reason", Reader::text);
     let decided_at = reader.required(root, "decidedAt", Reader::time);
-    let disclosure = reader.optional(root, "disclosure", disclosure);
+    let disclosure = reader.optional(root, "disclosure", disclosure).map(Box::new);
     Some(Decision {
         message_id,
         factory_id,
@@ -281,7 +294,23 @@ fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureState
         rate_limit_list: reader.optional_list(node, "rateLimitList", RATE_LIMITS_MAX, rate),
         time_step_ms: millis(reader, "timeStepMs"),
         delay_ms: millis(reader, "delayMs"),
+        band_list: reader.optional_list(node, "bandList", BANDS_MAX, Reader::number),
+        hours_list: reader.optional_list(node, "hoursList", HOURS_MAX, hours),
+        is_withheld_in_states: reader.optional(node, "isWithheldInStates", Reader::boolean).unwrap_or_default(),
     })
+}
+
+fn hours(reader: &mut Reader, node: Node<'_, '_>) -> Option<HoursStatement> {
+    if !reader.is_object(node, "Hours") {
+        return None;
+    }
+    let day_list = reader.list(node, "dayList", DAYS.len(), |reader, node| reader.choice(node, &DAYS));
+    let from = reader.required(node, "from", Reader::name);
+    let until = reader.required(node, "until", Reader::name);
+    let offset = |reader: &mut Reader, node: Node<'_, '_>| reader.integer(node, "minutes ahead of UTC");
+    let utc_offset_minutes = reader.optional(node, "utcOffsetMinutes", offset).unwrap_or_default();
+    let day_list = day_list.into_iter().map(str::to_owned).collect();
+    Some(HoursStatement { day_list, from: from?, until: until?, utc_offset_minutes })
 }
 
 fn aggregate(reader: &mut Reader, node: Node<'_, '_>) -> Option<AggregateStatement> {

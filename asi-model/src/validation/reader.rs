@@ -243,6 +243,16 @@ impl Reader {
         value
     }
 
+    /// A finite number.
+    pub(super) fn number(&mut self, node: Node<'_, '_>) -> Option<f64> {
+        let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
+        let value = digits.parse().ok().filter(|value: &f64| value.is_finite());
+        if value.is_none() {
+            self.fault(node, FaultCode::InvalidValue, "The number must not be beyond 1e308.");
+        }
+        value
+    }
+
     /// A boolean.
     pub(super) fn boolean(&mut self, node: Node<'_, '_>) -> Option<bool> {
         match node.boolean() {

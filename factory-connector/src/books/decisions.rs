@@ -254,7 +254,7 @@ impl Books {
             mapping_state: decision.mapping_state,
             reason: decision.reason.clone(),
             decided_at: now,
-            disclosure: field.statement(),
+            disclosure: field.statement().map(Box::new),
         };
         let consent = ConsentRow {
             field: key.to_string(),

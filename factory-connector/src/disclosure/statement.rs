@@ -121,6 +121,9 @@ impl DisclosurePolicy {
                 .collect(),
             time_step_ms: self.time_step_ms,
             delay_ms: self.delay_ms,
+            band_list: self.bands.clone(),
+            hours_list: self.hours().map(WorkingHours::statement).collect(),
+            is_withheld_in_states: !self.withhold_while.is_empty(),
         }
     }
 
@@ -201,7 +204,11 @@ mod tests {
         )
         .expect("a policy");
         let told = policy.told(Some("PIECE"));
-        assert_eq!(told.statement, policy.statement(Some("PIECE")).description);
+        let statement = policy.statement(Some("PIECE"));
+        assert_eq!(told.statement, statement.description);
+        let hours = &statement.hours_list[0];
+        assert_eq!((&hours.day_list[0][..], &hours.from[..], &hours.until[..]), ("MONDAY", "06:00", "22:00"));
+        assert_eq!((statement.band_list, statement.is_withheld_in_states), (vec![0.5, 50.0], true));
         assert_eq!(
             told.said_in(Language::De),
             "Ein Wert je 1 h: zeitlicher Mittelwert; gerundet auf Vielfache von 10 PIECE; in Bändern ab 0,5; 50 PIECE; mit 2 \

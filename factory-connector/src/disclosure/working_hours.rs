@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr, time::Duration};
 
-use asi_model::DateTime;
+use asi_model::{DateTime, messages::HoursStatement};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 /// A day of the week.
@@ -17,6 +17,22 @@ pub enum Weekday {
     Friday,
     Saturday,
     Sunday,
+}
+
+impl Weekday {
+    /// As messages name it.
+    #[must_use]
+    pub const fn code(self) -> &'static str {
+        match self {
+            Self::Monday => "MONDAY",
+            Self::Tuesday => "TUESDAY",
+            Self::Wednesday => "WEDNESDAY",
+            Self::Thursday => "THURSDAY",
+            Self::Friday => "FRIDAY",
+            Self::Saturday => "SATURDAY",
+            Self::Sunday => "SUNDAY",
+        }
+    }
 }
 
 /// A time of day, `HH:MM`, up to and including `24:00`.
@@ -117,6 +133,17 @@ impl WorkingHours {
     pub fn describe(&self) -> String {
         let days: Vec<String> = self.days.iter().map(|day| format!("{day:?}")[..3].to_owned()).collect();
         format!("only {} from {} until {}", days.join(", "), self.from, self.until)
+    }
+
+    /// The same as members of a message.
+    #[must_use]
+    pub fn statement(&self) -> HoursStatement {
+        HoursStatement {
+            day_list: self.days.iter().map(|day| day.code().to_owned()).collect(),
+            from: self.from.to_string(),
+            until: self.until.to_string(),
+            utc_offset_minutes: self.utc_offset_minutes,
+        }
     }
 
     /// The longest time the hours can hold a value back.

@@ -45,6 +45,9 @@ export interface DisclosureStatement {
   rateLimitList?: { values: number; periodMs: number }[]
   timeStepMs?: number | null
   delayMs?: number | null
+  bandList?: number[]
+  hoursList?: { dayList: string[]; from: string; until: string; utcOffsetMinutes?: number }[]
+  isWithheldInStates?: boolean
 }
 
 export type FieldState = Omit<Schemas['FieldView'], 'value' | 'disclosure'> & { value?: unknown; disclosure?: DisclosureStatement | null }
