@@ -1,10 +1,15 @@
-//! Bodies of messages that will probably be delivered soon. Bounded by bytes; what does not fit is read when needed.
+//! Bodies of messages that will probably be delivered soon. Bounded by the memory they take; what does not fit is read
+//! when needed.
 
 use std::{collections::HashMap, sync::Arc};
 
 use parking_lot::Mutex;
 
 use crate::message::AnyMessage;
+
+/// What a message takes beside its bytes on the wire, roughly: its sections, their maps with a handful of properties, its
+/// place here.
+const OVERHEAD: u64 = size_of::<AnyMessage>() as u64 + 512;
 
 pub(crate) struct BodyCache {
     bytes_max: u64,
@@ -24,6 +29,7 @@ impl BodyCache {
 
     /// Keeps a message while there is room.
     pub(crate) fn insert(&self, id: i64, bytes: u64, message: Arc<AnyMessage>) {
+        let bytes = bytes + OVERHEAD;
         let mut state = self.state.lock();
         if state.bytes + bytes <= self.bytes_max && state.messages.insert(id, (bytes, message)).is_none() {
             state.bytes += bytes;
@@ -54,7 +60,7 @@ mod tests {
 
     #[test]
     fn the_cache_stops_at_its_bound() {
-        let cache = BodyCache::new(25);
+        let cache = BodyCache::new(25 + 2 * OVERHEAD);
         let message = Arc::new(Message::from(Body::Empty));
         for id in 1..=3 {
             cache.insert(id, 10, Arc::clone(&message));
