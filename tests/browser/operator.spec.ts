@@ -89,7 +89,7 @@ test('an operator works on without a network, and everything arrives once', asyn
     const arrived = await entries(engineer, operation)
     expect(arrived.map(({ action, quantity }) => [action, quantity ?? 0])).toEqual([[isRunning ? 'DONE' : 'START', 0], ...Array<[string, number]>(4).fill(['ADD', 1])])
     expect(new Set(arrived.map(({ entryId }) => entryId)).size).toBe(5)
-    for (const { madeAt, receivedAt } of arrived) expect([madeAt < back, receivedAt >= back]).toEqual([true, true])
+    for (const { madeAt, receivedAt } of arrived) expect([Date.parse(madeAt) <= Date.parse(back), Date.parse(receivedAt) >= Date.parse(back)]).toEqual([true, true])
   })
 
   await test.step('an answer that is lost on its way makes nothing count twice', async () => {

@@ -21,7 +21,8 @@ export default defineConfig({
     { name: 'story', testMatch: /story\.spec\.ts/ },
     { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },
-    { name: 'scale', testMatch: /scale\.spec\.ts/ },
+    // The recorder would be measured, too.
+    { name: 'scale', testMatch: /scale\.spec\.ts/, use: { trace: 'off' } },
     { name: 'accessibility', testMatch: /accessibility\.spec\.ts/, timeout: 300_000 },
     { name: 'screenshots', testMatch: /screenshots\.spec\.ts/, timeout: 240_000 },
   ],

@@ -121,13 +121,7 @@ test('the inbox scrolls, searches and filters within a moment', ({ browser }) =>
 test('a folder of a hundred thousand variables opens, scrolls and is searched', ({ browser }) =>
   answersQuickly(browser, '#/sources/Bank1', async (page) => {
     const tree = page.getByRole('tree')
-    await expect(tree.getByRole('treeitem').nth(1)).toBeVisible({ timeout: 30_000 })
-    // Down to the folder that holds them all.
-    for (let level = 1; level < 4; level += 1) {
-      const item = tree.locator(`[role=treeitem][aria-level="${level}"][aria-expanded=false]`).first()
-      if ((await item.count()) > 0) await item.click()
-      await page.waitForLoadState('networkidle').catch(() => undefined)
-    }
+    await tree.getByRole('treeitem', { name: /^Bank1/ }).click({ timeout: 30_000 })
     await expect.poll(() => tree.getByRole('treeitem').count(), { timeout: 30_000 }).toBeGreaterThan(10)
     expect(await tree.getByRole('treeitem').count(), 'only what is seen is in the document').toBeLessThan(100)
     await tree.getByRole('treeitem').last().hover()
