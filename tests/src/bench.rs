@@ -5,8 +5,9 @@ mod browsable;
 mod ledger;
 mod links;
 mod mappings;
+pub mod part;
 mod throughput;
-pub mod twin;
+mod twin;
 mod usage;
 
 use std::time::Duration;
@@ -77,18 +78,6 @@ async fn path() -> anyhow::Result<Vec<Value>> {
     results.extend(throughput::measure(&mut world, &cast).await?);
     world.stop()?;
     Ok(results)
-}
-
-/// Measures one part of the twin in this process and prints what it finds as JSON.
-///
-/// # Errors
-/// When it fails.
-pub async fn run_twin_part(part: twin::Part) -> anyhow::Result<()> {
-    let found = twin::run_part(part).await?;
-    if part != twin::Part::Serve {
-        say(&serde_json::to_string(&found)?);
-    }
-    Ok(())
 }
 
 fn result(name: &str, value: f64, unit: &str) -> Value {

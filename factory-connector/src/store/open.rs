@@ -37,6 +37,11 @@ const LOCK_FILE: &str = "connector.lock";
 const GENERATION_FILE: &str = "generation";
 const READERS_MAX: u32 = 4;
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+/// The writer keeps so much of the file in memory, in KiB with a minus sign: the ends of the indexes, which every
+/// transaction touches.
+const WRITER_CACHE: &str = "-32768";
+/// Pages in the write-ahead log after which it is written back: pages that many transactions change are written once.
+const CHECKPOINT_PAGES: &str = "8000";
 /// The write-ahead log is cut back to this after a checkpoint, in bytes.
 const LOG_BYTES: &str = "67108864";
 
@@ -82,9 +87,7 @@ impl Store {
         std::fs::create_dir_all(directory).map_err(access(directory))?;
         let lock = lock(directory)?;
         let database = directory.join(DATABASE_FILE);
-        let options = options(&database);
-        let mut writer = options
-            .clone()
+        let mut writer = writing(&database)
             .create_if_missing(true)
             .connect()
             .await
@@ -104,7 +107,7 @@ impl Store {
         std::fs::write(&generation_file, identity.instance_id.as_str()).map_err(access(&generation_file))?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
-            .connect_with(options.read_only(true))
+            .connect_with(options(&database).read_only(true))
             .await
             .map_err(StoreError::while_doing("open the store for reading"))?;
         Ok(Self { writer, readers, identity, directory: directory.to_owned(), _lock: lock })
@@ -127,7 +130,7 @@ impl Store {
     /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever: the
     /// connection that failed is given up for a fresh one.
     pub(super) async fn replace_writer(&mut self) {
-        match options(&self.directory.join(DATABASE_FILE)).connect().await {
+        match writing(&self.directory.join(DATABASE_FILE)).connect().await {
             Ok(fresh) => drop(std::mem::replace(&mut self.writer, fresh).close_hard().await),
             Err(error) => tracing::warn!(%error, "The store cannot be opened again yet."),
         }
@@ -169,6 +172,11 @@ fn options(database: &Path) -> SqliteConnectOptions {
         .busy_timeout(BUSY_TIMEOUT)
         .pragma("journal_size_limit", LOG_BYTES)
         .disable_statement_logging()
+}
+
+/// For the one connection that writes all the time.
+fn writing(database: &Path) -> SqliteConnectOptions {
+    options(database).pragma("cache_size", WRITER_CACHE).pragma("wal_autocheckpoint", CHECKPOINT_PAGES)
 }
 
 fn migrator() -> Migrator {

@@ -7,7 +7,7 @@ use sqlx::{QueryBuilder, Sqlite, SqliteConnection, query_builder::Separated};
 
 use super::StoreError;
 
-const BLOCK_SIZES: [usize; 3] = [100, 10, 1];
+const BLOCK_SIZES: [usize; 8] = [200, 100, 40, 20, 10, 5, 2, 1];
 
 /// Runs `head VALUES (row), (row), ... tail` for all rows.
 pub(super) async fn insert<T, F>(

@@ -20,6 +20,7 @@ use factory_connector::{
 };
 use serde_json::{Value, json};
 
+use self::bare::BareStore;
 use super::result;
 
 /// Requests, each with so many fields.
@@ -29,6 +30,9 @@ const FIELDS: usize = 10;
 const VALUES_PER_TRANSACTION: usize = 200;
 /// How long values are disclosed without a pause.
 const SUSTAINED: Duration = Duration::from_secs(15);
+/// Transactions beside those of bare SQLite.
+const TURNS: usize = 40;
+const TRANSACTIONS_PER_TURN: usize = 25;
 /// Entries to verify.
 const ENTRIES: u64 = 1_000_000;
 
@@ -36,25 +40,20 @@ const ENTRIES: u64 = 1_000_000;
 pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let mut plant = Plant::open(folder.path()).await?;
-    let (mut slowest, mut committing) = (Duration::ZERO, Duration::ZERO);
-    let (began, mut values, mut transactions) = (Instant::now(), 0, 0);
+    let mut slowest = Duration::ZERO;
+    let (began, mut values) = (Instant::now(), 0);
     while began.elapsed() < SUSTAINED {
         let transaction = Instant::now();
-        committing += plant.disclose(VALUES_PER_TRANSACTION).await?;
+        plant.disclose(VALUES_PER_TRANSACTION).await?;
         slowest = slowest.max(transaction.elapsed());
-        (values, transactions) = (values + VALUES_PER_TRANSACTION, transactions + 1);
+        values += VALUES_PER_TRANSACTION;
     }
     let rate = values as f64 / began.elapsed().as_secs_f64();
-    let appended = values as f64 / committing.as_secs_f64();
-    let bare = bare::appends(&plant.written, transactions).await?;
-    let bare = values as f64 / bare.as_secs_f64();
     let mut results = vec![
         result("disclosed values through gate, ledger and spool, sustained", rate, "per second"),
         result("slowest transaction meanwhile, 200 values", slowest.as_secs_f64() * 1000.0, "ms"),
-        result("values appended to ledger and spool", appended, "per second"),
-        result("the same rows into bare SQLite", bare, "values per second"),
-        result("appending against bare SQLite", appended / bare, "times"),
     ];
+    results.extend(against_bare().await?);
     while plant.entries < ENTRIES {
         // Fewer, larger transactions: this only fills the ledger.
         plant.disclose(VALUES_PER_TRANSACTION * 20).await?;
@@ -81,37 +80,34 @@ struct Plant {
     next: usize,
     count: u64,
     entries: u64,
-    written: Written,
 }
 
-/// Rows of one kind, and what is in them.
-#[derive(Debug, Clone, Copy, Default)]
-struct Rows {
-    count: usize,
-    bytes: usize,
-}
-
-/// What the transactions so far have held.
-#[derive(Debug, Clone, Copy, Default)]
-struct Written {
-    reports: Rows,
-    entries: Rows,
-    values: Rows,
-}
-
-impl Rows {
-    fn add(&mut self, bytes: usize) {
-        self.count += 1;
-        self.bytes += bytes;
+/// The connector's transaction beside the same one by bare SQLite, a few of each in turn, for what disturbs one is to
+/// disturb the other.
+async fn against_bare() -> anyhow::Result<Vec<Value>> {
+    let (own_folder, bare_folder) = (tempfile::tempdir()?, tempfile::tempdir()?);
+    let mut plant = Plant::open(own_folder.path()).await?;
+    let mut beside = Plant::open(bare_folder.path()).await?;
+    // The first round of all fields makes rows that are overwritten from then on.
+    plant.disclose(REQUESTS * FIELDS).await?;
+    beside.disclose(REQUESTS * FIELDS).await?;
+    let mut store = BareStore::open(bare_folder.path())?;
+    let (mut own, mut bare) = (Duration::ZERO, Duration::ZERO);
+    for _ in 0..TURNS {
+        for _ in 0..TRANSACTIONS_PER_TURN {
+            own += plant.disclose(VALUES_PER_TRANSACTION).await?;
+        }
+        for _ in 0..TRANSACTIONS_PER_TURN {
+            bare += store.commit(&beside.changes(VALUES_PER_TRANSACTION, now())?)?;
+        }
     }
-}
-
-impl Written {
-    fn add(&mut self, changes: &Changes) {
-        changes.reports.iter().for_each(|row| self.reports.add(row.body.len() + row.salt.len()));
-        changes.ledger.iter().for_each(|(entry, _)| self.entries.add(entry.content.len() + entry.hash.len()));
-        changes.field_values.values().for_each(|row| self.values.add(row.gate.len()));
-    }
+    let values = (TURNS * TRANSACTIONS_PER_TURN * VALUES_PER_TRANSACTION) as f64;
+    let (own, bare) = (values / own.as_secs_f64(), values / bare.as_secs_f64());
+    Ok(vec![
+        result("values appended to ledger and spool", own, "per second"),
+        result("the same rows into the same tables by bare SQLite", bare, "values per second"),
+        result("appending against bare SQLite", own / bare, "times"),
+    ])
 }
 
 impl Plant {
@@ -130,16 +126,21 @@ impl Plant {
             let verdict = Verdict::Map { value_source: ValueSource::External, mapping: None, policy };
             books.decide(field, verdict, None, "eve", now()).context("a decision")?;
         }
-        let mut plant =
-            Self { store, books, key, factory, fields, next: 0, count: 0, entries: 0, written: Written::default() };
-        plant.commit(now()).await?;
-        plant.written = Written::default();
+        let mut plant = Self { store, books, key, factory, fields, next: 0, count: 0, entries: 0 };
+        plant.disclose(0).await?;
         Ok(plant)
     }
 
     /// The next fields get new values; everything that follows is in one transaction. Answers how long that took.
     async fn disclose(&mut self, values: usize) -> anyhow::Result<Duration> {
-        let now = now();
+        let changes = self.changes(values, now())?;
+        let began = Instant::now();
+        self.store.commit(changes).await?;
+        Ok(began.elapsed())
+    }
+
+    /// What follows when the next fields get new values.
+    fn changes(&mut self, values: usize, now: DateTime) -> anyhow::Result<Changes> {
         for _ in 0..values {
             let field = &self.fields[self.next];
             self.next = (self.next + 1) % self.fields.len();
@@ -147,18 +148,11 @@ impl Plant {
             let taken = self.books.candidate(field, ValueSource::External, DataValue::good(self.count, now), None, now);
             anyhow::ensure!(taken.is_some(), "the field is open");
         }
-        self.commit(now).await
-    }
-
-    async fn commit(&mut self, now: DateTime) -> anyhow::Result<Duration> {
         self.books.report(now, rand::random);
         let (mut changes, _) = self.books.take();
         changes.heads = SignedHead::of(&self.factory, changes.ledger.iter().map(|(entry, _)| entry), &self.key);
         self.entries += changes.ledger.len() as u64;
-        self.written.add(&changes);
-        let began = Instant::now();
-        self.store.commit(changes).await?;
-        Ok(began.elapsed())
+        Ok(changes)
     }
 }
 

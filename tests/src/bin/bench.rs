@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use verbund_tests::{
-    bench::{self, Subject, twin::Part},
+    bench::{self, Subject, part::Part},
     harness::say,
 };
 
@@ -21,7 +21,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// One part of the server's figures, in a process of its own; prints them as JSON.
+    /// One part of the figures, in a process of its own; prints them as JSON.
     #[command(hide = true)]
     Part {
         /// Which.
@@ -36,7 +36,7 @@ async fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match arguments.command {
         None => bench::run(&arguments.subjects).await,
-        Some(Command::Part { part }) => bench::run_twin_part(part).await,
+        Some(Command::Part { part }) => bench::part::run(part).await,
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,70 +1,88 @@
-//! Bare SQLite: as many rows of as many bytes in as many transactions, with the connector's settings and its blocks of
-//! rows, but in tables with nothing but a primary key and with bodies made beforehand.
+//! Bare SQLite: the same rows in the same transactions into the same tables, by prepared statements on the thread that
+//! has them already.
 
-use std::time::{Duration, Instant};
-
-use sqlx::{
-    AssertSqlSafe, ConnectOptions as _, Connection as _, SqliteConnection,
-    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous},
+use std::{
+    path::Path,
+    time::{Duration, Instant},
 };
 
-use super::{FIELDS, REQUESTS, Rows, Written};
+use factory_connector::store::Changes;
+use rusqlite::{Connection, TransactionBehavior, params};
 
-/// Rows of one statement.
-const BLOCK: usize = 100;
+/// The file of the connector's store.
+const DATABASE_FILE: &str = "connector.sqlite";
 
-/// How long these rows take in so many transactions.
-pub(super) async fn appends(written: &Written, transactions: usize) -> anyhow::Result<Duration> {
-    let folder = tempfile::tempdir()?;
-    let options = SqliteConnectOptions::new()
-        .filename(folder.path().join("bare.db"))
-        .create_if_missing(true)
-        .journal_mode(SqliteJournalMode::Wal)
-        .synchronous(SqliteSynchronous::Full)
-        .disable_statement_logging();
-    let mut connection = SqliteConnection::connect_with(&options).await?;
-    for table in ["report", "entry", "value"] {
-        let create = format!("CREATE TABLE {table} (id INTEGER PRIMARY KEY, body BLOB NOT NULL) STRICT");
-        sqlx::query(AssertSqlSafe(create)).execute(&mut connection).await?;
+/// A second writer of a store.
+pub(super) struct BareStore(Connection);
+
+impl BareStore {
+    /// With the connector's settings.
+    pub fn open(folder: &Path) -> anyhow::Result<Self> {
+        let connection = Connection::open(folder.join(DATABASE_FILE))?;
+        connection.pragma_update(None, "synchronous", "FULL")?;
+        connection.pragma_update(None, "foreign_keys", true)?;
+        connection.pragma_update(None, "cache_size", -32_768)?;
+        connection.pragma_update(None, "wal_autocheckpoint", 8_000)?;
+        Ok(Self(connection))
     }
-    let tables = [("report", written.reports), ("entry", written.entries), ("value", written.values)];
-    let mut next = [1_i64; 3];
-    let began = Instant::now();
-    for _ in 0..transactions {
-        let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await?;
-        for ((table, rows), next) in tables.into_iter().zip(&mut next) {
-            write(&mut transaction, table, rows, transactions, next).await?;
-        }
-        // The values of the fields are overwritten, as a state is.
-        next[2] %= i64::try_from(REQUESTS * FIELDS)?;
-        transaction.commit().await?;
+
+    /// Writes what reports bring with them; answers how long it took.
+    pub fn commit(&mut self, changes: &Changes) -> anyhow::Result<Duration> {
+        let began = Instant::now();
+        let transaction = self.0.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        write(&transaction, changes)?;
+        transaction.commit()?;
+        Ok(began.elapsed())
     }
-    let took = began.elapsed();
-    connection.close().await?;
-    Ok(took)
 }
 
-/// The rows of one transaction.
-async fn write(
-    connection: &mut SqliteConnection,
-    table: &str,
-    rows: Rows,
-    transactions: usize,
-    next: &mut i64,
-) -> anyhow::Result<()> {
-    let body = vec![b'x'; rows.bytes / rows.count.max(1)];
-    let mut rest = rows.count / transactions;
-    while rest > 0 {
-        let block = rest.min(BLOCK);
-        rest -= block;
-        let statement =
-            format!("INSERT OR REPLACE INTO {table} (id, body) VALUES {}", vec!["(?, ?)"; block].join(", "));
-        let mut query = sqlx::query(AssertSqlSafe(statement));
-        for _ in 0..block {
-            query = query.bind(*next).bind(body.clone());
-            *next += 1;
-        }
-        query.execute(&mut *connection).await?;
+fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+    let mut statement = transaction.prepare_cached(
+        "INSERT INTO field_value (field_id, gate, transform) VALUES (?, ?, ?) \
+             ON CONFLICT (field_id) DO UPDATE SET gate = excluded.gate, transform = excluded.transform",
+    )?;
+    for (id, row) in &changes.field_values {
+        statement.execute(params![id, row.gate, row.transform])?;
+    }
+    let mut statement = transaction.prepare_cached("UPDATE writer SET next_sequence = ? WHERE id = ?")?;
+    for (id, row) in &changes.writers {
+        statement.execute(params![row.next_sequence, id])?;
+    }
+    let mut statement = transaction.prepare_cached(
+        "INSERT INTO report (id, message, writer_id, epoch, sequence, state, created_at, recipients, bytes, body, \
+             salt) VALUES (?, ?, ?, ?, ?, 'WAITING', ?, ?, ?, ?, ?)",
+    )?;
+    for row in &changes.reports {
+        let created_at = row.created_at.unix_micros();
+        let recipients = serde_json::to_string(&row.recipients).expect("names serialise");
+        let (writer, bytes) = (row.data_set_writer_id, row.body.len() as i64);
+        statement.execute(params![
+            row.id,
+            row.message,
+            writer,
+            row.epoch,
+            row.sequence,
+            created_at,
+            recipients,
+            bytes,
+            row.body,
+            row.salt
+        ])?;
+    }
+    let mut statement = transaction.prepare_cached(
+        "INSERT INTO ledger_entry (recipient, number, recorded_at, report_id, content, hash) \
+             VALUES (?, ?, ?, ?, ?, ?)",
+    )?;
+    for (entry, report) in &changes.ledger {
+        let (recipient, recorded_at) = (entry.recipient.as_str(), entry.recorded_at.unix_micros());
+        let number = entry.number as i64;
+        statement.execute(params![recipient, number, recorded_at, report, entry.content, entry.hash])?;
+    }
+    let mut statement =
+        transaction.prepare_cached("UPDATE ledger_head SET number = ?, hash = ?, signature = ? WHERE recipient = ?")?;
+    for head in &changes.heads {
+        let number = head.number as i64;
+        statement.execute(params![number, head.hash, head.signature, head.recipient.as_str()])?;
     }
     Ok(())
 }

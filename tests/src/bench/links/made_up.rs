@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeSet,
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use async_trait::async_trait;
@@ -11,13 +11,14 @@ use messaging::{
     Backlog, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
 };
 
-use super::BODY_BYTES;
+use super::{BODY_BYTES, Counting};
 
 pub(super) struct MadeUpSpool {
     count: u64,
     address: LogicalAddress,
     body: Bytes,
     accepted: Mutex<Accepted>,
+    pace: Option<(Arc<Counting>, u64)>,
 }
 
 /// Everything through a number, and what is beyond it.
@@ -30,7 +31,12 @@ struct Accepted {
 impl MadeUpSpool {
     /// So many control messages to an address.
     pub(super) fn new(count: u64, address: LogicalAddress) -> Self {
-        Self { count, address, body: Bytes::from(vec![b'x'; BODY_BYTES]), accepted: Mutex::default() }
+        Self { count, address, body: Bytes::from(vec![b'x'; BODY_BYTES]), accepted: Mutex::default(), pace: None }
+    }
+
+    /// At most so many ahead of what was received.
+    pub(super) fn ahead_of(self, inbox: Arc<Counting>, messages: u64) -> Self {
+        Self { pace: Some((inbox, messages)), ..self }
     }
 
     /// How many the broker has accepted, without a hole.
@@ -52,6 +58,7 @@ impl SpoolStore for MadeUpSpool {
         let accepted = self.lock();
         let first = u64::try_from(fetch.after.0)?.max(accepted.through) + 1;
         let last = fetch.through.map_or(Ok(self.count), |through| u64::try_from(through.0))?.min(self.count);
+        let last = self.pace.as_ref().map_or(last, |(inbox, ahead)| last.min(inbox.received() + ahead));
         let waiting = (first..=last).filter(|number| !accepted.beyond.contains(number)).take(fetch.limit);
         waiting
             .map(|number| {

@@ -18,7 +18,7 @@ use tokio::{
 use super::{
     Part,
     client::Client,
-    command, distribution, result,
+    distribution, result,
     server::{PERIOD, VARIABLES},
 };
 use crate::harness::repository;
@@ -41,7 +41,7 @@ struct Taken {
 
 /// Measures both, one after the other.
 pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
-    let mut ours = command(Part::Serve)?;
+    let mut ours = Part::Serve.command()?;
     let ours = scenario(ours.stdin(Stdio::piped()).spawn().context("starting the twin")?).await?;
     let port = free_ports::reserve::<1>()?[0];
     let theirs = Command::new("node")

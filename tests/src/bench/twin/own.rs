@@ -33,7 +33,7 @@ const BROWSES: u32 = 500;
 
 /// Bytes that the twin takes for a field with its document, and how long it takes to show everything again from the
 /// stored messages.
-pub(super) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
+pub(in crate::bench) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let stored: Vec<String> = (0..NETWORKS).map(|network| text(network, FIELDS_PER_NETWORK)).collect();
     // The key is made at the first start; a restart finds it.
@@ -55,7 +55,7 @@ pub(super) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
 }
 
 /// A reader while 100 000 fields are added, and browsing one interface among 10 and among 10 000.
-pub(super) async fn readers() -> anyhow::Result<Vec<Value>> {
+pub(in crate::bench) async fn readers() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;
     for network in 0..10 {
@@ -108,7 +108,7 @@ async fn browse(client: &Client) -> anyhow::Result<f64> {
 }
 
 /// From a change to its notification with a publishing interval of 10 ms.
-pub(super) async fn latency() -> anyhow::Result<Vec<Value>> {
+pub(in crate::bench) async fn latency() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;
     let document = document(&text(0, 1))?;
@@ -132,7 +132,7 @@ pub(super) async fn latency() -> anyhow::Result<Vec<Value>> {
 }
 
 /// 50 000 items that change three times in one tick: what is lost, and when the last is heard.
-pub(super) async fn burst() -> anyhow::Result<Vec<Value>> {
+pub(in crate::bench) async fn burst() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;
     let mut keys = Vec::new();

@@ -32,7 +32,7 @@ const FIELDS_PER_NETWORK: usize = 10;
 const BATCH: usize = 500;
 
 /// Stores 10 000 networks with 100 000 fields, then measures a start.
-pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
+pub(in crate::bench) async fn measure() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let connector = Connector::start(folder.path()).await?;
     for first in (0..NETWORKS).step_by(BATCH) {

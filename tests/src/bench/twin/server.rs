@@ -128,7 +128,7 @@ pub(super) fn now() -> DateTime {
 }
 
 /// The server that is compared: tells where it is, then changes all its variables again and again.
-pub(super) async fn serve() -> anyhow::Result<()> {
+pub(in crate::bench) async fn serve() -> anyhow::Result<()> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;
     let mut keys = Vec::new();
