@@ -2,6 +2,7 @@
 //!
 //! - [`configuration`]: TOML files with environment overrides, and errors that say where and how to mend.
 //! - [`lifecycle`]: named tasks, one shutdown, and what the failure of a task means.
+//! - [`ending`]: what is said about what went wrong, and the exit code.
 //! - [`telemetry`]: logs and metrics.
 //! - [`confidential`]: values that must never reach a log.
 //! - [`web`]: problem documents, sessions, security headers, embedded pages, live events, health.
@@ -10,6 +11,7 @@
 
 pub mod confidential;
 pub mod configuration;
+pub mod ending;
 pub mod lifecycle;
 pub mod telemetry;
 pub mod web;

@@ -15,7 +15,7 @@ use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 use daemon::{
     Confidential, configuration,
-    lifecycle::{Lifecycle, LifecycleError},
+    lifecycle::Lifecycle,
     telemetry,
     web::session::{PasswordHash, PasswordPolicy},
 };
@@ -114,11 +114,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let code = error.downcast_ref().map_or(ExitCode::FAILURE, LifecycleError::exit_code);
-            drop(writeln!(std::io::stderr(), "factory-connector: {error:#}"));
-            code
-        }
+        Err(error) => daemon::ending::after("factory-connector", error.as_ref()),
     }
 }
 

@@ -124,11 +124,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let code = error.downcast_ref().map_or(ExitCode::FAILURE, daemon::lifecycle::LifecycleError::exit_code);
-            drop(writeln!(std::io::stderr(), "platform: {error:#}"));
-            code
-        }
+        Err(error) => daemon::ending::after("platform", error.as_ref()),
     }
 }
 
