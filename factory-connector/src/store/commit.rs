@@ -6,9 +6,8 @@ mod requests;
 mod spool;
 
 use asi_model::messages::{MappingState, ValueSource};
-use sqlx::{Connection as _, SqliteConnection};
 
-use super::{Changes, Store, StoreError, mappings, operator, policies::write_policies, rows::insert};
+use super::{Changes, Store, StoreError, mappings, operator, policies::write_policies, rows::Batch};
 
 impl Store {
     /// Writes everything or nothing.
@@ -16,34 +15,36 @@ impl Store {
     /// # Errors
     /// [`StoreError::Database`]; then nothing was written.
     pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
-        let outcome = self.write(changes).await;
+        // A transaction that nobody waited for to its end is still open on its connection.
+        if std::mem::replace(&mut self.is_writing, true) {
+            self.replace_writer().await;
+        }
+        let outcome = self.write(&changes).await;
         if outcome.is_err() {
             self.replace_writer().await;
         }
+        self.is_writing = false;
         outcome
     }
 
-    async fn write(&mut self, changes: Changes) -> Result<(), StoreError> {
-        let begin = StoreError::while_doing("begin a transaction");
-        let mut transaction = self.writer.begin_with("BEGIN IMMEDIATE").await.map_err(begin)?;
-        requests::write(&mut transaction, &changes).await?;
-        decisions::write(&mut transaction, &changes).await?;
-        mappings::write(&mut transaction, &changes.mappings).await?;
-        write_policies(&mut transaction, &changes).await?;
-        spool::write_reports(&mut transaction, &changes).await?;
-        spool::write_controls(&mut transaction, &changes).await?;
-        ledger::write(&mut transaction, &changes).await?;
-        write_sources(&mut transaction, &changes).await?;
-        operator::write(&mut transaction, &changes).await?;
-        write_identity(&mut transaction, &changes).await?;
-        transaction.commit().await.map_err(StoreError::while_doing("commit a transaction"))
+    async fn write(&mut self, changes: &Changes) -> Result<(), StoreError> {
+        let mut batch = Batch::transaction();
+        requests::write(&mut batch, changes);
+        decisions::write(&mut batch, changes);
+        mappings::write(&mut batch, &changes.mappings);
+        write_policies(&mut batch, changes);
+        spool::write_reports(&mut batch, changes);
+        spool::write_controls(&mut batch, changes);
+        ledger::write(&mut batch, changes);
+        write_sources(&mut batch, changes);
+        operator::write(&mut batch, changes);
+        write_identity(&mut batch, changes);
+        batch.commit(&mut self.writer).await
     }
 }
 
-async fn write_sources(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
-    insert(
-        connection,
-        "store a source",
+fn write_sources(batch: &mut Batch, changes: &Changes) {
+    batch.insert(
         "INSERT INTO source (source_id, config, password)",
         " ON CONFLICT (source_id) DO UPDATE SET config = excluded.config, password = excluded.password",
         &changes.sources,
@@ -52,30 +53,19 @@ async fn write_sources(connection: &mut SqliteConnection, changes: &Changes) -> 
             values.push_bind(row.config.clone());
             values.push_bind(row.password.clone());
         },
-    )
-    .await?;
+    );
     for source_id in &changes.removed_sources {
-        sqlx::query("DELETE FROM source WHERE source_id = ?")
-            .bind(source_id.clone())
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("remove a source"))?;
+        batch.run("DELETE FROM source WHERE source_id = ?").bind(source_id.clone());
     }
-    Ok(())
 }
 
-async fn write_identity(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
-    let action = "store the connector's identity";
+fn write_identity(batch: &mut Batch, changes: &Changes) {
     if changes.are_epochs_begun {
-        let statement = "UPDATE identity SET must_begin_epochs = 0";
-        sqlx::query(statement).execute(&mut *connection).await.map_err(StoreError::while_doing(action))?;
+        batch.run("UPDATE identity SET must_begin_epochs = 0");
     }
     if let Some(is_held) = changes.is_lease_held {
-        let statement = "UPDATE identity SET leased_place = iif(?, place, NULL)";
-        let query = sqlx::query(statement).bind(i64::from(is_held));
-        query.execute(connection).await.map_err(StoreError::while_doing(action))?;
+        batch.run("UPDATE identity SET leased_place = iif(?, place, NULL)").bind(i64::from(is_held));
     }
-    Ok(())
 }
 
 pub(super) const fn mapping_state_name(state: MappingState) -> &'static str {

@@ -6,7 +6,7 @@ use asi_model::DateTime;
 use futures::TryStreamExt as _;
 use sqlx::{SqliteConnection, SqlitePool};
 
-use super::{StoreError, load::get, rows::insert};
+use super::{StoreError, load::get, rows::Batch};
 
 /// Versions kept per field; the oldest go.
 pub const VERSIONS_MAX: u32 = 100;
@@ -86,10 +86,8 @@ pub struct MappingShelf {
     pub shadows: HashMap<i64, ShadowRow>,
 }
 
-pub(super) async fn write(connection: &mut SqliteConnection, changes: &MappingChanges) -> Result<(), StoreError> {
-    insert(
-        connection,
-        "store a version of a mapping",
+pub(super) fn write(batch: &mut Batch, changes: &MappingChanges) {
+    batch.insert(
         "INSERT INTO mapping_version (field_id, version, mapping, author, note, published_at)",
         "",
         &changes.versions,
@@ -101,20 +99,20 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &MappingCh
             values.push_bind(row.note.clone());
             values.push_bind(row.published_at.unix_micros());
         },
-    )
-    .await?;
+    );
     for row in changes.versions.iter().filter(|row| row.version > VERSIONS_MAX) {
-        sqlx::query("DELETE FROM mapping_version WHERE field_id = ? AND version <= ?")
+        batch
+            .run("DELETE FROM mapping_version WHERE field_id = ? AND version <= ?")
             .bind(row.field_id)
-            .bind(i64::from(row.version - VERSIONS_MAX))
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("drop old versions of a mapping"))?;
+            .bind(i64::from(row.version - VERSIONS_MAX));
     }
     for (field_id, shadow) in &changes.shadows {
-        let query = match shadow {
-            None => sqlx::query("DELETE FROM mapping_shadow WHERE field_id = ?").bind(*field_id),
-            Some(shadow) => sqlx::query(
+        let Some(shadow) = shadow else {
+            batch.run("DELETE FROM mapping_shadow WHERE field_id = ?").bind(*field_id);
+            continue;
+        };
+        batch
+            .run(
                 "INSERT INTO mapping_shadow (field_id, mapping, author, started_at) VALUES (?, ?, ?, ?) \
                  ON CONFLICT (field_id) DO UPDATE SET mapping = excluded.mapping, author = excluded.author, \
                  started_at = excluded.started_at",
@@ -122,13 +120,9 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &MappingCh
             .bind(*field_id)
             .bind(shadow.mapping.clone())
             .bind(shadow.author.clone())
-            .bind(shadow.started_at.unix_micros()),
-        };
-        query.execute(&mut *connection).await.map_err(StoreError::while_doing("store a shadow mapping"))?;
+            .bind(shadow.started_at.unix_micros());
     }
-    insert(
-        connection,
-        "store a template",
+    batch.insert(
         "INSERT INTO mapping_template (template_id, template, author, changed_at)",
         " ON CONFLICT (template_id) DO UPDATE SET template = excluded.template, author = excluded.author, \
          changed_at = excluded.changed_at",
@@ -139,16 +133,10 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &MappingCh
             values.push_bind(row.author.clone());
             values.push_bind(row.changed_at.unix_micros());
         },
-    )
-    .await?;
+    );
     for template_id in &changes.removed_templates {
-        sqlx::query("DELETE FROM mapping_template WHERE template_id = ?")
-            .bind(template_id.clone())
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("remove a template"))?;
+        batch.run("DELETE FROM mapping_template WHERE template_id = ?").bind(template_id.clone());
     }
-    Ok(())
 }
 
 pub(super) async fn load(connection: &mut SqliteConnection) -> Result<MappingShelf, StoreError> {

@@ -67,6 +67,8 @@ pub struct Identity {
 /// The open file. The writing connection is the desk's alone.
 pub struct Store {
     pub(super) writer: SqliteConnection,
+    /// A transaction was begun and is not known to have ended.
+    pub(super) is_writing: bool,
     pub(super) readers: SqlitePool,
     identity: Identity,
     directory: PathBuf,
@@ -110,7 +112,7 @@ impl Store {
             .connect_with(options(&database).read_only(true))
             .await
             .map_err(StoreError::while_doing("open the store for reading"))?;
-        Ok(Self { writer, readers, identity, directory: directory.to_owned(), _lock: lock })
+        Ok(Self { writer, is_writing: false, readers, identity, directory: directory.to_owned(), _lock: lock })
     }
 
     /// Opens the store beside a running connector, for a command that reads or changes people.

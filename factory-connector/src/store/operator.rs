@@ -1,12 +1,12 @@
 //! What people entered at the operator's page.
 
 use asi_model::DateTime;
-use sqlx::{SqliteConnection, sqlite::SqliteRow};
+use sqlx::sqlite::SqliteRow;
 
 use super::{
     Changes, StoreError,
     load::{get, id},
-    rows::insert,
+    rows::Batch,
 };
 use crate::operator::{EntryId, OperationKey, OperatorEntry};
 
@@ -28,17 +28,13 @@ pub(super) fn entry(row: &SqliteRow) -> Result<OperatorEntry, StoreError> {
 }
 
 /// Writes new entries, and drops those of networks that are gone.
-pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+pub(super) fn write(batch: &mut Batch, changes: &Changes) {
     for network in changes.networks.iter().filter(|network| network.message.is_none()) {
-        sqlx::query("DELETE FROM operator_entry WHERE operation_network_id = ?")
-            .bind(network.operation_network_id.to_string())
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("drop an operator's entries"))?;
+        batch
+            .run("DELETE FROM operator_entry WHERE operation_network_id = ?")
+            .bind(network.operation_network_id.to_string());
     }
-    insert(
-        connection,
-        "store an operator's entry",
+    batch.insert(
         "INSERT INTO operator_entry (operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action)",
         "",
         &changes.operator_entries,
@@ -51,6 +47,5 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(entry.made_by.clone());
             values.push_bind(serde_json::to_string(&entry.action).expect("actions have text keys"));
         },
-    )
-    .await
+    );
 }

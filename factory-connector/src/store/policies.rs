@@ -7,7 +7,7 @@ use sqlx::{Row as _, SqliteConnection, SqlitePool, sqlite::SqliteRow};
 use super::{
     Changes, StoreError,
     load::{all, get, id, json, time, unsigned},
-    rows::insert,
+    rows::Batch,
 };
 use crate::{
     books::RecipientPolicy,
@@ -70,24 +70,21 @@ pub enum DocumentVersions {
     Rules,
 }
 
-pub(super) async fn write_policies(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+pub(super) fn write_policies(batch: &mut Batch, changes: &Changes) {
     let tables = [
         ("INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at)", &changes.policies),
         ("INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at)", &changes.rules),
     ];
     for (head, rows) in tables {
-        insert(connection, "store a policy or rule", head, "", rows, |values, row| {
+        batch.insert(head, "", rows, |values, row| {
             values.push_bind(row.key.id.to_string());
             values.push_bind(i64::from(row.key.version));
             values.push_bind(row.document.clone());
             values.push_bind(row.changed_by.clone());
             values.push_bind(row.changed_at.unix_micros());
-        })
-        .await?;
+        });
     }
-    insert(
-        connection,
-        "store a recipient's policy",
+    batch.insert(
         "INSERT INTO recipient_policy (recipient, version, policy_id, changed_by, changed_at)",
         "",
         &changes.recipient_policies,
@@ -98,11 +95,8 @@ pub(super) async fn write_policies(connection: &mut SqliteConnection, changes: &
             values.push_bind(row.set.changed_by.clone());
             values.push_bind(row.set.changed_at.unix_micros());
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "store a rule's decision",
+    );
+    batch.insert(
         "INSERT INTO rule_decision (id, field, action, rules, consent_version, decided_at)",
         "",
         &changes.rule_decisions,
@@ -114,18 +108,14 @@ pub(super) async fn write_policies(connection: &mut SqliteConnection, changes: &
             values.push_bind(i64::from(row.consent_version));
             values.push_bind(row.decided_at.unix_micros());
         },
-    )
-    .await?;
+    );
     for (id, by, at) in &changes.undone_rule_decisions {
-        sqlx::query("UPDATE rule_decision SET undone_by = ?, undone_at = ? WHERE id = ? AND undone_at IS NULL")
+        batch
+            .run("UPDATE rule_decision SET undone_by = ?, undone_at = ? WHERE id = ? AND undone_at IS NULL")
             .bind(by)
             .bind(at.unix_micros())
-            .bind(id)
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("undo a rule's decision"))?;
+            .bind(id);
     }
-    Ok(())
 }
 
 const fn action_name(action: RuleAction) -> &'static str {

@@ -1,25 +1,19 @@
 //! What was decided about fields, and their values.
 
-use sqlx::SqliteConnection;
-
 use super::{mapping_state_name, value_source_name};
 use crate::store::{
-    Changes, StoreError,
-    rows::{id_list, insert},
+    Changes,
+    rows::{Batch, id_list},
 };
 
-pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+pub(super) fn write(batch: &mut Batch, changes: &Changes) {
     if !changes.removed_fields.is_empty() {
-        sqlx::query("DELETE FROM field WHERE id IN (SELECT value FROM json_each(?))")
-            .bind(id_list(&changes.removed_fields))
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("remove fields"))?;
+        batch
+            .run("DELETE FROM field WHERE id IN (SELECT value FROM json_each(?))")
+            .bind(id_list(&changes.removed_fields));
     }
     let fields: Vec<_> = changes.fields.values().collect();
-    insert(
-        connection,
-        "store a field",
+    batch.insert(
         "INSERT INTO field (id, operation_network_id, operation_id, dynamic_data_request_id, field_name, \
          mapping_state, value_source, reason, decided_by, decided_at, mapping, policy, grounds, consent_version)",
         " ON CONFLICT (id) DO UPDATE SET mapping_state = excluded.mapping_state, \
@@ -44,12 +38,9 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.grounds.clone());
             values.push_bind(i64::from(row.consent_version));
         },
-    )
-    .await?;
+    );
     let field_values: Vec<_> = changes.field_values.iter().collect();
-    insert(
-        connection,
-        "store field values",
+    batch.insert(
         "INSERT INTO field_value (field_id, gate, transform)",
         " ON CONFLICT (field_id) DO UPDATE SET gate = excluded.gate, transform = excluded.transform",
         &field_values,
@@ -58,11 +49,8 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.gate.clone());
             values.push_bind(row.transform.clone());
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "store a consent",
+    );
+    batch.insert(
         "INSERT INTO consent (field, version, mapping_state, value_source, policy, grounds, reason, decided_by, \
          decided_at)",
         "",
@@ -78,6 +66,5 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.decided_by.clone());
             values.push_bind(row.decided_at.unix_micros());
         },
-    )
-    .await
+    );
 }

@@ -1,13 +1,9 @@
 //! The ledger: entries, the signed ends of its chains, receipts of revocations, checkpoints.
 
-use sqlx::SqliteConnection;
+use crate::store::{Changes, rows::Batch};
 
-use crate::store::{Changes, StoreError, rows::insert};
-
-pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
-    insert(
-        connection,
-        "write the ledger",
+pub(super) fn write(batch: &mut Batch, changes: &Changes) {
+    batch.insert(
         "INSERT INTO ledger_entry (recipient, number, recorded_at, report_id, content, hash)",
         "",
         &changes.ledger,
@@ -19,11 +15,8 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(entry.content.clone());
             values.push_bind(entry.hash.to_vec());
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "note what writers carry",
+    );
+    batch.insert(
         "INSERT INTO carried_field (operation_network_id, operation_id, dynamic_data_request_id, field_name, writer_id, \
          epoch, first_sequence)",
         // After a restart a field is noted again.
@@ -39,11 +32,8 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(i64::from(row.epoch));
             values.push_bind(i64::from(row.first_sequence));
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "sign the ends of the ledger's chains",
+    );
+    batch.insert(
         "INSERT INTO ledger_head (recipient, number, hash, signature, public_key)",
         " ON CONFLICT (recipient) DO UPDATE SET number = excluded.number, hash = excluded.hash, \
          signature = excluded.signature, public_key = excluded.public_key",
@@ -55,11 +45,8 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(head.signature.to_vec());
             values.push_bind(head.public_key.to_vec());
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "keep a revocation's receipt",
+    );
+    batch.insert(
         "INSERT INTO revocation (revocation_id, revoked_at, content, signature, public_key)",
         "",
         &changes.revocations,
@@ -70,20 +57,15 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.signature.to_vec());
             values.push_bind(row.public_key.to_vec());
         },
-    )
-    .await?;
+    );
     if let Some(checkpoint) = &changes.checkpoint {
-        sqlx::query(
+        batch.run(
             "INSERT INTO ledger_checkpoint (number, recorded_at, content, signature, public_key) VALUES (?, ?, ?, ?, ?)",
         )
         .bind(i64::try_from(checkpoint.number).unwrap_or(i64::MAX))
         .bind(checkpoint.recorded_at.unix_micros())
         .bind(checkpoint.content.clone())
         .bind(checkpoint.signature.to_vec())
-        .bind(checkpoint.public_key.to_vec())
-        .execute(connection)
-        .await
-        .map_err(StoreError::while_doing("write a checkpoint"))?;
+        .bind(checkpoint.public_key.to_vec());
     }
-    Ok(())
 }

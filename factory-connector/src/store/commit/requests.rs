@@ -1,19 +1,14 @@
 //! What came: networks, ids of messages, remarks, what was rejected.
 
-use sqlx::SqliteConnection;
-
-use crate::store::{Changes, StoreError, rows::insert};
+use crate::store::{Changes, rows::Batch};
 
 /// Most dead letters kept; the oldest go.
 const DEAD_LETTERS_MAX: i64 = 10_000;
 /// How long ids of messages are remembered, in microseconds: longer than any broker keeps a message.
 const SEEN_MICROS_MAX: i64 = 90 * 86_400 * 1_000_000;
 
-pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
-    let action = "store a network";
-    insert(
-        connection,
-        action,
+pub(super) fn write(batch: &mut Batch, changes: &Changes) {
+    batch.insert(
         "INSERT INTO network (operation_network_id, revision, state, message, received_at)",
         " ON CONFLICT (operation_network_id) DO UPDATE SET revision = excluded.revision, state = excluded.state, \
          previous_message = CASE WHEN excluded.message IS NULL THEN NULL ELSE network.message END, \
@@ -27,30 +22,15 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(network.message.clone());
             values.push_bind(network.received_at.unix_micros());
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "remember a message",
-        "INSERT OR IGNORE INTO seen (message_id, seen_at)",
-        "",
-        &changes.seen,
-        |values, (message_id, at)| {
-            values.push_bind(message_id.to_string());
-            values.push_bind(at.unix_micros());
-        },
-    )
-    .await?;
+    );
+    batch.insert("INSERT OR IGNORE INTO seen (message_id, seen_at)", "", &changes.seen, |values, (message_id, at)| {
+        values.push_bind(message_id.to_string());
+        values.push_bind(at.unix_micros());
+    });
     if let Some((_, now)) = changes.seen.last() {
-        sqlx::query("DELETE FROM seen WHERE seen_at < ?")
-            .bind(now.unix_micros() - SEEN_MICROS_MAX)
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("forget old messages"))?;
+        batch.run("DELETE FROM seen WHERE seen_at < ?").bind(now.unix_micros() - SEEN_MICROS_MAX);
     }
-    insert(
-        connection,
-        "store a comment",
+    batch.insert(
         "INSERT OR IGNORE INTO comment (message_id, operation_network_id, dynamic_data_request_id, field_name, \
          author_id, is_own, text, written_at)",
         "",
@@ -65,14 +45,11 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.comment.text.clone());
             values.push_bind(row.written_at.unix_micros());
         },
-    )
-    .await?;
+    );
     if changes.dead_letters.is_empty() {
-        return Ok(());
+        return;
     }
-    insert(
-        connection,
-        "store a dead letter",
+    batch.insert(
         "INSERT INTO dead_letter (direction, message_id, subject, code, reason, body, occurred_at)",
         "",
         &changes.dead_letters,
@@ -85,12 +62,6 @@ pub(super) async fn write(connection: &mut SqliteConnection, changes: &Changes) 
             values.push_bind(row.body.clone());
             values.push_bind(row.occurred_at.unix_micros());
         },
-    )
-    .await?;
-    sqlx::query("DELETE FROM dead_letter WHERE id <= (SELECT max(id) FROM dead_letter) - ?")
-        .bind(DEAD_LETTERS_MAX)
-        .execute(connection)
-        .await
-        .map_err(StoreError::while_doing("drop old dead letters"))?;
-    Ok(())
+    );
+    batch.run("DELETE FROM dead_letter WHERE id <= (SELECT max(id) FROM dead_letter) - ?").bind(DEAD_LETTERS_MAX);
 }

@@ -1,18 +1,14 @@
 //! The spool: writers, reports and what became of them, control messages.
 
-use asi_model::{DateTime, MessageId};
-use sqlx::SqliteConnection;
-
 use crate::store::{
-    Changes, ReportMove, StoreError,
-    rows::{id_list, insert},
+    Changes, ReportMove,
+    rows::{Batch, id_list},
 };
+use asi_model::{DateTime, MessageId};
 
-pub(super) async fn write_reports(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
+pub(super) fn write_reports(batch: &mut Batch, changes: &Changes) {
     let writers: Vec<_> = changes.writers.iter().collect();
-    insert(
-        connection,
-        "store a writer",
+    batch.insert(
         "INSERT INTO writer (id, operation_network_id, operation_id, dynamic_data_request_id, epoch, minor_version, \
          next_sequence, field_list, retired_at)",
         " ON CONFLICT (id) DO UPDATE SET operation_network_id = excluded.operation_network_id, \
@@ -31,11 +27,8 @@ pub(super) async fn write_reports(connection: &mut SqliteConnection, changes: &C
             values.push_bind(serde_json::to_string(&row.fields).expect("names serialise"));
             values.push_bind(row.retired_at.map(|at| at.unix_micros()));
         },
-    )
-    .await?;
-    insert(
-        connection,
-        "store a report",
+    );
+    batch.insert(
         "INSERT INTO report (id, message, writer_id, epoch, sequence, state, created_at, recipients, bytes, body, salt)",
         "",
         &changes.reports,
@@ -52,77 +45,62 @@ pub(super) async fn write_reports(connection: &mut SqliteConnection, changes: &C
             values.push_bind(row.body.clone());
             values.push_bind(row.salt.to_vec());
         },
-    )
-    .await?;
+    );
     for change in &changes.report_moves {
-        move_reports(connection, change).await?;
+        move_reports(batch, change);
     }
-    Ok(())
 }
 
-async fn move_reports(connection: &mut SqliteConnection, change: &ReportMove) -> Result<(), StoreError> {
+fn move_reports(batch: &mut Batch, change: &ReportMove) {
     let (statement, ids) = match change {
-        ReportMove::Sent { reports, at } => return sent(connection, reports, *at).await,
-        ReportMove::Receipted { reports, .. } => (
-            "UPDATE report SET state = 'DONE', receipted_at = ?2 WHERE id IN (SELECT value FROM json_each(?1))",
-            reports,
-        ),
+        ReportMove::Sent { reports, at } => return sent(batch, reports, *at),
+        ReportMove::Receipted { reports, .. } => {
+            ("UPDATE report SET state = 'DONE', receipted_at = ? WHERE id IN (SELECT value FROM json_each(?))", reports)
+        }
         ReportMove::Waiting(ids) => (
             "UPDATE report SET state = 'WAITING' WHERE state IN ('SENT', 'PARKED') \
-             AND id IN (SELECT value FROM json_each(?1))",
+             AND id IN (SELECT value FROM json_each(?))",
             ids,
         ),
         ReportMove::Attempted(ids) => (
             "UPDATE report SET attempts = attempts + 1 WHERE state = 'WAITING' \
-             AND message IN (SELECT value FROM json_each(?1))",
+             AND message IN (SELECT value FROM json_each(?))",
             ids,
         ),
         ReportMove::Parked(ids) => (
             "UPDATE report SET state = 'PARKED' WHERE state = 'WAITING' \
-             AND message IN (SELECT value FROM json_each(?1))",
+             AND message IN (SELECT value FROM json_each(?))",
             ids,
         ),
-        ReportMove::Done(ids) => {
-            ("UPDATE report SET state = 'DONE' WHERE id IN (SELECT value FROM json_each(?1))", ids)
-        }
+        ReportMove::Done(ids) => ("UPDATE report SET state = 'DONE' WHERE id IN (SELECT value FROM json_each(?))", ids),
         ReportMove::Revoked(ids) => {
-            ("UPDATE report SET is_revoked = 1 WHERE id IN (SELECT value FROM json_each(?1))", ids)
+            ("UPDATE report SET is_revoked = 1 WHERE id IN (SELECT value FROM json_each(?))", ids)
         }
     };
-    let mut query = sqlx::query(statement).bind(id_list(ids));
-    if let ReportMove::Receipted { at, .. } = change {
-        query = query.bind(at.unix_micros());
-    }
-    query.execute(connection).await.map_err(StoreError::while_doing("move reports in the spool"))?;
-    Ok(())
+    let values = batch.run(statement);
+    match change {
+        ReportMove::Receipted { at, .. } => values.bind(at.unix_micros()).bind(id_list(ids)),
+        _ => values.bind(id_list(ids)),
+    };
 }
 
 /// What was taken back while it was leaving has left all the same: its receipt is waited for, and it is not sent again.
-async fn sent(
-    connection: &mut SqliteConnection,
-    reports: &[(i64, Option<MessageId>)],
-    at: DateTime,
-) -> Result<(), StoreError> {
+fn sent(batch: &mut Batch, reports: &[(i64, Option<MessageId>)], at: DateTime) {
     let reports: Vec<_> = reports.iter().map(|(id, message)| (id, message.as_ref().map(ToString::to_string))).collect();
-    sqlx::query(
-        "UPDATE report SET is_revoked = iif(state = 'DONE', 1, is_revoked), state = 'SENT', sent_at = ?2, \
+    batch
+        .run(
+            "UPDATE report SET is_revoked = iif(state = 'DONE', 1, is_revoked), state = 'SENT', sent_at = ?, \
          sent_count = sent_count + 1, message_id = coalesce(left.message_id, report.message_id) \
          FROM (SELECT json_extract(value, '$[0]') AS id, json_extract(value, '$[1]') AS message_id \
-         FROM json_each(?1)) AS left \
+         FROM json_each(?)) AS left \
          WHERE report.id = left.id AND (state = 'WAITING' OR (state = 'DONE' AND sent_at IS NULL))",
-    )
-    .bind(serde_json::to_string(&reports).expect("numbers and texts serialise"))
-    .bind(at.unix_micros())
-    .execute(connection)
-    .await
-    .map_err(StoreError::while_doing("move reports in the spool"))?;
-    Ok(())
+        )
+        .bind(at.unix_micros())
+        .bind(serde_json::to_string(&reports).expect("numbers and texts serialise"));
 }
 
-pub(super) async fn write_controls(connection: &mut SqliteConnection, changes: &Changes) -> Result<(), StoreError> {
-    insert(
-        connection,
-        "store a control message",
+pub(super) fn write_controls(batch: &mut Batch, changes: &Changes) {
+    batch.insert(
         "INSERT INTO control (id, message_id, subject, correlation_id, body, created_at, ttl_ms)",
         "",
         &changes.controls,
@@ -135,8 +113,7 @@ pub(super) async fn write_controls(connection: &mut SqliteConnection, changes: &
             values.push_bind(row.created_at.unix_micros());
             values.push_bind(row.ttl_ms.map(|ms| i64::try_from(ms).unwrap_or(i64::MAX)));
         },
-    )
-    .await?;
+    );
     for (statement, ids) in [
         ("DELETE FROM control WHERE id IN (SELECT value FROM json_each(?))", &changes.controls_done),
         ("UPDATE control SET state = 'PARKED' WHERE id IN (SELECT value FROM json_each(?))", &changes.controls_parked),
@@ -148,11 +125,6 @@ pub(super) async fn write_controls(connection: &mut SqliteConnection, changes: &
         if ids.is_empty() {
             continue;
         }
-        sqlx::query(statement)
-            .bind(id_list(ids))
-            .execute(&mut *connection)
-            .await
-            .map_err(StoreError::while_doing("record what became of control messages"))?;
+        batch.run(statement).bind(id_list(ids));
     }
-    Ok(())
 }
