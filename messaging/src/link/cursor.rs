@@ -5,7 +5,7 @@
 //! the rest in order as replay. What is written later is live. Rows whose outcome is not yet recorded are *open* and are
 //! passed over when they are met again.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::{HashMap, VecDeque};
 
 use crate::spool::{Fetch, Lane, LaneScheduler, NextLane, ReplayShare, RowId, SpoolRow};
 
@@ -47,7 +47,8 @@ pub(crate) struct Cursor {
     live: Reader,
     replay: Reader,
     lanes: LaneScheduler,
-    open: HashSet<RowId>,
+    /// With whether they hold reports.
+    open: HashMap<RowId, bool>,
 }
 
 impl Cursor {
@@ -60,15 +61,19 @@ impl Cursor {
             live: Reader::new(last),
             replay: Reader::new(RowId(0)),
             lanes: LaneScheduler::new(share),
-            open: HashSet::new(),
+            open: HashMap::new(),
         }
     }
 
     /// Everything is looked for from the start; what is open stays so. `last` is the greatest row number at this moment.
+    ///
+    /// While reports are under way, none of those that wait goes first: the newest of a quiet writer may share its message
+    /// with older ones of a writer whose newer ones are among them, and would come after these.
     pub(crate) fn begin(&mut self, last: RowId) {
         let open = std::mem::take(&mut self.open);
         let lanes = self.lanes.clone();
         *self = Self { open, lanes, ..Self::new(last, ReplayShare::default()) };
+        self.newest.is_drained = self.open.values().any(|holds_reports| *holds_reports);
     }
 
     /// New rows were written.
@@ -118,16 +123,16 @@ impl Cursor {
         if let Some(last) = rows.last() {
             reader.after = last.id;
         }
-        reader.rows.extend(rows.into_iter().filter(|row| !self.open.contains(&row.id)));
+        reader.rows.extend(rows.into_iter().filter(|row| !self.open.contains_key(&row.id)));
     }
 
     /// The row to send next, marked as replay where it is; it is open from now on.
     pub(crate) fn next(&mut self) -> Option<SpoolRow> {
         loop {
-            let (mut row, is_replay) = self.choose()?;
+            let (mut row, lane) = self.choose()?;
             // The newest rows are met again in the backlog.
-            if self.open.insert(row.id) {
-                row.envelope.replay = is_replay;
+            if self.open.insert(row.id, lane.is_some()).is_none() {
+                row.envelope.replay = lane == Some(NextLane::Replay);
                 return Some(row);
             }
         }
@@ -148,18 +153,18 @@ impl Cursor {
         self.wanted().is_none() && self.open.is_empty()
     }
 
-    fn choose(&mut self) -> Option<(SpoolRow, bool)> {
+    /// The row, with the lane where it holds reports.
+    fn choose(&mut self) -> Option<(SpoolRow, Option<NextLane>)> {
         if let Some(row) = self.control.rows.pop_front() {
-            return Some((row, false));
+            return Some((row, None));
         }
         let has_live = !self.newest.rows.is_empty() || !self.live.rows.is_empty();
-        match self.lanes.next(has_live, !self.replay.rows.is_empty())? {
-            NextLane::Live => {
-                let row = self.newest.rows.pop_front().or_else(|| self.live.rows.pop_front());
-                row.map(|row| (row, false))
-            }
-            NextLane::Replay => self.replay.rows.pop_front().map(|row| (row, true)),
-        }
+        let lane = self.lanes.next(has_live, !self.replay.rows.is_empty())?;
+        let row = match lane {
+            NextLane::Live => self.newest.rows.pop_front().or_else(|| self.live.rows.pop_front()),
+            NextLane::Replay => self.replay.rows.pop_front(),
+        };
+        row.map(|row| (row, Some(lane)))
     }
 
     fn is_newest_done(&self) -> bool {
@@ -291,6 +296,17 @@ mod tests {
         bench.push(&[Some(1), None, Some(2), Some(1)]);
         bench.cursor.begin(RowId(6));
         assert_eq!(bench.all(), [(4, false), (5, false), (6, false), (1, true), (3, true)]);
+    }
+
+    #[test]
+    fn nothing_goes_first_while_reports_are_under_way() {
+        let mut bench = Bench::new(&[]);
+        bench.push(&[Some(1)]);
+        bench.cursor.on_wake();
+        assert_eq!(bench.next(), Some((1, false)), "under way all the time");
+        bench.push(&[Some(2), Some(1), Some(1)]);
+        bench.cursor.begin(RowId(4));
+        assert_eq!(bench.all(), [(2, true), (3, true), (4, true)]);
     }
 
     #[test]
