@@ -13,10 +13,14 @@ const KEYS: [&str; 5] =
 
 /// A cell with inputs 0 to 4 on its [`KEYS`], all live.
 async fn watched_cell() -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
+    watched_cell_with_silence(1000).await
+}
+
+async fn watched_cell_with_silence(ms: u32) -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
     let floor = Floor::start();
-    let source = floor.connect_impatiently(&cell).await;
+    let source = floor.connect_with_silence(&cell, ms).await;
     for (input, key) in (0..).zip(KEYS) {
         floor.monitor(input, &source, node(&cell, key));
     }
@@ -153,10 +157,11 @@ async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
 
 #[tokio::test]
 async fn a_machine_at_rest_is_not_taken_for_stalled() {
-    let (_simulation, cell, floor, source) = watched_cell().await;
+    // Long enough that a busy computer is not taken for a silent server.
+    let (_simulation, cell, floor, source) = watched_cell_with_silence(3000).await;
     cell.inject(Fault::StopUpdating).await.expect("at rest");
     let begun = std::time::Instant::now();
-    until("some rounds of the audit", || begun.elapsed() > Duration::from_secs(4)).await;
+    until("some rounds of the audit", || begun.elapsed() > Duration::from_secs(8)).await;
     assert_eq!(floor.status(&source).sessions, 1);
     assert_eq!(floor.status(&source).state, SourceState::Connected);
 }
