@@ -81,10 +81,6 @@ impl Floor {
     }
 
     /// Connects to a machine without protection whose silence is soon noticed.
-    pub async fn connect_impatiently(&self, machine: &MachineHandle) -> SourceId {
-        self.connect_with_silence(machine, 1000).await
-    }
-
     /// So many milliseconds without a sign of life are taken for a stall.
     pub async fn connect_with_silence(&self, machine: &MachineHandle, silence_ms_max: u32) -> SourceId {
         let mut source = unprotected(machine);
