@@ -16,14 +16,15 @@ impl Store {
     /// [`StoreError::Database`]; then nothing was written.
     pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
         // A transaction that nobody waited for to its end is still open on its connection.
-        if std::mem::replace(&mut self.is_writing, true) {
+        if self.is_writing {
             self.replace_writer().await;
         }
+        self.is_writing = true;
         let outcome = self.write(&changes).await;
-        if outcome.is_err() {
-            self.replace_writer().await;
+        match outcome {
+            Ok(()) => self.is_writing = false,
+            Err(_) => self.replace_writer().await,
         }
-        self.is_writing = false;
         outcome
     }
 

@@ -133,7 +133,10 @@ impl Store {
     /// connection that failed is given up for a fresh one.
     pub(super) async fn replace_writer(&mut self) {
         match writing(&self.directory.join(DATABASE_FILE)).connect().await {
-            Ok(fresh) => drop(std::mem::replace(&mut self.writer, fresh).close_hard().await),
+            Ok(fresh) => {
+                drop(std::mem::replace(&mut self.writer, fresh).close_hard().await);
+                self.is_writing = false;
+            }
             Err(error) => tracing::warn!(%error, "The store cannot be opened again yet."),
         }
     }
