@@ -18,10 +18,10 @@ mod policies;
 mod retention;
 mod revisions;
 mod revocation;
-mod rows;
 mod spool;
 mod spooled;
 mod verify;
+mod writer;
 
 pub use accounts::{Role, User, count_users, everybody, put_user, remove_user, user, users};
 pub use changes::{

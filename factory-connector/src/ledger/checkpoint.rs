@@ -71,6 +71,7 @@ pub struct LedgerKeyError {
 }
 
 /// The key that signs checkpoints (Ed25519). It lies in a file of its own, apart from what it vouches for.
+#[derive(Clone)]
 pub struct LedgerKey(SigningKey);
 
 impl LedgerKey {

@@ -35,6 +35,17 @@ pub enum StoreError {
         /// Why not.
         source: sqlx::Error,
     },
+    /// The database refused to write.
+    #[error("cannot {action}")]
+    Write {
+        /// What was being done.
+        action: &'static str,
+        /// Why not.
+        source: rusqlite::Error,
+    },
+    /// The store was closed meanwhile.
+    #[error("the store is closed")]
+    Closed,
     /// A migration failed, or the file was written by a newer version.
     #[error("cannot bring the store's tables up to date")]
     Migrate(#[from] sqlx::migrate::MigrateError),
@@ -52,6 +63,11 @@ impl StoreError {
     /// For `map_err` after a statement.
     pub(super) const fn while_doing(action: &'static str) -> impl FnOnce(sqlx::Error) -> Self {
         move |source| Self::Database { action, source }
+    }
+
+    /// For `map_err` after a statement of the writing connection.
+    pub(super) const fn while_writing(action: &'static str) -> impl FnOnce(rusqlite::Error) -> Self {
+        move |source| Self::Write { action, source }
     }
 
     /// For `map_err` after reading a stored document.

@@ -68,7 +68,7 @@ impl Store {
     /// # Errors
     /// [`StoreError`] where a table or a document cannot be read.
     pub async fn load(&mut self) -> Result<Snapshot, StoreError> {
-        let connection = &mut self.writer;
+        let connection = &mut self.reader;
         Ok(Snapshot {
             networks: all(
                 connection,

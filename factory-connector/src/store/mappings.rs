@@ -4,9 +4,14 @@ use std::collections::HashMap;
 
 use asi_model::DateTime;
 use futures::TryStreamExt as _;
+use rusqlite::Connection;
 use sqlx::{SqliteConnection, SqlitePool};
 
-use super::{StoreError, load::get, rows::Batch};
+use super::{
+    StoreError,
+    load::get,
+    writer::{run, write_rows},
+};
 
 /// Versions kept per field; the oldest go.
 pub const VERSIONS_MAX: u32 = 100;
@@ -86,57 +91,47 @@ pub struct MappingShelf {
     pub shadows: HashMap<i64, ShadowRow>,
 }
 
-pub(super) fn write(batch: &mut Batch, changes: &MappingChanges) {
-    batch.insert(
-        "INSERT INTO mapping_version (field_id, version, mapping, author, note, published_at)",
-        "",
+pub(super) fn write(connection: &Connection, changes: &MappingChanges) -> rusqlite::Result<()> {
+    write_rows(
+        connection,
+        "INSERT INTO mapping_version (field_id, version, mapping, author, note, published_at) \
+         VALUES (?, ?, ?, ?, ?, ?)",
         &changes.versions,
-        |values, row| {
-            values.push_bind(row.field_id);
-            values.push_bind(i64::from(row.version));
-            values.push_bind(row.mapping.clone());
-            values.push_bind(row.author.clone());
-            values.push_bind(row.note.clone());
-            values.push_bind(row.published_at.unix_micros());
-        },
-    );
-    for row in changes.versions.iter().filter(|row| row.version > VERSIONS_MAX) {
-        batch
-            .run("DELETE FROM mapping_version WHERE field_id = ? AND version <= ?")
-            .bind(row.field_id)
-            .bind(i64::from(row.version - VERSIONS_MAX));
-    }
+        |row| (row.field_id, row.version, &row.mapping, &row.author, &row.note, row.published_at.unix_micros()),
+    )?;
+    write_rows(
+        connection,
+        "DELETE FROM mapping_version WHERE field_id = ? AND version <= ?",
+        changes.versions.iter().filter(|row| row.version > VERSIONS_MAX),
+        |row| (row.field_id, row.version - VERSIONS_MAX),
+    )?;
     for (field_id, shadow) in &changes.shadows {
         let Some(shadow) = shadow else {
-            batch.run("DELETE FROM mapping_shadow WHERE field_id = ?").bind(*field_id);
+            run(connection, "DELETE FROM mapping_shadow WHERE field_id = ?", (field_id,))?;
             continue;
         };
-        batch
-            .run(
-                "INSERT INTO mapping_shadow (field_id, mapping, author, started_at) VALUES (?, ?, ?, ?) \
-                 ON CONFLICT (field_id) DO UPDATE SET mapping = excluded.mapping, author = excluded.author, \
-                 started_at = excluded.started_at",
-            )
-            .bind(*field_id)
-            .bind(shadow.mapping.clone())
-            .bind(shadow.author.clone())
-            .bind(shadow.started_at.unix_micros());
+        run(
+            connection,
+            "INSERT INTO mapping_shadow (field_id, mapping, author, started_at) VALUES (?, ?, ?, ?) \
+             ON CONFLICT (field_id) DO UPDATE SET mapping = excluded.mapping, author = excluded.author, \
+             started_at = excluded.started_at",
+            (field_id, &shadow.mapping, &shadow.author, shadow.started_at.unix_micros()),
+        )?;
     }
-    batch.insert(
-        "INSERT INTO mapping_template (template_id, template, author, changed_at)",
-        " ON CONFLICT (template_id) DO UPDATE SET template = excluded.template, author = excluded.author, \
+    write_rows(
+        connection,
+        "INSERT INTO mapping_template (template_id, template, author, changed_at) VALUES (?, ?, ?, ?) \
+         ON CONFLICT (template_id) DO UPDATE SET template = excluded.template, author = excluded.author, \
          changed_at = excluded.changed_at",
         &changes.templates,
-        |values, row| {
-            values.push_bind(row.template_id.clone());
-            values.push_bind(row.template.clone());
-            values.push_bind(row.author.clone());
-            values.push_bind(row.changed_at.unix_micros());
-        },
-    );
-    for template_id in &changes.removed_templates {
-        batch.run("DELETE FROM mapping_template WHERE template_id = ?").bind(template_id.clone());
-    }
+        |row| (&row.template_id, &row.template, &row.author, row.changed_at.unix_micros()),
+    )?;
+    write_rows(
+        connection,
+        "DELETE FROM mapping_template WHERE template_id = ?",
+        &changes.removed_templates,
+        |template_id| (template_id,),
+    )
 }
 
 pub(super) async fn load(connection: &mut SqliteConnection) -> Result<MappingShelf, StoreError> {

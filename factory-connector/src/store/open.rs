@@ -17,6 +17,7 @@ use uuid::Uuid;
 use super::{
     StoreError,
     place::{host_of, place_of},
+    writer::Writer,
 };
 
 /// The migrations, oldest first. They only go forward and never change after a release.
@@ -37,11 +38,6 @@ const LOCK_FILE: &str = "connector.lock";
 const GENERATION_FILE: &str = "generation";
 const READERS_MAX: u32 = 4;
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-/// The writer keeps so much of the file in memory, in KiB with a minus sign: the ends of the indexes, which every
-/// transaction touches.
-const WRITER_CACHE: &str = "-32768";
-/// Pages in the write-ahead log after which it is written back: pages that many transactions change are written once.
-const CHECKPOINT_PAGES: &str = "8000";
 /// The write-ahead log is cut back to this after a checkpoint, in bytes.
 const LOG_BYTES: &str = "67108864";
 
@@ -64,11 +60,11 @@ pub struct Identity {
     pub was_lease_held: bool,
 }
 
-/// The open file. The writing connection is the desk's alone.
+/// The open file. Its first two connections are the desk's alone.
 pub struct Store {
-    pub(super) writer: SqliteConnection,
-    /// A transaction was begun and is not known to have ended.
-    pub(super) is_writing: bool,
+    pub(super) writer: Writer,
+    /// Sees what was written last, and waits for no other reader.
+    pub(super) reader: SqliteConnection,
     pub(super) readers: SqlitePool,
     identity: Identity,
     directory: PathBuf,
@@ -89,12 +85,12 @@ impl Store {
         std::fs::create_dir_all(directory).map_err(access(directory))?;
         let lock = lock(directory)?;
         let database = directory.join(DATABASE_FILE);
-        let mut writer = writing(&database)
+        let mut reader = options(&database)
             .create_if_missing(true)
             .connect()
             .await
             .map_err(StoreError::while_doing("open the store"))?;
-        migrator().run(&mut writer).await?;
+        migrator().run(&mut reader).await?;
         let generation_file = directory.join(GENERATION_FILE);
         let known = std::fs::read_to_string(&generation_file).ok();
         let instance_id = InstanceId::new(Uuid::new_v4().to_string()).expect("a UUID makes an instance id");
@@ -105,14 +101,15 @@ impl Store {
             host: host_of(directory),
             at: now,
         };
-        let identity = identify(&mut writer, factory_id, start).await?;
+        let identity = identify(&mut reader, factory_id, start).await?;
         std::fs::write(&generation_file, identity.instance_id.as_str()).map_err(access(&generation_file))?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
             .connect_with(options(&database).read_only(true))
             .await
             .map_err(StoreError::while_doing("open the store for reading"))?;
-        Ok(Self { writer, is_writing: false, readers, identity, directory: directory.to_owned(), _lock: lock })
+        let writer = Writer::open(&database, BUSY_TIMEOUT, LOG_BYTES)?;
+        Ok(Self { writer, reader, readers, identity, directory: directory.to_owned(), _lock: lock })
     }
 
     /// Opens the store beside a running connector, for a command that reads or changes people.
@@ -127,18 +124,6 @@ impl Store {
             .map_err(StoreError::while_doing("open the store"))?;
         migrator().run(&mut connection).await?;
         Ok(connection)
-    }
-
-    /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever: the
-    /// connection that failed is given up for a fresh one.
-    pub(super) async fn replace_writer(&mut self) {
-        match writing(&self.directory.join(DATABASE_FILE)).connect().await {
-            Ok(fresh) => {
-                drop(std::mem::replace(&mut self.writer, fresh).close_hard().await);
-                self.is_writing = false;
-            }
-            Err(error) => tracing::warn!(%error, "The store cannot be opened again yet."),
-        }
     }
 
     /// Whose the store is.
@@ -162,9 +147,9 @@ impl Store {
     /// Closes the file in good order.
     pub async fn close(self) {
         self.readers.close().await;
-        if let Err(error) = self.writer.close().await {
-            tracing::warn!(%error, "The store could not be closed in good order; it will be recovered at the next start.");
-        }
+        // What is left open is closed by the thread that writes, or recovered at the next start.
+        drop(self.reader.close().await);
+        self.writer.close().await;
     }
 }
 
@@ -177,11 +162,6 @@ fn options(database: &Path) -> SqliteConnectOptions {
         .busy_timeout(BUSY_TIMEOUT)
         .pragma("journal_size_limit", LOG_BYTES)
         .disable_statement_logging()
-}
-
-/// For the one connection that writes all the time.
-fn writing(database: &Path) -> SqliteConnectOptions {
-    options(database).pragma("cache_size", WRITER_CACHE).pragma("wal_autocheckpoint", CHECKPOINT_PAGES)
 }
 
 fn migrator() -> Migrator {
@@ -214,14 +194,14 @@ struct Start<'a> {
 /// Reads or writes the identity, and marks this start in it. A generation that differs from the one in the file beside
 /// the database tells that the database was exchanged for an older copy; another place, that both were moved or copied.
 async fn identify(
-    writer: &mut SqliteConnection,
+    connection: &mut SqliteConnection,
     factory_id: &FactoryId,
     start: Start<'_>,
 ) -> Result<Identity, StoreError> {
     let Start { known_generation, instance_id, place, host, at } = start;
     let failed = || StoreError::while_doing("read the store's identity");
     let stored = sqlx::query("SELECT factory_id, generation, place, must_begin_epochs, leased_place FROM identity")
-        .fetch_optional(&mut *writer)
+        .fetch_optional(&mut *connection)
         .await
         .map_err(failed())?;
     let (is_restored, was_lease_held) = match stored {
@@ -250,7 +230,7 @@ async fn identify(
     .bind(at.unix_micros())
     .bind(place.as_str())
     .bind(i64::from(is_restored))
-    .execute(writer)
+    .execute(connection)
     .await
     .map_err(StoreError::while_doing("mark this start in the store"))?;
     Ok(Identity { factory_id: factory_id.clone(), is_restored, instance_id, place, host, was_lease_held })

@@ -1,12 +1,13 @@
 //! What people entered at the operator's page.
 
 use asi_model::DateTime;
+use rusqlite::Connection;
 use sqlx::sqlite::SqliteRow;
 
 use super::{
     Changes, StoreError,
     load::{get, id},
-    rows::Batch,
+    writer::write_rows,
 };
 use crate::operator::{EntryId, OperationKey, OperatorEntry};
 
@@ -28,24 +29,28 @@ pub(super) fn entry(row: &SqliteRow) -> Result<OperatorEntry, StoreError> {
 }
 
 /// Writes new entries, and drops those of networks that are gone.
-pub(super) fn write(batch: &mut Batch, changes: &Changes) {
-    for network in changes.networks.iter().filter(|network| network.message.is_none()) {
-        batch
-            .run("DELETE FROM operator_entry WHERE operation_network_id = ?")
-            .bind(network.operation_network_id.to_string());
-    }
-    batch.insert(
-        "INSERT INTO operator_entry (operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action)",
-        "",
+pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+    write_rows(
+        connection,
+        "DELETE FROM operator_entry WHERE operation_network_id = ?",
+        changes.networks.iter().filter(|network| network.message.is_none()),
+        |network| (network.operation_network_id.as_str(),),
+    )?;
+    write_rows(
+        connection,
+        "INSERT INTO operator_entry (operation_network_id, operation_id, entry_id, made_at, received_at, made_by, \
+         action) VALUES (?, ?, ?, ?, ?, ?, ?)",
         &changes.operator_entries,
-        |values, entry| {
-            values.push_bind(entry.operation.operation_network_id.to_string());
-            values.push_bind(entry.operation.operation_id.to_string());
-            values.push_bind(entry.entry_id.as_str().to_owned());
-            values.push_bind(entry.made_at.unix_micros());
-            values.push_bind(entry.received_at.unix_micros());
-            values.push_bind(entry.made_by.clone());
-            values.push_bind(serde_json::to_string(&entry.action).expect("actions have text keys"));
+        |entry| {
+            (
+                entry.operation.operation_network_id.as_str(),
+                entry.operation.operation_id.as_str(),
+                entry.entry_id.as_str(),
+                entry.made_at.unix_micros(),
+                entry.received_at.unix_micros(),
+                &entry.made_by,
+                serde_json::to_string(&entry.action).expect("actions have text keys"),
+            )
         },
-    );
+    )
 }

@@ -1,13 +1,14 @@
 //! Named policies, standing rules and what they decided: every version is kept.
 
 use asi_model::{DateTime, FieldKey, OrganisationId};
+use rusqlite::Connection;
 use serde::{Serialize, de::DeserializeOwned};
 use sqlx::{Row as _, SqliteConnection, SqlitePool, sqlite::SqliteRow};
 
 use super::{
     Changes, StoreError,
     load::{all, get, id, json, time, unsigned},
-    rows::Batch,
+    writer::write_rows,
 };
 use crate::{
     books::RecipientPolicy,
@@ -70,52 +71,53 @@ pub enum DocumentVersions {
     Rules,
 }
 
-pub(super) fn write_policies(batch: &mut Batch, changes: &Changes) {
+pub(super) fn write_policies(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
     let tables = [
-        ("INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at)", &changes.policies),
-        ("INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at)", &changes.rules),
+        (
+            "INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at) VALUES (?, ?, ?, ?, ?)",
+            &changes.policies,
+        ),
+        (
+            "INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at) VALUES (?, ?, ?, ?, ?)",
+            &changes.rules,
+        ),
     ];
-    for (head, rows) in tables {
-        batch.insert(head, "", rows, |values, row| {
-            values.push_bind(row.key.id.to_string());
-            values.push_bind(i64::from(row.key.version));
-            values.push_bind(row.document.clone());
-            values.push_bind(row.changed_by.clone());
-            values.push_bind(row.changed_at.unix_micros());
-        });
+    for (statement, rows) in tables {
+        write_rows(connection, statement, rows, |row| {
+            (row.key.id.to_string(), row.key.version, &row.document, &row.changed_by, row.changed_at.unix_micros())
+        })?;
     }
-    batch.insert(
-        "INSERT INTO recipient_policy (recipient, version, policy_id, changed_by, changed_at)",
-        "",
+    write_rows(
+        connection,
+        "INSERT INTO recipient_policy (recipient, version, policy_id, changed_by, changed_at) VALUES (?, ?, ?, ?, ?)",
         &changes.recipient_policies,
-        |values, row| {
-            values.push_bind(row.recipient.to_string());
-            values.push_bind(i64::from(row.set.version));
-            values.push_bind(row.set.policy_id.as_ref().map(ToString::to_string));
-            values.push_bind(row.set.changed_by.clone());
-            values.push_bind(row.set.changed_at.unix_micros());
+        |row| {
+            let set = &row.set;
+            let policy = set.policy_id.as_ref().map(ToString::to_string);
+            (row.recipient.as_str(), set.version, policy, &set.changed_by, set.changed_at.unix_micros())
         },
-    );
-    batch.insert(
-        "INSERT INTO rule_decision (id, field, action, rules, consent_version, decided_at)",
-        "",
+    )?;
+    write_rows(
+        connection,
+        "INSERT INTO rule_decision (id, field, action, rules, consent_version, decided_at) VALUES (?, ?, ?, ?, ?, ?)",
         &changes.rule_decisions,
-        |values, row| {
-            values.push_bind(row.id);
-            values.push_bind(serde_json::to_string(&row.field).expect("keys serialise"));
-            values.push_bind(action_name(row.action));
-            values.push_bind(serde_json::to_string(&row.rules).expect("ids and numbers serialise"));
-            values.push_bind(i64::from(row.consent_version));
-            values.push_bind(row.decided_at.unix_micros());
+        |row| {
+            (
+                row.id,
+                serde_json::to_string(&row.field).expect("keys serialise"),
+                action_name(row.action),
+                serde_json::to_string(&row.rules).expect("ids and numbers serialise"),
+                row.consent_version,
+                row.decided_at.unix_micros(),
+            )
         },
-    );
-    for (id, by, at) in &changes.undone_rule_decisions {
-        batch
-            .run("UPDATE rule_decision SET undone_by = ?, undone_at = ? WHERE id = ? AND undone_at IS NULL")
-            .bind(by)
-            .bind(at.unix_micros())
-            .bind(id);
-    }
+    )?;
+    write_rows(
+        connection,
+        "UPDATE rule_decision SET undone_by = ?, undone_at = ? WHERE id = ? AND undone_at IS NULL",
+        &changes.undone_rule_decisions,
+        |(id, by, at)| (by, at.unix_micros(), id),
+    )
 }
 
 const fn action_name(action: RuleAction) -> &'static str {

@@ -130,7 +130,7 @@ mod tests {
                 .bind(receipt.revocation_id.clone())
                 .bind(number / 5)
                 .bind(receipt.canonical())
-                .execute(&mut store.writer)
+                .execute(&mut store.reader)
                 .await
                 .expect("stored");
         }

@@ -195,7 +195,7 @@ impl Store {
         )
         .bind(i64::from(writer))
         .bind(epoch.map(i64::from))
-        .fetch_all(&mut self.writer)
+        .fetch_all(&mut self.reader)
         .await
         .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(kept).collect()
@@ -211,7 +211,7 @@ impl Store {
              is_revoked, message FROM report WHERE state IN ('WAITING', 'SENT') ORDER BY created_at LIMIT ?",
         )
         .bind(i64::from(limit))
-        .fetch_all(&mut self.writer)
+        .fetch_all(&mut self.reader)
         .await
         .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(kept).collect()
@@ -223,7 +223,7 @@ impl Store {
     /// [`StoreError`] where the tables cannot be read.
     pub async fn kept_bytes(&mut self) -> Result<u64, StoreError> {
         let row = sqlx::query("SELECT coalesce(sum(bytes), 0) FROM report WHERE state IN ('WAITING', 'SENT')")
-            .fetch_one(&mut self.writer)
+            .fetch_one(&mut self.reader)
             .await
             .map_err(StoreError::while_doing("measure the spool"))?;
         Ok(unsigned(get(&row, 0)?))
@@ -235,7 +235,7 @@ impl Store {
     /// [`StoreError`] where the tables cannot be read.
     pub async fn newest_reports(&mut self) -> Result<std::collections::HashSet<RowId>, StoreError> {
         let rows = sqlx::query("SELECT max(id) FROM report WHERE state IN ('WAITING', 'SENT') GROUP BY writer_id")
-            .fetch_all(&mut self.writer)
+            .fetch_all(&mut self.reader)
             .await
             .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(|row| Ok(RowId(get(row, 0)?))).collect()
@@ -252,8 +252,8 @@ impl Store {
              is_revoked, message FROM report WHERE (state = 'WAITING' OR (state = 'DONE' AND sent_at IS NULL)) \
              AND message IN (SELECT value FROM json_each(?)) ORDER BY id",
         )
-        .bind(super::rows::id_list(messages))
-        .fetch_all(&mut self.writer)
+        .bind(super::writer::id_list(messages))
+        .fetch_all(&mut self.reader)
         .await
         .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(kept).collect()
@@ -271,7 +271,7 @@ impl Store {
         )
         .bind(i64::from(writer))
         .bind(i64::from(epoch))
-        .fetch_one(&mut self.writer)
+        .fetch_one(&mut self.reader)
         .await
         .map_err(StoreError::while_doing("read the spool"))?;
         let number = |column| get::<Option<i64>>(&row, column).map(|number| number.map(unsigned));
@@ -286,7 +286,7 @@ impl Store {
         let ids = serde_json::to_string(message_ids).expect("texts serialise");
         let rows = sqlx::query("SELECT message_id FROM seen WHERE message_id IN (SELECT value FROM json_each(?))")
             .bind(ids)
-            .fetch_all(&mut self.writer)
+            .fetch_all(&mut self.reader)
             .await
             .map_err(StoreError::while_doing("look for repeats"))?;
         rows.iter().map(|row| get(row, 0)).collect()

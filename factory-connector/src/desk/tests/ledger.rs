@@ -184,6 +184,40 @@ async fn another_key_is_found() {
     assert!(!outcome.is_intact());
 }
 
+/// What retention removes leaves a ledger that still proves the rest; what the spool works with stays.
+#[tokio::test]
+async fn retention_leaves_a_ledger_that_verifies() {
+    let folder = small_ledger().await;
+    let key = LedgerKey::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
+    let factory: asi_model::FactoryId = "F".parse().expect("an id");
+    let later = DateTime::from_unix_micros(now().unix_micros() + 1_000_000);
+    let mut connection = connect(folder.path()).await;
+    let before = verified(&mut connection).await;
+    run(&mut connection, "UPDATE report SET state = 'DONE'").await;
+    run(&mut connection, "UPDATE report SET state = 'SENT' WHERE id = (SELECT min(id) FROM report)").await;
+    let mut store = Store::open(folder.path(), &factory, now()).await.expect("a store");
+
+    let mut emptied = 0;
+    while let Some(last) = store.empty_values(later, emptied).await.expect("emptied") {
+        emptied = last;
+    }
+    let outcome = verified(&mut connection).await;
+    assert!(outcome.is_intact() && outcome.values_emptied > 0, "{outcome:?}");
+    assert_eq!(outcome.values_emptied + outcome.values_compared, before.values_compared);
+    assert!(outcome.values_compared > 0, "the report that was not receipted keeps its values");
+
+    let older = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
+    let outcome = verified(&mut connection).await;
+    assert!(outcome.is_intact() && outcome.values_compared > 0, "what was not receipted stays: {outcome:?}");
+    assert_eq!((outcome.entries, outcome.entries_pruned), (before.entries - older, older));
+    run(&mut connection, "UPDATE report SET state = 'DONE'").await;
+    let removed = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
+    let outcome = verified(&mut connection).await;
+    assert!(outcome.is_intact(), "{outcome:?}");
+    assert_eq!((outcome.entries, outcome.entries_pruned, removed), (0, before.entries, before.entries - older));
+    store.close().await;
+}
+
 async fn run(connection: &mut SqliteConnection, sql: &str) {
     sqlx::query(sqlx::AssertSqlSafe(sql.to_owned())).execute(connection).await.expect("it runs");
 }

@@ -1,70 +1,72 @@
 //! What was decided about fields, and their values.
 
+use rusqlite::Connection;
+
 use super::{mapping_state_name, value_source_name};
 use crate::store::{
     Changes,
-    rows::{Batch, id_list},
+    writer::{id_list, run, write_rows},
 };
 
-pub(super) fn write(batch: &mut Batch, changes: &Changes) {
+pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
     if !changes.removed_fields.is_empty() {
-        batch
-            .run("DELETE FROM field WHERE id IN (SELECT value FROM json_each(?))")
-            .bind(id_list(&changes.removed_fields));
+        let statement = "DELETE FROM field WHERE id IN (SELECT value FROM json_each(?))";
+        run(connection, statement, (id_list(&changes.removed_fields),))?;
     }
-    let fields: Vec<_> = changes.fields.values().collect();
-    batch.insert(
+    write_rows(
+        connection,
         "INSERT INTO field (id, operation_network_id, operation_id, dynamic_data_request_id, field_name, \
-         mapping_state, value_source, reason, decided_by, decided_at, mapping, policy, grounds, consent_version)",
-        " ON CONFLICT (id) DO UPDATE SET mapping_state = excluded.mapping_state, \
+         mapping_state, value_source, reason, decided_by, decided_at, mapping, policy, grounds, consent_version) \
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) \
+         ON CONFLICT (id) DO UPDATE SET mapping_state = excluded.mapping_state, \
          value_source = excluded.value_source, reason = excluded.reason, decided_by = excluded.decided_by, \
          decided_at = excluded.decided_at, mapping = excluded.mapping, policy = excluded.policy, grounds = excluded.grounds, \
          consent_version = excluded.consent_version",
-        &fields,
-        |values, row| {
+        changes.fields.values(),
+        |row| {
             let request = &row.key.request;
-            values.push_bind(row.id);
-            values.push_bind(request.operation_network_id.to_string());
-            values.push_bind(request.operation_id.to_string());
-            values.push_bind(request.dynamic_data_request_id.to_string());
-            values.push_bind(row.key.field_name.to_string());
-            values.push_bind(mapping_state_name(row.mapping_state));
-            values.push_bind(row.value_source.map(value_source_name));
-            values.push_bind(row.reason.clone());
-            values.push_bind(row.decided_by.clone());
-            values.push_bind(row.decided_at.map(|at| at.unix_micros()));
-            values.push_bind(row.mapping.clone());
-            values.push_bind(row.policy.clone());
-            values.push_bind(row.grounds.clone());
-            values.push_bind(i64::from(row.consent_version));
+            (
+                row.id,
+                request.operation_network_id.as_str(),
+                request.operation_id.as_str(),
+                request.dynamic_data_request_id.as_str(),
+                row.key.field_name.as_str(),
+                mapping_state_name(row.mapping_state),
+                row.value_source.map(value_source_name),
+                &row.reason,
+                &row.decided_by,
+                row.decided_at.map(|at| at.unix_micros()),
+                &row.mapping,
+                &row.policy,
+                &row.grounds,
+                row.consent_version,
+            )
         },
-    );
-    let field_values: Vec<_> = changes.field_values.iter().collect();
-    batch.insert(
-        "INSERT INTO field_value (field_id, gate, transform)",
-        " ON CONFLICT (field_id) DO UPDATE SET gate = excluded.gate, transform = excluded.transform",
-        &field_values,
-        |values, (id, row)| {
-            values.push_bind(**id);
-            values.push_bind(row.gate.clone());
-            values.push_bind(row.transform.clone());
-        },
-    );
-    batch.insert(
+    )?;
+    write_rows(
+        connection,
+        "INSERT INTO field_value (field_id, gate, transform) VALUES (?, ?, ?) \
+         ON CONFLICT (field_id) DO UPDATE SET gate = excluded.gate, transform = excluded.transform",
+        &changes.field_values,
+        |(id, row)| (id, &row.gate, &row.transform),
+    )?;
+    write_rows(
+        connection,
         "INSERT INTO consent (field, version, mapping_state, value_source, policy, grounds, reason, decided_by, \
-         decided_at)",
-        "",
+         decided_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
         &changes.consents,
-        |values, row| {
-            values.push_bind(row.field.clone());
-            values.push_bind(i64::from(row.version));
-            values.push_bind(mapping_state_name(row.mapping_state));
-            values.push_bind(row.value_source.map(value_source_name));
-            values.push_bind(row.policy.clone());
-            values.push_bind(row.grounds.clone());
-            values.push_bind(row.reason.clone());
-            values.push_bind(row.decided_by.clone());
-            values.push_bind(row.decided_at.unix_micros());
+        |row| {
+            (
+                &row.field,
+                row.version,
+                mapping_state_name(row.mapping_state),
+                row.value_source.map(value_source_name),
+                &row.policy,
+                &row.grounds,
+                &row.reason,
+                &row.decided_by,
+                row.decided_at.unix_micros(),
+            )
         },
-    );
+    )
 }

@@ -7,7 +7,7 @@ use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use super::on_all_processors;
 use crate::{
     ledger::{ReportDigest, StoredReport},
-    store::{StoreError, load::get, rows::id_list},
+    store::{StoreError, load::get, writer::id_list},
 };
 
 /// Most reports remembered for chains that are behind; what is forgotten is read again.

@@ -1,0 +1,207 @@
+//! The one connection that writes, on a thread of its own.
+//!
+//! A transaction takes one trip to that thread and goes to its end there, whoever still waits for it: none is left open,
+//! and what came earlier is stored earlier.
+
+use std::{
+    panic::resume_unwind,
+    path::Path,
+    sync::mpsc,
+    thread::{self, JoinHandle},
+    time::Duration,
+};
+
+use rusqlite::{Connection, Params, Transaction, TransactionBehavior};
+use tokio::sync::oneshot;
+
+use super::StoreError;
+
+/// The connection keeps so much of the file in memory, in KiB with a minus sign: the ends of the indexes, which every
+/// transaction touches.
+const CACHE: i64 = -32_768;
+/// Pages in the write-ahead log after which it is written back: pages that many transactions change are written once.
+const CHECKPOINT_PAGES: i64 = 8_000;
+/// More statements than one transaction has.
+const PREPARED_STATEMENTS: usize = 64;
+
+type Job = Box<dyn FnOnce(&mut Connection) + Send>;
+
+/// The writing connection.
+pub(super) struct Writer {
+    jobs: mpsc::Sender<Job>,
+    thread: JoinHandle<()>,
+}
+
+impl Writer {
+    /// Opens a file whose tables are up to date.
+    ///
+    /// # Errors
+    /// [`StoreError`] where it cannot be opened.
+    pub(super) fn open(database: &Path, busy_timeout: Duration, log_bytes: &str) -> Result<Self, StoreError> {
+        let mut connection =
+            connect(database, busy_timeout, log_bytes).map_err(StoreError::while_writing("open the store"))?;
+        let (jobs, queue) = mpsc::channel::<Job>();
+        let thread = thread::Builder::new()
+            .name("store".to_owned())
+            .spawn(move || {
+                while let Ok(job) = queue.recv() {
+                    job(&mut connection);
+                }
+                if let Err((_, error)) = connection.close() {
+                    tracing::warn!(%error, "The store could not be closed in good order; it will be recovered at the next start.");
+                }
+            })
+            .map_err(|source| StoreError::Access { path: database.to_owned(), source })?;
+        Ok(Self { jobs, thread })
+    }
+
+    /// Does all of the work or nothing of it. It goes on when nobody waits for its outcome any more.
+    ///
+    /// # Errors
+    /// That of the work, or that of the transaction.
+    pub(super) async fn transact<T: Send + 'static>(
+        &mut self,
+        action: &'static str,
+        work: impl FnOnce(&Transaction<'_>) -> Result<T, StoreError> + Send + 'static,
+    ) -> Result<T, StoreError> {
+        let (answer, outcome) = oneshot::channel();
+        let job = move |connection: &mut Connection| {
+            // Whoever asked may have gone.
+            drop(answer.send(transaction(connection, action, work)));
+        };
+        if self.jobs.send(Box::new(job)).is_ok()
+            && let Ok(outcome) = outcome.await
+        {
+            return outcome;
+        }
+        // The work panicked and took the thread with it: so does its caller.
+        let ended = std::mem::replace(&mut self.thread, thread::spawn(|| ()));
+        match ended.join() {
+            Err(panic) => resume_unwind(panic),
+            Ok(()) => Err(StoreError::Closed),
+        }
+    }
+
+    /// Ends the thread when everything is written.
+    pub(super) async fn close(self) {
+        drop(self.jobs);
+        let thread = self.thread;
+        drop(tokio::task::spawn_blocking(move || thread.join()).await);
+    }
+}
+
+fn connect(database: &Path, busy_timeout: Duration, log_bytes: &str) -> rusqlite::Result<Connection> {
+    let connection = Connection::open(database)?;
+    connection.busy_timeout(busy_timeout)?;
+    connection.pragma_update(None, "journal_mode", "WAL")?;
+    connection.pragma_update(None, "synchronous", "FULL")?;
+    connection.pragma_update(None, "foreign_keys", true)?;
+    connection.pragma_update(None, "journal_size_limit", log_bytes)?;
+    connection.pragma_update(None, "cache_size", CACHE)?;
+    connection.pragma_update(None, "wal_autocheckpoint", CHECKPOINT_PAGES)?;
+    connection.set_prepared_statement_cache_capacity(PREPARED_STATEMENTS);
+    Ok(connection)
+}
+
+fn transaction<T>(
+    connection: &mut Connection,
+    action: &'static str,
+    work: impl FnOnce(&Transaction<'_>) -> Result<T, StoreError>,
+) -> Result<T, StoreError> {
+    let transaction = connection
+        .transaction_with_behavior(TransactionBehavior::Immediate)
+        .map_err(StoreError::while_writing("begin a transaction"))?;
+    // Dropped without a commit it is rolled back.
+    let outcome = work(&transaction)?;
+    transaction.commit().map_err(StoreError::while_writing(action))?;
+    Ok(outcome)
+}
+
+/// One statement with its parameters; answers how many rows it changed.
+pub(super) fn run(connection: &Connection, statement: &str, parameters: impl Params) -> rusqlite::Result<usize> {
+    connection.prepare_cached(statement)?.execute(parameters)
+}
+
+/// One statement for each of many rows.
+pub(super) fn write_rows<R, P: Params>(
+    connection: &Connection,
+    statement: &str,
+    rows: impl IntoIterator<Item = R>,
+    parameters: impl Fn(R) -> P,
+) -> rusqlite::Result<()> {
+    let mut rows = rows.into_iter().peekable();
+    if rows.peek().is_none() {
+        return Ok(());
+    }
+    let mut statement = connection.prepare_cached(statement)?;
+    for row in rows {
+        statement.execute(parameters(row))?;
+    }
+    Ok(())
+}
+
+/// Row numbers as one JSON parameter for `IN (SELECT value FROM json_each(?))`.
+pub(super) fn id_list<I: Into<i64> + Copy>(ids: &[I]) -> String {
+    let ids: Vec<i64> = ids.iter().map(|id| (*id).into()).collect();
+    serde_json::to_string(&ids).expect("numbers serialise")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOG_BYTES: &str = "1000000";
+
+    fn open(folder: &Path) -> Writer {
+        Writer::open(&folder.join("test.db"), Duration::from_secs(1), LOG_BYTES).expect("opened")
+    }
+
+    async fn execute(writer: &mut Writer, statements: &'static str) -> Result<(), StoreError> {
+        let work = move |transaction: &Transaction<'_>| {
+            transaction.execute_batch(statements).map_err(StoreError::while_writing("test"))
+        };
+        writer.transact("test", work).await
+    }
+
+    async fn count(writer: &mut Writer) -> i64 {
+        let count = |transaction: &Transaction<'_>| {
+            let count = transaction.query_row("SELECT count(*) FROM number", (), |row| row.get(0));
+            count.map_err(StoreError::while_writing("count"))
+        };
+        writer.transact("count", count).await.expect("counted")
+    }
+
+    #[tokio::test]
+    async fn a_fault_leaves_nothing_and_the_connection_goes_on() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut writer = open(folder.path());
+        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)").await.expect("a table");
+        let problem = execute(&mut writer, "INSERT INTO number VALUES (1), (2); INSERT INTO number VALUES (2)").await;
+        let cause = std::error::Error::source(&problem.expect_err("taken")).map(ToString::to_string);
+        assert!(cause.is_some_and(|cause| cause.contains("UNIQUE")));
+        assert_eq!(count(&mut writer).await, 0);
+        execute(&mut writer, "INSERT INTO number VALUES (1), (2)").await.expect("written");
+        assert_eq!(count(&mut writer).await, 2);
+        writer.close().await;
+    }
+
+    #[tokio::test]
+    async fn a_transaction_that_nobody_waits_for_is_written_before_the_next() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut writer = open(folder.path());
+        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)").await.expect("a table");
+        let rows = "WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n WHERE value < 100000) \
+                    INSERT INTO number SELECT value FROM n";
+        let given_up = tokio::time::timeout(Duration::ZERO, execute(&mut writer, rows)).await;
+        assert!(given_up.is_err(), "the transaction takes longer than nothing");
+        assert_eq!(count(&mut writer).await, 100_000);
+    }
+
+    #[tokio::test]
+    #[should_panic(expected = "a fault in the work")]
+    async fn a_panic_of_the_work_is_its_callers() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut writer = open(folder.path());
+        drop(writer.transact("panic", |_| -> Result<(), StoreError> { panic!("a fault in the work") }).await);
+    }
+}
