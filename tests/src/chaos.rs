@@ -198,14 +198,13 @@ async fn judge(stage: &Stage, said: &[Remark]) -> anyhow::Result<String> {
     if letters > 0 {
         verdict.faults.push(format!("{letters} messages could not be used"));
     }
-    let Verdict { left, arrived, replayed, announced, faults } = verdict;
+    let Verdict { left, arrived, replayed, faults } = verdict;
     let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
     anyhow::ensure!(faults.is_empty(), "{} faults:\n  {}", faults.len(), shown.join("\n  "));
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
     Ok(format!(
-        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {announced} announced as given up, \
-         {repeats} repeats discarded, {} set back by a lost broker store; {} remarks taken, {} of them on their way to \
-         a broker that lost its store",
+        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {repeats} repeats discarded, \
+         {} set back by a lost broker store; {} remarks taken, {} of them on their way to a broker that lost its store",
         stage.set_back.len(),
         said.len(),
         stage.lost_remarks.len()

@@ -55,10 +55,14 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     results.extend(rates("JavaScript mappings into report fields", &scripts));
     let each = (resident as f64 - empty as f64) / f64::from(SCRIPTS);
     results.push(result("memory per JavaScript mapping, its worker's included", each, "bytes"));
+    let (beside, _) = rate(&bank, &scale).await?;
+    results.extend(rates("as many built-in mappings of the same machine", &beside));
     let node_opcua = node_opcua(&bank).await?;
     results.extend(rates("the same with node-opcua", &node_opcua));
-    let ratio = scripts.per_cpu_second() / node_opcua.per_cpu_second();
-    results.push(result("JavaScript mappings against node-opcua", ratio, "times the values per CPU second"));
+    for (name, measured) in [("built-in", &beside), ("JavaScript", &scripts)] {
+        let ratio = measured.per_cpu_second() / node_opcua.per_cpu_second();
+        results.push(result(&format!("{name} mappings against node-opcua"), ratio, "times the values per CPU second"));
+    }
     drop(bank);
 
     let bank = Bank::start(MANY, 1_000).await?;
@@ -126,17 +130,19 @@ async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
     handle.monitor_many(requests.collect::<anyhow::Result<_>>()?)?;
     handle.put_source(source)?;
     let begun = Instant::now();
-    while handle.states().first().is_none_or(|state| state.live < bank.variables as usize) {
+    let is_settled = |state: &shop_floor::SourceStatus| state.live.min(state.findable) == bank.variables as usize;
+    while !handle.states().first().is_some_and(is_settled) {
         anyhow::ensure!(begun.elapsed() < PATIENCE, "the bank's variables did not become live");
         tokio::time::timeout(Duration::from_millis(20), changes.recv()).await.ok();
     }
-    let (before, begun, mut values) = (Usage::of(std::process::id())?, Instant::now(), 0.0);
+    let usage = || Usage::of_one(std::process::id());
+    let (before, begun, mut values) = (usage()?, Instant::now(), 0.0);
     while begun.elapsed() < SPAN {
         let batch = changes.recv().await.context("the shop floor runs")?;
         values += batch.len() as f64;
     }
     let took = begun.elapsed();
-    let after = Usage::of(std::process::id())?;
+    let after = usage()?;
     stop.cancel();
     running.await?;
     Ok(Measured::between((0.0, before), (values, after), took))
@@ -154,7 +160,8 @@ async fn empty_bytes(bank: &Bank) -> anyhow::Result<u64> {
 async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<(Measured, u64)> {
     let mut connector = Connector::start(Filled::with(bank, steps).await?).await?;
     connector.until_live(bank.variables, PATIENCE).await?;
-    // The first seconds belong to what waited for the start.
+    // What follows a start once is not counted: values that waited for it, and learning where nodes hang.
+    connector.until_paths_are_learned(bank.variables, PATIENCE).await?;
     tokio::time::sleep(Duration::from_secs(3)).await;
     let (before, begun) = ((connector.candidates().await?, connector.usage()?), Instant::now());
     tokio::time::sleep(SPAN).await;

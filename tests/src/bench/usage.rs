@@ -30,7 +30,8 @@ impl Usage {
         Ok(sum)
     }
 
-    fn of_one(process: u32) -> anyhow::Result<Self> {
+    /// Of a process alone.
+    pub fn of_one(process: u32) -> anyhow::Result<Self> {
         let stat = fs::read_to_string(format!("/proc/{process}/stat")).context("reading the times of a process")?;
         // The name may contain anything; what follows its closing parenthesis is numbers.
         let (_, rest) = stat.rsplit_once(')').context("a process has a name")?;

@@ -17,8 +17,8 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
-/// Between two remarks of one speaker.
-const PAUSE: Duration = Duration::from_millis(150);
+/// Between two remarks of one speaker: often enough that many are being received whenever something is killed.
+const PAUSE: Duration = Duration::from_millis(40);
 
 /// A remark, from or to a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

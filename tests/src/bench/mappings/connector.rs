@@ -94,14 +94,23 @@ impl Connector {
 
     /// Waits until the server monitors so many inputs.
     pub async fn until_live(&self, inputs: u32, patience: Duration) -> anyhow::Result<()> {
-        eventually("all inputs are live", patience, || async {
+        self.until("live", inputs, patience).await
+    }
+
+    /// Waits until so many inputs would be found again if the server gave them other ids.
+    pub async fn until_paths_are_learned(&self, inputs: u32, patience: Duration) -> anyhow::Result<()> {
+        self.until("findable", inputs, patience).await
+    }
+
+    async fn until(&self, member: &str, inputs: u32, patience: Duration) -> anyhow::Result<()> {
+        eventually(&format!("all inputs are {member}"), patience, || async {
             let status: Value = self.api.get("/api/v1/status").await.map_err(|error| format!("{error:#}"))?;
-            let live = status["sources"][0]["live"].as_u64().unwrap_or_default();
-            if live >= u64::from(inputs) {
+            let count = status["sources"][0][member].as_u64().unwrap_or_default();
+            if count >= u64::from(inputs) {
                 return Ok(());
             }
             tokio::time::sleep(ASK_INTERVAL).await;
-            Err(format!("{live} of {inputs}"))
+            Err(format!("{count} of {inputs}"))
         })
         .await
     }
