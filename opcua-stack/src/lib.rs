@@ -5,12 +5,14 @@
 //!
 //! - [`values`]: conversion between [`asi_model::values`] and the stack's values, both ways. Ours name namespaces by
 //!   URI and the stack's by index, so each conversion takes the peer's [`NamespaceTable`].
+//! - [`notifications`]: data changes decoded straight into our values, which is what a connector does all day.
 //! - [`limits`]: limits of servers and clients. Several defaults of the stack lose data silently.
 
 pub use opcua;
 
 pub mod limits;
 mod namespaces;
+pub mod notifications;
 pub mod values;
 
 pub use namespaces::NamespaceTable;

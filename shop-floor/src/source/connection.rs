@@ -7,6 +7,7 @@ use std::{
 
 use opcua_stack::{
     NamespaceTable,
+    notifications::decode_data_changes,
     opcua::{
         client::{Session, browser::BrowserConfig, custom_types::DataTypeTreeBuilder},
         types::{Error, StatusCode, custom::DynamicTypeLoader},
@@ -48,6 +49,7 @@ impl Connection {
         namespaces: NamespaceTable,
         limits: ServerLimits,
     ) -> Self {
+        decode_data_changes(session.encoding_context().write().loaders_mut());
         let namespaces = RwLock::new(namespaces);
         let answered_at = Mutex::new(Instant::now());
         let types_loaded = OnceCell::new();

@@ -13,11 +13,11 @@ use std::{
 
 use asi_model::values::{DataValue, ExtensionBody, Namespace, Scalar, StatusCode, Variant};
 use opcua_stack::{
+    notifications::DataChanges,
     opcua::{
         client::{MonitoredItemMap, OnSubscriptionNotificationCore},
-        types::{DataChangeNotification, NotificationMessage, StatusChangeNotification, match_extension_object_owned},
+        types::{NotificationMessage, StatusChangeNotification, match_extension_object_owned},
     },
-    values::from_stack,
 };
 use parking_lot::Mutex;
 use tokio::sync::Notify;
@@ -254,13 +254,14 @@ impl OnSubscriptionNotificationCore for Listener {
         self.feed.heard.lock()[self.subscription] = Some(Instant::now());
         self.feed.entry.meter.sign_of_life(0);
         for notification in message.notification_data.into_iter().flatten() {
+            let notification = match DataChanges::take(notification) {
+                Ok(changes) => {
+                    self.feed.accept(changes.into_values(&self.feed.connection.namespaces()));
+                    continue;
+                }
+                Err(other) => other,
+            };
             match_extension_object_owned!(notification,
-                changes: DataChangeNotification => {
-                    let namespaces = self.feed.connection.namespaces();
-                    let items = changes.monitored_items.into_iter().flatten();
-                    let values = items.map(|item| (item.client_handle, from_stack(item.value, &namespaces)));
-                    self.feed.accept(values.collect());
-                },
                 status: StatusChangeNotification => {
                     tracing::info!(source.id = %self.feed.entry.id, status = %status.status,
                         "The server ended a subscription.");

@@ -1,7 +1,7 @@
 //! The life of one session, from its first question to its end.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -61,6 +61,14 @@ impl Memory {
     fn knows_path_of(&self, request: &MonitorRequest) -> bool {
         request.options.browse_path.is_some() || self.learned.get(&request.node_id).is_some_and(Option::is_some)
     }
+
+    /// Nodes of these requests that hang nobody knows where, each once.
+    fn unknown_of<'r>(&self, requests: impl Iterator<Item = &'r Arc<MonitorRequest>>) -> Vec<NodeId> {
+        let room = PATHS_MAX.saturating_sub(self.learned.len());
+        let nodes = requests.filter(|request| request.options.browse_path.is_none()).map(|request| &request.node_id);
+        let unknown = nodes.filter(|node| !self.learned.contains_key(*node) && !self.moved.contains_key(*node));
+        unknown.collect::<HashSet<_>>().into_iter().take(room).cloned().collect()
+    }
 }
 
 /// How a session ended.
@@ -118,7 +126,7 @@ pub(super) async fn live(
         ),
         audit: Audit::new(config.silence_max(), &memory.stalls),
         is_busy: Arc::new(AtomicBool::new(true)),
-        are_paths_settled: false,
+        to_learn: None,
         asked_at: Instant::now(),
     };
     let is_busy = Arc::clone(&session.is_busy);
@@ -174,8 +182,8 @@ struct Session<'a> {
     audit: Audit,
     /// Set while items are created.
     is_busy: Arc<AtomicBool>,
-    /// No more browse paths are to be learned for now.
-    are_paths_settled: bool,
+    /// Nodes whose browse paths are to be learned; `None` where that is to be looked up.
+    to_learn: Option<Vec<NodeId>>,
     /// When the server was last asked whether it runs, while there is no subscription.
     asked_at: Instant,
 }
@@ -242,7 +250,7 @@ impl Session<'_> {
         memory: &mut Memory,
     ) -> Result<(), ShopFloorError> {
         self.is_busy.store(true, Ordering::Relaxed);
-        self.are_paths_settled = false;
+        self.to_learn = None;
         let applied = self.subscriptions.apply(changed, memory).await;
         self.feed.excuse_silence();
         self.is_busy.store(false, Ordering::Relaxed);
@@ -260,7 +268,7 @@ impl Session<'_> {
         }
         if self.subscriptions.is_retry_due() {
             self.is_busy.store(true, Ordering::Relaxed);
-            self.are_paths_settled = false;
+            self.to_learn = None;
             self.subscriptions.retry(memory).await?;
             self.feed.excuse_silence();
             self.is_busy.store(false, Ordering::Relaxed);
@@ -287,33 +295,26 @@ impl Session<'_> {
 
     /// Learns where monitored nodes hang, a few at a time.
     async fn learn_paths(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
-        if self.are_paths_settled {
-            return Ok(());
-        }
-        self.entry.set_findable(self.subscriptions.monitored().filter(|request| memory.knows_path_of(request)).count());
-        self.are_paths_settled = memory.learned.len() >= PATHS_MAX;
+        let is_new = self.to_learn.is_none();
+        let to_learn = self.to_learn.get_or_insert_with(|| memory.unknown_of(self.subscriptions.monitored()));
+        let few = to_learn.split_off(to_learn.len().saturating_sub(PATHS_PER_TICK));
         let namespaces = self.connection.namespaces();
-        let unknown: Vec<_> = self
-            .subscriptions
-            .monitored()
-            .filter(|request| request.options.browse_path.is_none())
-            .map(|request| &request.node_id)
-            .filter(|node| !memory.learned.contains_key(*node) && !memory.moved.contains_key(*node))
-            .filter_map(|node| Some((node.clone(), node_id_to_stack(node, &namespaces).ok()?)))
-            .take(PATHS_PER_TICK)
-            .collect();
-        if unknown.is_empty() {
-            self.are_paths_settled = true;
-            return Ok(());
+        let known = few.into_iter().filter_map(|node| Some((node_id_to_stack(&node, &namespaces).ok()?, node)));
+        let (ids, nodes): (Vec<_>, Vec<_>) = known.unzip();
+        if !ids.is_empty() {
+            let found = match paths::learn(&self.connection, &ids).await {
+                Ok(found) => found,
+                // A server that cannot browse upwards is a good source all the same.
+                Err(ShopFloorError::Refused { .. }) => vec![None; ids.len()],
+                Err(error) => return Err(error),
+            };
+            memory.learned.extend(nodes.into_iter().zip(found));
         }
-        let ids: Vec<_> = unknown.iter().map(|(_, id)| id.clone()).collect();
-        let found = match paths::learn(&self.connection, &ids).await {
-            Ok(found) => found,
-            // A server that cannot browse upwards is a good source all the same.
-            Err(ShopFloorError::Refused { .. }) => vec![None; ids.len()],
-            Err(error) => return Err(error),
-        };
-        memory.learned.extend(unknown.into_iter().map(|(node, _)| node).zip(found));
+        // Counting looks at every input: not after each few of many.
+        if is_new || (!ids.is_empty() && self.to_learn.as_ref().is_some_and(Vec::is_empty)) {
+            let findable = self.subscriptions.monitored().filter(|request| memory.knows_path_of(request)).count();
+            self.entry.set_findable(findable);
+        }
         Ok(())
     }
 
