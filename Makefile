@@ -6,6 +6,7 @@ MAKEFLAGS += --no-print-directory
 
 CARGO ?= cargo
 PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin simulator --bin demo
+SCRIPT_DENO := $(CURDIR)/target/script-deno/debug/script-deno
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null)
 
 help: ## this list
@@ -38,12 +39,17 @@ rust-checks: web
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --document-private-items --quiet
 
-rust-tests: web
+rust-tests: web script-deno
 	$(CARGO) build --locked --workspace --bins --tests
 	# Much of what tests do is waiting for other programs: one more at a time than there are processors.
+	# What concerns scripts is played again with the second engine.
 	if $(CARGO) nextest --version >/dev/null 2>&1; then \
-	  $(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1)); \
-	  else $(CARGO) test --locked --workspace --no-fail-fast; fi
+	  run="$(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1))"; \
+	  $$run && SCRIPT_DENO=$(SCRIPT_DENO) $$run -E 'package(script-quickjs) | (package(factory-connector) & test(/^mappings::/))'; \
+	else \
+	  $(CARGO) test --locked --workspace --no-fail-fast && \
+	  SCRIPT_DENO=$(SCRIPT_DENO) $(CARGO) test --locked -p script-quickjs --test it && \
+	  SCRIPT_DENO=$(SCRIPT_DENO) $(CARGO) test --locked -p factory-connector --test it -- mappings::; fi
 
 web-checks: web
 	$(MAKE) -j3 --output-sync=target web-lint web-check web-test
@@ -62,10 +68,9 @@ chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: M
 mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=3 SEED=n
 	tests/mutants/run.sh $(or $(MINUTES),3) $(or $(SEED),2)
 
-script-deno: ## the second script engine (needs cmake and libsimde-dev), and the conformance suite against it
-	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked \
+script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
+	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
-	SCRIPT_DENO=$(CURDIR)/target/script-deno/debug/script-deno $(CARGO) test --locked -p script-quickjs --test it
 
 asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
 	tests/foreign/asi/run.sh --with-open62541

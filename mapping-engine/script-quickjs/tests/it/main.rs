@@ -1,5 +1,5 @@
 //! The conformance suite against this worker, or against `script-deno` where `SCRIPT_DENO` names its binary: one suite
-//! holds both to the same behaviour, and the second engine's long build stays out of the workspace.
+//! holds both to the same behaviour. The second engine is built outside of the workspace.
 
 #[path = "../../../tests/conformance/suite.rs"]
 mod suite;
