@@ -75,6 +75,9 @@ script-deno: ## the second script engine, into target/script-deno (needs cmake a
 asi-foreign: foreign ## what the shared language writes, read by other stacks; open62541 too (needs a C compiler)
 	tests/foreign/asi/run.sh --with-open62541
 
+foreign-kills: foreign ## node-opcua and asyncua servers killed KILLS=100 times, everything live again within 5 s each time
+	FOREIGN_KILLS=$(or $(KILLS),100) $(CARGO) test --locked -p shop-floor --test it -- through_kills --nocapture
+
 screenshots: demo-programs ## looks for barriers, then every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
@@ -106,4 +109,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test

@@ -235,7 +235,13 @@ impl Desk {
         let mut count = 0_u64;
         for candidate in batches.into_iter().flatten() {
             count += 1;
-            self.books.candidate(&candidate.target, ValueSource::Mapping, candidate.value, candidate.state, now);
+            self.books.candidate(
+                &candidate.mapping.target,
+                ValueSource::Mapping,
+                candidate.value,
+                candidate.state,
+                now,
+            );
         }
         if count > 0 {
             metrics::counter!("verbund_candidates_total").increment(count);

@@ -16,7 +16,7 @@ mod trial;
 
 use std::sync::Arc;
 
-use asi_model::{DataValue, FieldKey};
+use asi_model::DataValue;
 use serde::{Deserialize, Serialize};
 use shop_floor::{InputChange, ShopFloorError};
 use tokio::sync::{mpsc, oneshot};
@@ -66,10 +66,8 @@ impl Default for MappingEngineConfig {
 /// What a field may get: a value for the disclosure gate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Whose value it is.
-    pub mapping_id: MappingId,
-    /// The field.
-    pub target: FieldKey,
+    /// Whose value it is, and the field's.
+    pub mapping: Arc<Mapping>,
     /// Value, status and times. Of the field's type, or without value and Bad.
     pub value: DataValue,
     /// What the functions remember once this value is out; to be committed with it. `None` where nothing is

@@ -50,14 +50,21 @@ impl Aftermath {
         }
     }
 
-    /// How a field stands, in the place of how it stood before.
-    pub(super) fn tell(&mut self, place: &mut usize, news: FieldNews) {
-        match self.events.get_mut(*place) {
-            Some(ConnectorEvent::Field(older)) if older.key == news.key => **older = news,
-            _ => {
-                *place = self.events.len();
-                self.events.push(ConnectorEvent::Field(Box::new(news)));
-            }
+    /// How a field stands, to be said anew: what was to be told before is told no more.
+    pub(super) fn news_of(&mut self, place: &mut usize, key: &FieldKey) -> &mut FieldNews {
+        if !matches!(self.events.get(*place), Some(ConnectorEvent::Field(older)) if older.key == *key) {
+            *place = self.events.len();
+            self.events.push(ConnectorEvent::Field(Box::new(FieldNews {
+                key: key.clone(),
+                mapping_state: MappingState::Pending,
+                consent_version: 0,
+                is_withheld: false,
+                value: None,
+            })));
+        }
+        match &mut self.events[*place] {
+            ConnectorEvent::Field(news) => news,
+            other => unreachable!("{other:?} is at the place of a field's news"),
         }
     }
 

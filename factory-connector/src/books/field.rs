@@ -10,7 +10,7 @@ use asi_model::{
 use mapping_engine::{Mapping, MappingId, TransformState};
 use twin::FieldRecord;
 
-use super::{Aftermath, Books, FieldNews, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
+use super::{Aftermath, Books, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
 use crate::{
     disclosure::{DisclosurePolicy, Gate, GateState},
     store::{FieldRow, FieldValueRow, StoreError},
@@ -152,14 +152,14 @@ impl Field {
 
     /// Open pages hear how it stands.
     pub(super) fn tell_pages(&mut self, key: &FieldKey, aftermath: &mut Aftermath) {
-        let news = FieldNews {
-            key: key.clone(),
-            mapping_state: self.decision.mapping_state,
-            consent_version: self.decision.version,
-            is_withheld: self.decision.is_mapped() && self.gate.is_withheld(),
-            value: self.gate.disclosed().cloned(),
-        };
-        aftermath.tell(&mut self.marks.told, news);
+        let news = aftermath.news_of(&mut self.marks.told, key);
+        news.mapping_state = self.decision.mapping_state;
+        news.consent_version = self.decision.version;
+        news.is_withheld = self.decision.is_mapped() && self.gate.is_withheld();
+        match (&mut news.value, self.gate.disclosed()) {
+            (Some(older), Some(value)) => older.clone_from(value),
+            (older, value) => *older = value.cloned(),
+        }
     }
 
     /// As stored.

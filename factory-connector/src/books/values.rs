@@ -1,6 +1,9 @@
 //! Values: through the gate, into reports. This is the only way a value leaves.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    sync::Arc,
+};
 
 use asi_model::{
     DataValue, DateTime, FieldKey, FieldName,
@@ -9,15 +12,47 @@ use asi_model::{
 };
 use mapping_engine::TransformState;
 
-use super::{Books, range_of};
+use super::{Aftermath, Books, field::Field, range_of};
 use crate::{
-    disclosure::Outcome,
+    disclosure::{Gate, Outcome},
     ledger::{Event, SALT_BYTES, values_root},
     store::{CarriedFieldRow, NewReport},
 };
 
 /// Largest NetworkMessage that several reports share, in bytes.
 const SHARED_BYTES_MAX: usize = 64 * 1024;
+
+/// Where it is noted what follows from a field's value.
+struct Follows<'b> {
+    dirty_fields: &'b mut Vec<FieldKey>,
+    dirty_writers: &'b mut BTreeSet<u16>,
+    due: &'b mut BTreeSet<(DateTime, FieldKey)>,
+    aftermath: &'b mut Aftermath,
+}
+
+impl Follows<'_> {
+    /// Whatever a field's gate is told, and what follows from it.
+    fn through_gate<T>(
+        &mut self,
+        field: &mut Field,
+        key: &FieldKey,
+        now: DateTime,
+        tell: impl FnOnce(&mut Gate) -> T,
+    ) -> T {
+        let told = tell(&mut field.gate);
+        field.mark_dirty(key, self.dirty_fields);
+        field.note_due(key, self.due);
+        if field.gate.take_news() {
+            field.traffic.left(now);
+            self.dirty_writers.insert(field.writer);
+            if let Some(value) = field.gate.disclosed() {
+                self.aftermath.disclose(&mut field.marks.disclosed, key, value);
+                field.tell_pages(key, self.aftermath);
+            }
+        }
+        told
+    }
+}
 
 impl Books {
     /// A candidate for a field, whoever brought it. `None` where the field takes none from this source.
@@ -29,7 +64,9 @@ impl Books {
         transform: Option<TransformState>,
         now: DateTime,
     ) -> Option<Outcome> {
-        let field = self.fields.get_mut(key).filter(|field| field.decision.is_open_for(source))?;
+        let is_watched = self.watchers.contains_key(key);
+        let (fields, mut follows) = self.fields_and_follows();
+        let field = fields.get_mut(key).filter(|field| field.decision.is_open_for(source))?;
         if !field.validity.contains(now) {
             if let Some(from) = field.validity.from.filter(|from| *from > now) {
                 field.newest = Some(value);
@@ -42,16 +79,12 @@ impl Books {
         }
         field.newest = Some(value.clone());
         field.traffic.came(now);
-        let field = if self.watchers.contains_key(key) {
-            // Others hear of a new state before anything of theirs leaves.
-            self.tell_watchers(key, now);
-            self.fields.get_mut(key)?
-        } else {
-            field
-        };
-        let outcome = field.gate.on(now, value);
-        self.after_gate(key, now);
-        Some(outcome)
+        if !is_watched {
+            return Some(follows.through_gate(field, key, now, |gate| gate.on(now, value)));
+        }
+        // Others hear of a new state before anything of theirs leaves.
+        self.tell_watchers(key, now);
+        self.through_gate(key, now, |gate| gate.on(now, value))
     }
 
     /// Asks every gate that wanted to be asked by now.
@@ -63,8 +96,7 @@ impl Books {
             self.due.pop_first();
             if let Some(field) = self.fields.get_mut(&key) {
                 field.noted_due = None;
-                field.gate.on_time(now);
-                self.after_gate(&key, now);
+                self.through_gate(&key, now, |gate| gate.on_time(now));
             }
         }
     }
@@ -96,18 +128,17 @@ impl Books {
     }
 
     pub(super) fn after_gate(&mut self, key: &FieldKey, now: DateTime) {
+        self.through_gate(key, now, |_| ());
+    }
+
+    fn through_gate<T>(&mut self, key: &FieldKey, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> Option<T> {
+        let (fields, mut follows) = self.fields_and_follows();
+        Some(follows.through_gate(fields.get_mut(key)?, key, now, tell))
+    }
+
+    fn fields_and_follows(&mut self) -> (&mut HashMap<FieldKey, Field>, Follows<'_>) {
         let Self { fields, dirty_fields, dirty_writers, due, aftermath, .. } = self;
-        let Some(field) = fields.get_mut(key) else { return };
-        field.mark_dirty(key, dirty_fields);
-        field.note_due(key, due);
-        if field.gate.take_news() {
-            field.traffic.left(now);
-            dirty_writers.insert(field.writer);
-            if let Some(value) = field.gate.disclosed() {
-                aftermath.disclose(&mut field.marks.disclosed, key, value);
-                field.tell_pages(key, aftermath);
-            }
-        }
+        (fields, Follows { dirty_fields, dirty_writers, due, aftermath })
     }
 
     /// Makes one key frame per data set with news, and notes everything that has to be stored with it.

@@ -110,14 +110,14 @@ impl Bench {
     /// The next candidate of a mapping; those of others stay for later.
     pub async fn next(&mut self, id: &str) -> Candidate {
         let id = mapping_id(id);
-        if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping_id == id) {
+        if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping.mapping_id == id) {
             return self.arrived.remove(at).expect("just found");
         }
         let waiting = async {
             loop {
                 let batch = self.candidates.recv().await.expect("the engine runs");
                 self.arrived.extend(batch);
-                if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping_id == id) {
+                if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping.mapping_id == id) {
                     return self.arrived.remove(at).expect("just found");
                 }
             }

@@ -27,7 +27,7 @@ async fn values_become_candidates_with_status_and_time() {
     bench.send("half", "a", vec![DataValue { server_timestamp: Some(time), ..value.clone() }]).await;
     let candidate = bench.next("half").await;
     assert_eq!(candidate.value, DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value });
-    assert_eq!(candidate.target.to_string(), "n-half/o/r/f");
+    assert_eq!(candidate.mapping.target.to_string(), "n-half/o/r/f");
     assert_eq!(candidate.state, None, "nothing is remembered");
     let status = bench.status("half").await;
     assert_eq!((status.received, status.yielded, status.faults), (1, 1, 0));

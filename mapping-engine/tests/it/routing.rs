@@ -84,7 +84,7 @@ async fn a_source_that_is_not_there_is_said() {
     let mut statuses = HashMap::new();
     while statuses.len() < 2 {
         for candidate in timeout(PATIENCE, candidates.recv()).await.expect("in time").expect("the engine runs") {
-            statuses.insert(candidate.mapping_id.to_string(), candidate.value.status);
+            statuses.insert(candidate.mapping.mapping_id.to_string(), candidate.value.status);
         }
     }
     assert!(statuses.values().all(|status| *status == StatusCode::BAD_NOT_CONNECTED), "{statuses:?}");

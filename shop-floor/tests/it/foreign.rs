@@ -169,6 +169,11 @@ fn monitor_all(floor: &Floor, source: &SourceId, peer: &Peer) {
     }
 }
 
+/// How often servers are killed: as often as `FOREIGN_KILLS` says (`make foreign-kills`).
+fn kills(usual: u32) -> u32 {
+    std::env::var("FOREIGN_KILLS").map_or(usual, |kills| kills.parse().expect("FOREIGN_KILLS is a number"))
+}
+
 /// Values, structures and types arrive, and after each of some kills all is live again within 5 s.
 async fn is_a_good_source(stack: Stack, restarts: u32) {
     let mut peer = Peer::start(stack, false).await;
@@ -266,12 +271,12 @@ async fn is_a_good_protected_source(stack: Stack) {
 
 #[tokio::test]
 async fn asyncua_is_a_good_source_through_kills_and_renumbering() {
-    is_a_good_source(Stack::Asyncua, 4).await;
+    is_a_good_source(Stack::Asyncua, kills(4)).await;
 }
 
 #[tokio::test]
 async fn node_opcua_is_a_good_source_through_kills_and_renumbering() {
-    is_a_good_source(Stack::NodeOpcua, 3).await;
+    is_a_good_source(Stack::NodeOpcua, kills(3)).await;
 }
 
 #[tokio::test]

@@ -109,6 +109,24 @@ pub(super) fn exchange_broker_store(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Every message that waits at the broker, with the name of its queue.
+pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let file = folder.join("platform/broker.sqlite");
+    if !file.exists() {
+        return Ok(Vec::new());
+    }
+    let mut store = open(&file).await?;
+    let sql = "SELECT q.name, m.body FROM messages m JOIN queues q ON q.id = m.queue_id";
+    let rows = match sqlx::query(sql).fetch_all(&mut store).await {
+        Ok(rows) => rows,
+        // A broker killed in its first instant has no tables yet.
+        Err(sqlx::Error::Database(error)) if error.message().contains("no such table") => Vec::new(),
+        Err(error) => return Err(error.into()),
+    };
+    store.close().await?;
+    Ok(rows.iter().map(|row| (row.get(0), row.get(1))).collect())
+}
+
 /// Every message that waits at the broker waits twice.
 pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     let file = folder.join("platform/broker.sqlite");

@@ -100,15 +100,26 @@ impl Speaker {
     }
 }
 
-/// Remarks that one side has and the other has not.
+/// Remarks that nobody but the broker has yet: one side has not got what the other has said, and it waits in a queue.
 pub(super) async fn on_the_way(folder: &Path) -> anyhow::Result<BTreeSet<Remark>> {
+    let queued = stores::queued(folder).await?;
     let mut found = BTreeSet::new();
     for factory in [MUNICH, HAMBURG] {
         let (here, there) = stores::remarks(folder, factory).await?;
         let (here, there): (BTreeSet<_>, BTreeSet<_>) = (here.into_iter().collect(), there.into_iter().collect());
-        found.extend(here.symmetric_difference(&there).cloned());
+        found.extend(here.symmetric_difference(&there).filter(|remark| remark.is_in(&queued)).cloned());
     }
     Ok(found)
+}
+
+impl Remark {
+    /// Whether it is in one of these messages, each with its queue.
+    fn is_in(&self, messages: &[(String, Vec<u8>)]) -> bool {
+        let queue = format!("factory.{}.{}", self.factory, if self.is_from_factory { "ingress" } else { "requests" });
+        let said = format!("\"text\":{}", Value::from(self.text.as_str()));
+        let says = |body: &[u8]| body.windows(said.len()).any(|window| window == said.as_bytes());
+        messages.iter().any(|(name, body)| *name == queue && says(body))
+    }
 }
 
 /// What does not hold: each remark is on both sides once, but for those that the broker lost with its store.
