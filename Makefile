@@ -65,8 +65,8 @@ chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: M
 	$(CARGO) build --locked $(PROGRAMS) --bin chaos
 	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED))
 
-mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=3 SEED=n
-	tests/mutants/run.sh $(or $(MINUTES),3) $(or $(SEED),2)
+mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=5 SEED=7
+	tests/mutants/run.sh $(or $(MINUTES),5) $(or $(SEED),7)
 
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \

@@ -6,7 +6,7 @@
 # Each patch here is one mutant. The tree must be clean; it is clean again afterwards, whatever happens.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-minutes=${1:-3} seed=${2:-2}
+minutes=${1:-5} seed=${2:-7}
 shift $(($# < 2 ? $# : 2))
 [ -z "$(git status --porcelain --untracked-files=no)" ] || { echo "Commit or stash first: the mutants change files." >&2; exit 1; }
 mkdir -p target/mutants
