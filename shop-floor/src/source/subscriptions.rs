@@ -11,7 +11,10 @@ use std::{
 use asi_model::values::DataValue;
 use opcua_stack::{
     limits,
-    opcua::types::{NodeId, StatusCode, TimestampsToReturn},
+    opcua::{
+        client::{UARequest as _, services::CreateMonitoredItems},
+        types::{NodeId, StatusCode, TimestampsToReturn},
+    },
     values::{node_id_to_stack, status_from_stack},
 };
 
@@ -308,10 +311,12 @@ impl Subscriptions {
             })
             .collect();
         let session = self.connection.session();
-        let id = self.subscriptions[index].id;
-        let answer = self.connection.ask(session.create_monitored_items(id, TimestampsToReturn::Both, requests)).await;
-        let created = match answer {
-            Ok(created) => created,
+        // Past the session's own list of items, which would keep all of it once more: the feed knows the handles.
+        let request = CreateMonitoredItems::new(self.subscriptions[index].id, session)
+            .timestamps_to_return(TimestampsToReturn::Both)
+            .items_to_create(requests);
+        let created = match self.connection.ask(request.send(session.channel())).await {
+            Ok(created) => created.results,
             Err(error) => {
                 handles.into_iter().for_each(|handle| self.feed.release(handle));
                 return Err(error);
