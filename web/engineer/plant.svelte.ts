@@ -11,7 +11,7 @@ const TOTALS_EVERY_MS = 300_000
 const TOGETHER_MS = 100
 
 /** Requests that a page shows. */
-type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amend' | 'refreshSoon'>
+type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' | 'refreshSoon'>
 
 /**
  * What every page of the connector's UI looks at: how the connector and the sum of all fields stand. The requests
@@ -80,7 +80,7 @@ class Plant {
     for (const field of fields) byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
     for (const shown of this.#shown) {
       if (!shown.value?.items.some(({ key }) => byRequest.has(nameOf(key)))) continue
-      shown.amend((page) => ({
+      shown.amendByEvent((page) => ({
         ...page,
         items: page.items.map((request) => {
           const news = byRequest.get(nameOf(request.key))

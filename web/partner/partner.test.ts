@@ -38,7 +38,7 @@ const view = (fields: FieldState[] = [state()]): NetworkView => ({
 })
 
 async function loaded<T>(value: T): Promise<Resource<T>> {
-  const resource = new Resource(() => Promise.resolve(value))
+  const resource = new Resource<T>(() => Promise.resolve(value))
   await resource.refresh()
   return resource
 }

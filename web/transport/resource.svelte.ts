@@ -20,6 +20,8 @@ export class Resource<T> {
   #running: AbortController | undefined
   #soon: ReturnType<typeof setTimeout> | undefined
   #again = false
+  /** What events told while a read was under way: what it brings may be older. */
+  #overtaken: ((value: T) => T)[] = []
 
   constructor(load: (signal: AbortSignal) => Promise<T>) {
     this.#load = load
@@ -30,11 +32,12 @@ export class Resource<T> {
     this.#cancel()
     const running = new AbortController()
     this.#running = running
+    this.#overtaken = []
     this.isLoading = true
     try {
       const value = await this.#load(running.signal)
       if (running.signal.aborted) return
-      this.value = value
+      this.value = this.#overtaken.reduce<T>((read, change) => change(read), value)
       this.problem = undefined
       this.readAt = clock.now
     } catch (failure) {
@@ -62,11 +65,20 @@ export class Resource<T> {
     }, SOON_MS)
   }
 
-  /** Changes the value in place of reading it again, as when an event carried the news. */
+  /** Changes the value in place of reading it again. */
   amend(change: (value: T) => T): void {
     if (this.value === undefined) return
     this.value = change(this.value)
     this.readAt = clock.now
+  }
+
+  /**
+   * Changes the value because an event told news. A read under way may bring what was before them, and is changed, too:
+   * the change must be one that does nothing where it was made already.
+   */
+  amendByEvent(change: (value: T) => T): void {
+    if (this.#running !== undefined) this.#overtaken.push(change)
+    this.amend(change)
   }
 
   stop(): void {

@@ -48,6 +48,23 @@ describe('requests', () => {
 })
 
 describe('a resource', () => {
+  it('does not lose what events told while it was being read', async () => {
+    let answer: (value: number[]) => void = () => undefined
+    const resource = new Resource(() => new Promise<number[]>((resolve) => (answer = resolve)))
+    const add = (number: number) => (known: number[]) => (known.includes(number) ? known : [...known, number])
+    const first = resource.refresh()
+    resource.amendByEvent(add(2))
+    answer([1])
+    await first
+    expect(resource.value).toEqual([1, 2])
+    const second = resource.refresh()
+    resource.amendByEvent(add(3))
+    expect(resource.value).toEqual([1, 2, 3])
+    answer([1, 2])
+    await second
+    expect(resource.value).toEqual([1, 2, 3])
+  })
+
   it('keeps its last value when a refresh fails, and recovers', async () => {
     let works = true
     const resource = new Resource(() => (works ? Promise.resolve('fine') : Promise.reject(new Problem({ title: 'x', status: 500, faults: [] }))))

@@ -8,7 +8,7 @@ import type { FieldKey, FieldState, NetworkView, OperationProgress } from '../ap
 export function takeEvent(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   const changed = fieldsOf(event).filter((field) => field.key.operationNetworkId === networkId)
   if (changed.length > 0) {
-    view.amend((known) => ({ ...known, fields: known.fields.map((field) => merge(field, changed)) }))
+    view.amendByEvent((known) => ({ ...known, fields: known.fields.map((field) => merge(field, changed)) }))
   } else if (fieldsOf(event).length === 0) view.refreshSoon()
 }
 
@@ -17,7 +17,7 @@ export function takeProgress(view: Resource<NetworkView>, networkId: string, eve
   if (event === null || typeof event !== 'object' || !('operationId' in event) || !('operationNetworkId' in event)) return
   if (event.operationNetworkId !== networkId) return
   const news = event as unknown as OperationProgress
-  view.amend((known) => ({ ...known, operations: known.operations.map((operation) => (operation.operationId === news.operationId ? { ...operation, ...news } : operation)) }))
+  view.amendByEvent((known) => ({ ...known, operations: known.operations.map((operation) => (operation.operationId === news.operationId ? { ...operation, ...news } : operation)) }))
 }
 
 function merge(field: FieldState, changed: readonly FieldState[]): FieldState {

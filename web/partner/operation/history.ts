@@ -28,7 +28,8 @@ export function takeReport(points: Resource<Point[]>, request: { operationNetwor
   )
   const at = fields[0]?.reportTimestamp ?? fields[0]?.receivedAt
   if (at === undefined || at === null) return
-  points.amend((known) => [...known.slice(1 - KEPT), { at, fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])) }])
+  const point = { at, fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])) }
+  points.amendByEvent((known) => [...known.filter((other) => other.at !== at).slice(1 - KEPT), point])
 }
 
 /** The numbers that reports said about a field, oldest first. */
