@@ -42,17 +42,20 @@ enum Notified {
 }
 
 impl DataChanges {
-    /// The changes in a notification. What a session decodes without [`decode_data_changes`] is not found.
+    /// The changes in a notification, also in one that the stack has decoded.
     ///
     /// # Errors
     /// The notification, where it is another one.
     pub fn take(notification: ExtensionObject) -> Result<Self, ExtensionObject> {
-        match notification.body {
-            Some(body) if body.as_dyn_any_ref().is::<Self>() => {
-                Ok(*body.as_dyn_any().downcast().expect("it was just seen"))
-            }
-            body => Err(ExtensionObject { body }),
+        if notification.inner_is::<Self>() {
+            return Ok(*notification.into_inner_as().expect("it was just seen"));
         }
+        if !notification.inner_is::<stack::DataChangeNotification>() {
+            return Err(notification);
+        }
+        let decoded: Box<stack::DataChangeNotification> = notification.into_inner_as().expect("it was just seen");
+        let items = decoded.monitored_items.into_iter().flatten();
+        Ok(Self { items: items.map(|item| (item.client_handle, Notified::Other(Box::new(item.value)))).collect() })
     }
 
     /// The values; those that cannot be understood are `BadDecodingError` with the times kept.
@@ -291,10 +294,12 @@ mod tests {
 
         let plain = ContextOwned::new_default(NamespaceMap::new(), DecodingOptions::test());
         let decoded = ExtensionObject::decode(&mut bytes.as_slice(), &plain.context()).expect("decoded");
+        let taken = DataChanges::take(decoded.clone()).expect("data changes").into_values(&namespaces);
         let expected = decoded.into_inner_as::<DataChangeNotification>().expect("the stack's own");
         let expected = expected.monitored_items.into_iter().flatten();
         let expected: Vec<_> = expected.map(|item| (item.client_handle, from_stack(item.value, &namespaces))).collect();
         assert_eq!(found, expected);
+        assert_eq!(taken, expected, "whoever decoded them");
         assert_eq!(found.len(), values().len());
     }
 

@@ -28,8 +28,10 @@ type Job = Box<dyn FnOnce(&mut Connection) + Send>;
 
 /// The writing connection.
 pub(super) struct Writer {
+    /// One at a time, but for those that nobody waited for to their end.
     jobs: mpsc::Sender<Job>,
-    thread: JoinHandle<()>,
+    /// `None` after it ended by a panic.
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Writer {
@@ -52,7 +54,7 @@ impl Writer {
                 }
             })
             .map_err(|source| StoreError::Access { path: database.to_owned(), source })?;
-        Ok(Self { jobs, thread })
+        Ok(Self { jobs, thread: Some(thread) })
     }
 
     /// Does all of the work or nothing of it. It goes on when nobody waits for its outcome any more.
@@ -75,18 +77,16 @@ impl Writer {
             return outcome;
         }
         // The work panicked and took the thread with it: so does its caller.
-        let ended = std::mem::replace(&mut self.thread, thread::spawn(|| ()));
-        match ended.join() {
-            Err(panic) => resume_unwind(panic),
-            Ok(()) => Err(StoreError::Closed),
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Err(panic)) => resume_unwind(panic),
+            _ => Err(StoreError::Closed),
         }
     }
 
     /// Ends the thread when everything is written.
     pub(super) async fn close(self) {
         drop(self.jobs);
-        let thread = self.thread;
-        drop(tokio::task::spawn_blocking(move || thread.join()).await);
+        drop(tokio::task::spawn_blocking(|| self.thread.map(JoinHandle::join)).await);
     }
 }
 

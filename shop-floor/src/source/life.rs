@@ -298,6 +298,7 @@ impl Session<'_> {
         let is_new = self.to_learn.is_none();
         let to_learn = self.to_learn.get_or_insert_with(|| memory.unknown_of(self.subscriptions.monitored()));
         let few = to_learn.split_off(to_learn.len().saturating_sub(PATHS_PER_TICK));
+        let are_last = !few.is_empty() && to_learn.is_empty();
         let namespaces = self.connection.namespaces();
         let known = few.into_iter().filter_map(|node| Some((node_id_to_stack(&node, &namespaces).ok()?, node)));
         let (ids, nodes): (Vec<_>, Vec<_>) = known.unzip();
@@ -311,7 +312,7 @@ impl Session<'_> {
             memory.learned.extend(nodes.into_iter().zip(found));
         }
         // Counting looks at every input: not after each few of many.
-        if is_new || (!ids.is_empty() && self.to_learn.as_ref().is_some_and(Vec::is_empty)) {
+        if is_new || are_last {
             let findable = self.subscriptions.monitored().filter(|request| memory.knows_path_of(request)).count();
             self.entry.set_findable(findable);
         }
