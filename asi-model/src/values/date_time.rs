@@ -1,15 +1,16 @@
 //! Time as OPC UA counts it (OPC 10000-6 §5.1.4): 100 ns since 1601-01-01T00:00:00Z.
 
-use std::{borrow::Cow, fmt, str::FromStr};
+use std::{borrow::Cow, fmt, num::NonZeroI64, str::FromStr};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use time::{OffsetDateTime, format_description::well_known::Rfc3339};
 
 /// An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, JsonSchema)]
+// Held as its ticks and one more, so that an `Option<DateTime>` takes no more room: every value has two of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(with = "String", extend("format" = "date-time"))]
-pub struct DateTime(i64);
+pub struct DateTime(NonZeroI64);
 
 /// A text is not an RFC 3339 time between the years 1601 and 9999.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -27,20 +28,25 @@ const MAX_TICKS: i64 = 2_650_467_743_990_000_000;
 
 impl DateTime {
     /// The earliest instant, which OPC UA also uses for "no time".
-    pub const MIN: Self = Self(0);
+    pub const MIN: Self = Self::within(0);
     /// The latest instant, "never ends".
-    pub const MAX: Self = Self(MAX_TICKS);
+    pub const MAX: Self = Self::within(MAX_TICKS);
 
     /// From ticks of 100 ns since 1601; clamped to [`Self::MIN`]..=[`Self::MAX`].
     #[must_use]
     pub fn from_ticks(ticks: i64) -> Self {
-        Self(ticks.clamp(0, MAX_TICKS))
+        Self::within(ticks.clamp(0, MAX_TICKS))
+    }
+
+    /// From ticks that lie within the bounds.
+    const fn within(ticks: i64) -> Self {
+        Self(NonZeroI64::new(ticks + 1).expect("ticks within the bounds are not negative"))
     }
 
     /// Ticks of 100 ns since 1601-01-01T00:00:00Z.
     #[must_use]
     pub const fn ticks(self) -> i64 {
-        self.0
+        self.0.get() - 1
     }
 
     /// From microseconds since 1970-01-01T00:00:00Z.
@@ -52,26 +58,26 @@ impl DateTime {
     /// Whole microseconds since 1970-01-01T00:00:00Z (rounded down).
     #[must_use]
     pub fn unix_micros(self) -> i64 {
-        (self.0 - UNIX_EPOCH_TICKS).div_euclid(10)
+        (self.ticks() - UNIX_EPOCH_TICKS).div_euclid(10)
     }
 
     /// Whole milliseconds since 1970-01-01T00:00:00Z (rounded down).
     #[must_use]
     pub fn unix_millis(self) -> i64 {
-        (self.0 - UNIX_EPOCH_TICKS).div_euclid(10_000)
+        (self.ticks() - UNIX_EPOCH_TICKS).div_euclid(10_000)
     }
 
     /// The time so much later, clamped.
     #[must_use]
     pub fn after(self, duration: std::time::Duration) -> Self {
         let ticks = i64::try_from(duration.as_nanos() / 100).unwrap_or(i64::MAX);
-        Self::from_ticks(self.0.saturating_add(ticks))
+        Self::from_ticks(self.ticks().saturating_add(ticks))
     }
 
     /// How long ago `earlier` was; zero if it lies in the future.
     #[must_use]
     pub fn since(self, earlier: Self) -> std::time::Duration {
-        let ticks = u64::try_from(self.0 - earlier.0).unwrap_or(0);
+        let ticks = u64::try_from(self.ticks() - earlier.ticks()).unwrap_or(0);
         std::time::Duration::new(ticks / 10_000_000, u32::try_from(ticks % 10_000_000).unwrap_or(0) * 100)
     }
 
@@ -79,13 +85,23 @@ impl DateTime {
     #[must_use]
     pub fn floor_to(self, step: std::time::Duration) -> Self {
         let step = i64::try_from(step.as_nanos() / 100).unwrap_or(i64::MAX);
-        if step == 0 { self } else { Self::from_ticks(self.0 - (self.0 - UNIX_EPOCH_TICKS).rem_euclid(step)) }
+        if step == 0 {
+            self
+        } else {
+            Self::from_ticks(self.ticks() - (self.ticks() - UNIX_EPOCH_TICKS).rem_euclid(step))
+        }
     }
 
     /// OPC UA VersionTime (OPC 10000-4 §7.44): seconds since 2000-01-01T00:00:00Z.
     #[must_use]
     pub fn version_time(self) -> u32 {
-        u32::try_from((self.0 - UNIX_EPOCH_TICKS) / TICKS_PER_SECOND - 946_684_800).unwrap_or(0)
+        u32::try_from((self.ticks() - UNIX_EPOCH_TICKS) / TICKS_PER_SECOND - 946_684_800).unwrap_or(0)
+    }
+}
+
+impl Default for DateTime {
+    fn default() -> Self {
+        Self::MIN
     }
 }
 
@@ -104,7 +120,7 @@ impl From<std::time::SystemTime> for DateTime {
 
 impl From<DateTime> for OffsetDateTime {
     fn from(time: DateTime) -> Self {
-        OffsetDateTime::from_unix_timestamp_nanos(i128::from(time.0 - UNIX_EPOCH_TICKS) * 100)
+        OffsetDateTime::from_unix_timestamp_nanos(i128::from(time.ticks() - UNIX_EPOCH_TICKS) * 100)
             .expect("every DateTime lies between 1601 and 9999, which OffsetDateTime covers")
     }
 }
