@@ -7,6 +7,7 @@
 mod aftermath;
 mod decisions;
 mod field;
+mod fields;
 mod mappings;
 mod operator;
 mod policies;
@@ -41,6 +42,7 @@ use uuid::Uuid;
 pub use aftermath::{Aftermath, ConnectorEvent, Decisions, FieldNews, MappingWork, TwinWork};
 pub use decisions::{DecisionError, Verdict};
 pub use field::{Field, FieldDecision, Marks};
+pub use fields::Fields;
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
 pub use policies::{DocumentError, Grounds, RecipientPolicy};
@@ -81,7 +83,7 @@ pub struct BooksConfig {
 pub struct Books {
     pub(crate) config: BooksConfig,
     pub(crate) networks: BTreeMap<OperationNetworkId, Network>,
-    pub(crate) fields: HashMap<FieldKey, Field>,
+    pub(crate) fields: Fields,
     pub(crate) writers: BTreeMap<u16, Writer>,
     pub(crate) writer_of: HashMap<RequestKey, u16>,
     /// What people entered, per operation.
@@ -92,10 +94,11 @@ pub struct Books {
     pub(crate) dirty_writers: BTreeSet<u16>,
     /// Writers about whose fields something was decided in this transaction, and when.
     pub(crate) changed_writers: BTreeMap<u16, DateTime>,
-    /// Fields whose gate or transform state has to be written; each has a mark of it, so that it stands here once.
-    pub(crate) dirty_fields: Vec<FieldKey>,
-    /// When gates want to be asked again.
-    pub(crate) due: BTreeSet<(DateTime, FieldKey)>,
+    /// Fields whose gate or transform state has to be written, by number; each has a mark of it, so that it stands here
+    /// once.
+    pub(crate) dirty_fields: Vec<i64>,
+    /// When gates want to be asked again, by the fields' numbers.
+    pub(crate) due: BTreeSet<(DateTime, i64)>,
     /// Which fields' gates look at a field's state.
     pub(crate) watchers: HashMap<FieldKey, BTreeSet<FieldKey>>,
     /// Named policies in their newest version.
@@ -131,7 +134,7 @@ impl Books {
         let mut books = Self {
             config,
             networks: BTreeMap::new(),
-            fields: HashMap::new(),
+            fields: Fields::default(),
             writers: BTreeMap::new(),
             writer_of: HashMap::new(),
             journals: HashMap::new(),

@@ -17,7 +17,7 @@ use std::{collections::VecDeque, sync::Arc, time::Duration};
 
 use asi_model::{DateTime, messages::ValueSource};
 use daemon::web::events::EventLog;
-use mapping_engine::Candidate;
+use mapping_engine::{Candidate, TargetKey};
 use messaging::{LinkHandle, spool::OverduePolicy};
 use rand::RngCore as _;
 use tokio::{sync::mpsc, time::Instant};
@@ -235,13 +235,8 @@ impl Desk {
         let mut count = 0_u64;
         for candidate in batches.into_iter().flatten() {
             count += 1;
-            self.books.candidate(
-                &candidate.mapping.target,
-                ValueSource::Mapping,
-                candidate.value,
-                candidate.state,
-                now,
-            );
+            let Candidate { target: TargetKey(number), value, state } = candidate;
+            self.books.candidate_for(number, ValueSource::Mapping, value, state, now);
         }
         if count > 0 {
             metrics::counter!("verbund_candidates_total").increment(count);

@@ -110,7 +110,7 @@ pub fn gate_to_json(state: &GateState) -> String {
         waiting: state.waiting.iter().map(|(at, value)| (*at, raw(value))).collect(),
         released: state.released.iter().copied().collect(),
         held: state.aggregation.held.as_ref().map(raw),
-        window: state.aggregation.open.as_ref().map(StoredWindow::new),
+        window: state.aggregation.open.as_deref().map(StoredWindow::new),
         is_in_withheld_state: state.is_in_withheld_state,
         withheld_by: state.withheld_by.clone(),
     };
@@ -135,7 +135,7 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
         released: stored.released.into(),
         aggregation: Aggregation {
             held: stored.held.as_deref().map(value).transpose()?,
-            open: stored.window.as_ref().map(StoredWindow::read).transpose()?,
+            open: stored.window.as_ref().map(StoredWindow::read).transpose()?.map(Box::new),
         },
         is_in_withheld_state: stored.is_in_withheld_state,
         withheld_by: stored.withheld_by,
@@ -230,7 +230,7 @@ mod tests {
         };
         let state = GateState {
             released: [at].into(),
-            aggregation: Aggregation { held: Some(DataValue::good(7_u64, at)), open: Some(window) },
+            aggregation: Aggregation { held: Some(DataValue::good(7_u64, at)), open: Some(Box::new(window)) },
             is_in_withheld_state: true,
             withheld_by: [("state".parse().expect("a name"), false)].into(),
             ..GateState::default()

@@ -12,7 +12,7 @@ use std::{
 
 use asi_model::{DataValue, DateTime};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published, Step,
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published, Step, TargetKey,
 };
 use serde_json::json;
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
@@ -24,7 +24,7 @@ use tokio_util::sync::CancellationToken;
 struct Keys(Arc<Mutex<HashMap<String, InputKey>>>);
 
 impl Inputs for Keys {
-    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+    fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError> {
         let mut keys = self.0.lock().expect("nobody panics");
         keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
         Ok(())
@@ -51,7 +51,8 @@ impl Running {
     }
 
     async fn put(&self, count: usize, steps: &serde_json::Value) {
-        let mappings = (0..count).map(|index| Published::from(mapping(index, steps)));
+        let mappings =
+            (0..).map(TargetKey).zip(0..count).map(|(target, index)| Published::new(mapping(index, steps), target));
         for result in self.handle.put_many(mappings.collect()).await.expect("the engine runs") {
             result.expect("the mapping is fine");
         }

@@ -8,6 +8,7 @@
 mod core;
 mod history;
 mod inventory;
+mod plans;
 mod routes;
 mod service;
 mod status;
@@ -63,11 +64,15 @@ impl Default for MappingEngineConfig {
     }
 }
 
+/// The consumer's own key of the field that a mapping is for; it comes back with each of the mapping's candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct TargetKey(pub i64);
+
 /// What a field may get: a value for the disclosure gate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Whose value it is, and the field's.
-    pub mapping: Arc<Mapping>,
+    /// Whose value it is.
+    pub target: TargetKey,
     /// Value, status and times. Of the field's type, or without value and Bad.
     pub value: DataValue,
     /// What the functions remember once this value is out; to be committed with it. `None` where nothing is
@@ -80,6 +85,8 @@ pub struct Candidate {
 pub struct Published {
     /// The mapping.
     pub mapping: Arc<Mapping>,
+    /// Its field, in the consumer's words.
+    pub target: TargetKey,
     /// What its functions remembered.
     pub state: Option<TransformState>,
     /// Its last candidate; shown as last usable value until the source gives one.
@@ -88,9 +95,11 @@ pub struct Published {
     pub is_shadow: bool,
 }
 
-impl From<Mapping> for Published {
-    fn from(mapping: Mapping) -> Self {
-        Self { mapping: Arc::new(mapping), state: None, last: None, is_shadow: false }
+impl Published {
+    /// A mapping that begins anew.
+    #[must_use]
+    pub fn new(mapping: impl Into<Arc<Mapping>>, target: TargetKey) -> Self {
+        Self { mapping: mapping.into(), target, state: None, last: None, is_shadow: false }
     }
 }
 
@@ -136,30 +145,21 @@ enum Command {
 
 #[derive(Debug)]
 struct Compiled {
+    mapping: Arc<Mapping>,
     plan: Arc<Plan>,
+    target: TargetKey,
     state: Option<TransformState>,
     last: Option<DataValue>,
     is_shadow: bool,
 }
 
 impl MappingEngineHandle {
-    /// Publishes a mapping, in place of the one with the same id. Returns what is doubtful about it.
+    /// Publishes mappings, each in place of the one with the same id and with what a former run left. For each what is
+    /// doubtful about it, or why it is not published: [`EngineError::Rejected`] with everything that is wrong, or a
+    /// limit.
     ///
     /// A script is checked by loading it in the background; a fault there shows in the status and as a candidate. Use
     /// [`Self::check`] to see it before.
-    ///
-    /// # Errors
-    /// [`EngineError::Rejected`] with everything that is wrong; limits; [`EngineError::Stopped`].
-    pub async fn put(
-        &self,
-        mapping: Mapping,
-        state: Option<TransformState>,
-    ) -> Result<Vec<MappingDiagnostic>, EngineError> {
-        let published = Published { mapping: Arc::new(mapping), state, last: None, is_shadow: false };
-        self.put_many(vec![published]).await?.pop().ok_or(EngineError::Stopped)?
-    }
-
-    /// Publishes many mappings, each with what a former run left. One result for each.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
@@ -169,11 +169,11 @@ impl MappingEngineHandle {
     ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
         let mut results = Vec::with_capacity(published.len());
         let mut compiled = Vec::with_capacity(published.len());
-        for Published { mapping, state, last, is_shadow } in published {
+        for Published { mapping, target, state, last, is_shadow } in published {
             let (plan, diagnostics) = compile(&mapping);
             results.push(match plan {
                 Some(plan) => {
-                    compiled.push(Compiled { plan: Arc::new(plan), state, last, is_shadow });
+                    compiled.push(Compiled { mapping, plan: Arc::new(plan), target, state, last, is_shadow });
                     Ok(diagnostics)
                 }
                 None => Err(EngineError::Rejected(diagnostics)),

@@ -1,5 +1,7 @@
 //! Where values come from: the seam to the shop floor.
 
+use std::sync::Arc;
+
 use shop_floor::{InputKey, MonitorRequest, ShopFloorError, ShopFloorHandle};
 
 /// What the engine asks of the shop floor: to monitor variables under keys, and to stop.
@@ -11,14 +13,14 @@ pub trait Inputs: Send + Sync + 'static {
     ///
     /// # Errors
     /// [`ShopFloorError`] at a limit or for options out of range.
-    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError>;
+    fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError>;
 
     /// Stops monitoring.
     fn unmonitor(&self, inputs: &[InputKey]);
 }
 
 impl Inputs for ShopFloorHandle {
-    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+    fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError> {
         self.monitor_many(requests)
     }
 

@@ -29,7 +29,7 @@ pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
 pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
 pub use engine::{
     Candidate, CircuitState, EngineError, HistoryConfig, InputStatus, MappingEngine, MappingEngineConfig,
-    MappingEngineHandle, MappingStatus, Published,
+    MappingEngineHandle, MappingStatus, Published, TargetKey,
 };
 pub use fault::{Fault, FaultKind, FaultRecord};
 pub use inputs::Inputs;

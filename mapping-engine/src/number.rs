@@ -39,9 +39,19 @@ impl Number {
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub const fn as_f64(self) -> f64 {
+        match (self, self.small()) {
+            (_, Some(v)) => v as f64,
+            (Self::Integer(v), None) => v as f64,
+            (Self::Real(v), None) => v,
+        }
+    }
+
+    /// An integer of 64 bits: nearly all are, and computing with 128 is done by software where it is not a sum.
+    #[allow(clippy::cast_possible_truncation)]
+    const fn small(self) -> Option<i64> {
         match self {
-            Self::Integer(v) => v as f64,
-            Self::Real(v) => v,
+            Self::Integer(v) if v as i64 as i128 == v => Some(v as i64),
+            _ => None,
         }
     }
 
@@ -95,6 +105,9 @@ impl Number {
     /// Product; `None` on integer overflow.
     #[must_use]
     pub fn times(self, other: Self) -> Option<Self> {
+        if let (Some(a), Some(b)) = (self.small(), other.small()) {
+            return Some(Self::Integer(i128::from(a) * i128::from(b)));
+        }
         match (self, other) {
             (Self::Integer(a), Self::Integer(b)) => a.checked_mul(b).map(Self::Integer),
             (a, b) => Some(Self::Real(a.as_f64() * b.as_f64())),
@@ -106,6 +119,11 @@ impl Number {
     pub fn divided_by(self, other: Self) -> Option<Self> {
         if other.is_zero() {
             return None;
+        }
+        if let (Some(a), Some(b)) = (self.small(), other.small())
+            && let (Some(quotient), Some(rest)) = (a.checked_div(b), a.checked_rem(b))
+        {
+            return Some(if rest == 0 { quotient.into() } else { Self::Real(self.as_f64() / other.as_f64()) });
         }
         match (self, other) {
             (Self::Integer(a), Self::Integer(b)) if a.checked_rem(b) == Some(0) => a.checked_div(b).map(Self::Integer),

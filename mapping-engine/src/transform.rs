@@ -16,6 +16,7 @@ mod windows;
 use std::sync::Arc;
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
+use smallvec::SmallVec;
 
 use crate::{
     convert,
@@ -84,6 +85,33 @@ pub(crate) struct ScriptYield {
     pub state: Option<Arc<str>>,
 }
 
+/// The last candidate.
+#[derive(Debug)]
+enum Shown {
+    /// There was none.
+    Nothing,
+    /// The last value that was not Bad, with this status.
+    Last(StatusCode),
+    Bad(Box<DataValue>),
+}
+
+impl Shown {
+    fn status(&self) -> Option<StatusCode> {
+        match self {
+            Self::Nothing => None,
+            Self::Last(status) => Some(*status),
+            Self::Bad(value) => Some(value.status),
+        }
+    }
+
+    fn set_bad(&mut self, value: &DataValue) {
+        match self {
+            Self::Bad(kept) => (**kept).clone_from(value),
+            other => *other = Self::Bad(Box::new(value.clone())),
+        }
+    }
+}
+
 /// What a transform counts about its inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Counters {
@@ -96,14 +124,14 @@ pub(crate) struct Counters {
 #[derive(Debug)]
 pub(crate) struct Transform {
     plan: Arc<Plan>,
-    slots: Box<[Slot]>,
+    /// One input is the rule, and it is at hand then.
+    slots: SmallVec<[Slot; 1]>,
     state: TransformState,
     /// The value before each function at which another input than the first enters.
     carried: Vec<(usize, Flow)>,
     /// The last value that was not Bad, with the status that the functions gave it beyond that of the inputs.
     last: Option<(DataValue, StatusCode)>,
-    /// The status of the last candidate.
-    shown: Option<StatusCode>,
+    shown: Shown,
     /// Per script step, which inputs changed since its last call.
     unsent: Vec<(usize, u32)>,
     pub counters: Counters,
@@ -120,7 +148,11 @@ impl Transform {
                 }
             }
         }
-        let shown = last.as_ref().map(|value| value.status);
+        let shown = match &last {
+            None => Shown::Nothing,
+            Some(value) if value.value.is_null() => Shown::Bad(Box::new(value.clone())),
+            Some(value) => Shown::Last(value.status),
+        };
         Self {
             slots: plan.inputs.iter().map(|_| Slot::default()).collect(),
             unsent: plan.script_steps().map(|step| (step, u32::MAX)).collect(),
@@ -140,6 +172,15 @@ impl Transform {
     /// The state, if any function has one.
     pub fn state(&self) -> Option<TransformState> {
         (!self.state.0.is_empty()).then(|| self.state.clone())
+    }
+
+    /// The last candidate, that of a former run included.
+    pub fn shown(&self) -> Option<DataValue> {
+        match &self.shown {
+            Shown::Nothing => None,
+            Shown::Last(status) => self.last.as_ref().map(|(last, _)| DataValue { status: *status, ..last.clone() }),
+            Shown::Bad(value) => Some((**value).clone()),
+        }
     }
 
     /// The last value of an input and when it came by the local clock.
@@ -291,18 +332,17 @@ impl Transform {
         now: DateTime,
         mut trace: Option<&mut Vec<TraceStep>>,
     ) -> Reaction {
-        let plan = Arc::clone(&self.plan);
+        let Self { plan, slots, state, carried, .. } = self;
         for (step, function) in plan.functions.iter().enumerate().skip(from) {
             if step > 0 && plan.carried.contains(&step) && trigger.is_none_or(|_| step != from) {
-                self.carry(step, &flow);
+                carry(carried, step, &flow);
             }
             let applied = if let Function::Script = function {
                 Applied::Call(flow)
-            } else if matches!(self.state.0.get(step), None | Some(StepState::None)) {
-                function.apply(&mut StepState::None, flow, trigger, &self.slots, now)
+            } else if matches!(state.0.get(step), None | Some(StepState::None)) {
+                function.apply(&mut StepState::None, flow, trigger, slots, now)
             } else {
-                let state = &mut Arc::make_mut(&mut self.state.0)[step];
-                function.apply(state, flow, trigger, &self.slots, now)
+                function.apply(&mut Arc::make_mut(&mut state.0)[step], flow, trigger, slots, now)
             };
             trigger = None;
             match applied {
@@ -319,13 +359,6 @@ impl Transform {
             }
         }
         self.finish(flow, trace)
-    }
-
-    fn carry(&mut self, step: usize, flow: &Flow) {
-        match self.carried.iter_mut().find(|(at, _)| *at == step) {
-            Some((_, kept)) => kept.clone_from(flow),
-            None => self.carried.push((step, flow.clone())),
-        }
     }
 
     fn call(&mut self, step: usize, flow: Flow) -> ScriptCall {
@@ -363,7 +396,7 @@ impl Transform {
                 let value = meta.with(value);
                 let inputs = self.input_status();
                 let own = if severity(meta.status) > severity(inputs) { meta.status } else { StatusCode::GOOD };
-                self.shown = Some(value.status);
+                self.shown = Shown::Last(value.status);
                 self.last = Some((value.clone(), own));
                 Reaction::Candidate(value)
             }
@@ -382,21 +415,21 @@ impl Transform {
         if severity(inputs) == 2 {
             let bad = self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
             return match bad.filter_map(|(slot, _)| slot.bad(self.last.is_some())).next() {
-                Some(bad) if self.shown != Some(bad.status) => self.say_bad(bad),
+                Some(bad) if self.shown.status() != Some(bad.status) => self.say_bad(bad),
                 _ => Reaction::Quiet,
             };
         }
         let Some((last, own)) = &self.last else { return Reaction::Quiet };
         let status = worst(inputs, *own);
-        if self.shown == Some(status) {
+        if self.shown.status() == Some(status) {
             return Reaction::Quiet;
         }
-        self.shown = Some(status);
+        self.shown = Shown::Last(status);
         Reaction::Candidate(DataValue { status, ..last.clone() })
     }
 
     fn say_bad(&mut self, value: DataValue) -> Reaction {
-        self.shown = Some(value.status);
+        self.shown.set_bad(&value);
         Reaction::Candidate(value)
     }
 
@@ -404,8 +437,17 @@ impl Transform {
         if let Some(step) = step {
             TraceStep::failed(trace, step, self.plan.name_of(step), &fault);
         }
-        self.shown = Some(fault.status);
-        Reaction::Failed(meta.failed(fault.status), FailedStep { step, fault })
+        let value = meta.failed(fault.status);
+        self.shown.set_bad(&value);
+        Reaction::Failed(value, FailedStep { step, fault })
+    }
+}
+
+/// Keeps the value before a function at which another input than the first enters.
+fn carry(carried: &mut Vec<(usize, Flow)>, step: usize, flow: &Flow) {
+    match carried.iter_mut().find(|(at, _)| *at == step) {
+        Some((_, kept)) => kept.clone_from(flow),
+        None => carried.push((step, flow.clone())),
     }
 }
 

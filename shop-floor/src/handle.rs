@@ -92,7 +92,8 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// As [`Self::monitor`].
-    pub fn monitor_many(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+    pub fn monitor_many<R: Into<Arc<MonitorRequest>>>(&self, requests: Vec<R>) -> Result<(), ShopFloorError> {
+        let requests: Vec<Arc<MonitorRequest>> = requests.into_iter().map(Into::into).collect();
         for request in &requests {
             check_options(&request.options)?;
         }
@@ -103,7 +104,7 @@ impl ShopFloorHandle {
             if registry.inputs.len() + new > inputs_max {
                 return Err(ShopFloorError::LimitReached { what: "inputs", limit: inputs_max });
             }
-            let mut by_source: HashMap<SourceId, Vec<MonitorRequest>> = HashMap::new();
+            let mut by_source: HashMap<SourceId, Vec<Arc<MonitorRequest>>> = HashMap::new();
             for request in requests {
                 entry(registry, &request.source, sources_max)?;
                 by_source.entry(request.source.clone()).or_default().push(request);

@@ -39,7 +39,7 @@ fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
         told: policy.document.disclosure.told(None),
         field_count: books
             .fields
-            .values()
+            .iter()
             .filter(|field| field.decision.is_mapped() && takes(field.decision.grounds.policy_id.as_ref()))
             .count(),
         recipients: books

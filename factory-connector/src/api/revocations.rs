@@ -97,8 +97,8 @@ fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
     let mut keys: Vec<FieldKey> = books
         .fields
         .iter()
-        .filter(|(key, field)| field.decision.is_mapped() && is_meant(key))
-        .map(|(key, _)| key.clone())
+        .filter(|field| field.decision.is_mapped() && is_meant(&field.key))
+        .map(|field| field.key.clone())
         .collect();
     keys.sort();
     keys

@@ -1,10 +1,8 @@
 //! What is to be done once a transaction is committed.
 
-use std::sync::Arc;
-
 use crate::operator::OperationKey;
 use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
-use mapping_engine::{Mapping, MappingId, TransformState};
+use mapping_engine::{MappingId, Published};
 
 /// Work for the other rooms, in this order: twin, mapping engine, link, pages.
 #[derive(Debug, Default)]
@@ -38,18 +36,6 @@ pub struct Decisions {
 }
 
 impl Aftermath {
-    /// A newly disclosed value, in the place of an older one of the same field: what partners do not get, nodes do not
-    /// show. `place` is the field's own note of where.
-    pub(super) fn disclose(&mut self, place: &mut usize, key: &FieldKey, value: &DataValue) {
-        match self.values.get_mut(*place) {
-            Some((known, older)) if known == key => older.clone_from(value),
-            _ => {
-                *place = self.values.len();
-                self.values.push((key.clone(), value.clone()));
-            }
-        }
-    }
-
     /// How a field stands, to be said anew: what was to be told before is told no more.
     pub(super) fn news_of(&mut self, place: &mut usize, key: &FieldKey) -> &mut FieldNews {
         if !matches!(self.events.get(*place), Some(ConnectorEvent::Field(older)) if older.key == *key) {
@@ -94,10 +80,8 @@ pub enum TwinWork {
 /// A change of what the mapping engine runs.
 #[derive(Debug, Clone)]
 pub enum MappingWork {
-    /// A mapping is new or changed, and goes on from this state.
-    Put(Arc<Mapping>, Option<TransformState>),
-    /// A mapping runs beside the published one and yields nothing.
-    PutShadow(Arc<Mapping>, Option<TransformState>),
+    /// A mapping is new or changed, or runs as a shadow beside the one in force.
+    Put(Published),
     /// A mapping ended.
     Remove(MappingId),
 }

@@ -114,8 +114,7 @@ impl Books {
             Verdict::LeavePending | Verdict::Refuse => Arc::clone(known.gate.policy()),
         };
         let Self { fields, shared, .. } = self;
-        let own_key = fields.get_key_value(key).map(|(own, _)| own.clone());
-        let (own_key, field) = own_key.zip(fields.get_mut(key)).ok_or(DecisionError::UnknownField)?;
+        let field = fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
         let was_mapped = field.decision.is_mapped();
         let had_source = field.decision.value_source;
         let mapping_id = field.mapping_id();
@@ -143,24 +142,22 @@ impl Books {
                 decision.mapping_state = MappingState::Mapped;
                 decision.value_source = Some(value_source);
                 let mapping = mapping.map(|mut mapping| {
-                    shared.share(&mut mapping, &own_key);
+                    shared.share(&mut mapping, &field.key);
                     Arc::new(*mapping)
                 });
                 decision.mapping = mapping.or_else(|| decision.mapping.take());
-                decision.policy = Arc::new(policy);
+                decision.policy = shared.one_policy(Arc::new(policy), field.gate.policy());
+                let effective = shared.one_policy(effective, &decision.policy);
                 if !was_mapped {
                     field.gate.close();
-                    *field.traffic = Traffic::new(now);
+                    field.traffic = Traffic::new(now);
                 }
                 field.gate.change_policy(effective, now);
                 if is_other_source {
                     field.newest = None;
                 }
                 if value_source == ValueSource::Mapping {
-                    if let Some(mapping) = decision.mapping.as_ref().filter(|_| is_other_source || !was_mapped) {
-                        let work = MappingWork::Put(Arc::clone(mapping), field.transform.clone());
-                        self.aftermath.mappings.push(work);
-                    }
+                    self.aftermath.mappings.extend(field.published().filter(|_| is_other_source || !was_mapped));
                 } else if had_source == Some(ValueSource::Mapping) {
                     self.aftermath.mappings.push(MappingWork::Remove(mapping_id));
                 }

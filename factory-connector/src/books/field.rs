@@ -7,7 +7,7 @@ use asi_model::{
     messages::{DisclosureStatement, MappingState, ValueSource},
     network::{DynamicDataRequest, ReportField},
 };
-use mapping_engine::{Mapping, MappingId, TransformState};
+use mapping_engine::{Mapping, MappingId, Published, TargetKey, TransformState};
 use twin::FieldRecord;
 
 use super::{Aftermath, Books, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
@@ -20,6 +20,8 @@ use crate::{
 /// A requested field.
 #[derive(Debug, Clone)]
 pub struct Field {
+    /// Its key.
+    pub key: FieldKey,
     /// Our number for it.
     pub id: i64,
     /// As requested.
@@ -29,7 +31,7 @@ pub struct Field {
     /// What of its values leaves.
     pub gate: Gate,
     /// How many values come and leave.
-    pub traffic: Box<Traffic>,
+    pub traffic: Traffic,
     /// From when and until when its request asks for values.
     pub validity: Validity,
     /// What came last, before its gate; not kept over restarts.
@@ -52,8 +54,8 @@ pub struct Field {
 pub struct Marks {
     /// Its state is to be written.
     pub is_dirty: bool,
-    /// Its place among the newly disclosed values.
-    pub disclosed: usize,
+    /// A value of it has left its gate.
+    pub has_left: bool,
     /// Its place among the events.
     pub told: usize,
 }
@@ -129,30 +131,36 @@ impl Field {
         }
     }
 
+    /// Work for the mapping engine: the mapping in force, which goes on from what its functions remember.
+    pub(super) fn published(&self) -> Option<MappingWork> {
+        let published = Published::new(Arc::clone(self.decision.mapping.as_ref()?), TargetKey(self.id));
+        Some(MappingWork::Put(Published { state: self.transform.clone(), ..published }))
+    }
+
     /// Its gate or transform state has to be written.
-    pub(super) fn mark_dirty(&mut self, key: &FieldKey, dirty: &mut Vec<FieldKey>) {
+    pub(super) fn mark_dirty(&mut self, dirty: &mut Vec<i64>) {
         if !std::mem::replace(&mut self.marks.is_dirty, true) {
-            dirty.push(key.clone());
+            dirty.push(self.id);
         }
     }
 
     /// Notes when its gate wants to be asked again.
-    pub(super) fn note_due(&mut self, key: &FieldKey, all: &mut BTreeSet<(DateTime, FieldKey)>) {
+    pub(super) fn note_due(&mut self, all: &mut BTreeSet<(DateTime, i64)>) {
         let due = self.gate.due();
         if due != self.noted_due {
             if let Some(noted) = self.noted_due {
-                all.remove(&(noted, key.clone()));
+                all.remove(&(noted, self.id));
             }
             if let Some(due) = due {
-                all.insert((due, key.clone()));
+                all.insert((due, self.id));
             }
             self.noted_due = due;
         }
     }
 
     /// Open pages hear how it stands.
-    pub(super) fn tell_pages(&mut self, key: &FieldKey, aftermath: &mut Aftermath) {
-        let news = aftermath.news_of(&mut self.marks.told, key);
+    pub(super) fn tell_pages(&mut self, aftermath: &mut Aftermath) {
+        let news = aftermath.news_of(&mut self.marks.told, &self.key);
         news.mapping_state = self.decision.mapping_state;
         news.consent_version = self.decision.version;
         news.is_withheld = self.decision.is_mapped() && self.gate.is_withheld();
@@ -163,11 +171,11 @@ impl Field {
     }
 
     /// As stored.
-    pub(crate) fn row(&self, key: &FieldKey) -> FieldRow {
+    pub(crate) fn row(&self) -> FieldRow {
         let decision = &self.decision;
         FieldRow {
             id: self.id,
-            key: key.clone(),
+            key: self.key.clone(),
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
             reason: decision.reason.clone(),
@@ -252,7 +260,7 @@ impl Books {
         let (key, writer) = (request.field(definition.name.clone()), *writer);
         let unreadable =
             |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
-        let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&row.policy).map_err(unreadable("policy"))?);
+        let policy = self.shared.policy(row.policy).map_err(unreadable("policy"))?;
         let mapping: Option<Mapping> =
             row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
         let mapping = mapping.map(|mut mapping| {
@@ -278,7 +286,9 @@ impl Books {
             .transpose()
             .map_err(unreadable("grounds"))?
             .unwrap_or_default();
+        let validity = self.validity_of(&key);
         let mut field = Field {
+            key,
             id: row.id,
             gate: Gate::new(Arc::clone(&policy), definition.field_type.0, GateState::default(), now),
             definition,
@@ -293,8 +303,8 @@ impl Books {
                 grounds,
                 version: row.consent_version,
             },
-            traffic: Box::new(Traffic::new(now)),
-            validity: self.validity_of(&key),
+            traffic: Traffic::new(now),
+            validity,
             newest: None,
             transform,
             shelf: Shelf::default(),
@@ -304,10 +314,12 @@ impl Books {
         };
         let decision = &field.decision;
         let policy_id = decision.grounds.policy_id.as_ref();
-        let (effective, _) = self.effective_policy(&key, &field, &decision.policy, policy_id);
+        let (effective, _) = self.effective_policy(&field.key, &field, &decision.policy, policy_id);
+        let effective = self.shared.one_policy(effective, &decision.policy);
         field.gate = Gate::new(effective, field.definition.field_type.0, gate, now);
-        self.fields.insert(key.clone(), field);
-        self.note_due(&key);
+        field.note_due(&mut self.due);
+        let key = field.key.clone();
+        self.fields.insert(field);
         self.note_expiry(&key);
         Ok(())
     }
@@ -320,7 +332,7 @@ impl Books {
     /// Puts a field's decision among the changes.
     pub(crate) fn store_field(&mut self, key: &FieldKey) {
         if let Some(field) = self.fields.get(key) {
-            self.changes.fields.insert(field.id, field.row(key));
+            self.changes.fields.insert(field.id, field.row());
         }
         self.mark_dirty(key);
     }
@@ -328,21 +340,21 @@ impl Books {
     /// A field's gate or transform state has to be written.
     pub(super) fn mark_dirty(&mut self, key: &FieldKey) {
         if let Some(field) = self.fields.get_mut(key) {
-            field.mark_dirty(key, &mut self.dirty_fields);
+            field.mark_dirty(&mut self.dirty_fields);
         }
     }
 
     /// Notes when a field's gate wants to be asked again.
     pub(crate) fn note_due(&mut self, key: &FieldKey) {
         if let Some(field) = self.fields.get_mut(key) {
-            field.note_due(key, &mut self.due);
+            field.note_due(&mut self.due);
         }
     }
 
     /// Open pages hear how a field stands.
     pub(super) fn tell_pages(&mut self, key: &FieldKey) {
         if let Some(field) = self.fields.get_mut(key) {
-            field.tell_pages(key, &mut self.aftermath);
+            field.tell_pages(&mut self.aftermath);
         }
     }
 
@@ -353,16 +365,10 @@ impl Books {
                 self.aftermath.twin.push(TwinWork::Apply(id.clone()));
             }
         }
-        for field in self.fields.values() {
-            if field.decision.is_open_for(ValueSource::Mapping)
-                && let Some(mapping) = &field.decision.mapping
-            {
-                let work = MappingWork::Put(Arc::clone(mapping), field.transform.clone());
-                self.aftermath.mappings.push(work);
-            }
-        }
-        let with_shadow = self.fields.iter().filter(|(_, field)| field.shelf.shadow.is_some());
-        for key in with_shadow.map(|(key, _)| key.clone()).collect::<Vec<_>>() {
+        let open = self.fields.iter().filter(|field| field.decision.is_open_for(ValueSource::Mapping));
+        self.aftermath.mappings.extend(open.filter_map(Field::published));
+        let with_shadow = self.fields.iter().filter(|field| field.shelf.shadow.is_some());
+        for key in with_shadow.map(|field| field.key.clone()).collect::<Vec<_>>() {
             self.show_shadow(&key);
         }
     }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use asi_model::{DateTime, FieldKey, messages::ValueSource};
-use mapping_engine::{Mapping, MappingId, TransformState};
+use mapping_engine::{Mapping, MappingId, Published, TargetKey, TransformState};
 
 use super::{Books, Field, MappingWork, decisions::DecisionError};
 use crate::store::{ShadowRow, StoreError, VersionRow};
@@ -19,7 +19,7 @@ pub struct Shelf {
     /// The mapping of the decision is the newest version: it is or was in force.
     pub is_recorded: bool,
     /// A mapping that runs beside the published one and writes nothing.
-    pub shadow: Option<Shadow>,
+    pub shadow: Option<Box<Shadow>>,
 }
 
 /// A mapping on trial.
@@ -133,20 +133,17 @@ impl Books {
     /// changes. Fields that are gone meanwhile are passed over.
     pub fn place(&mut self, placings: Vec<Placing>, now: DateTime) {
         for Placing { mut mapping, author, note } in placings {
-            let Some((key, _)) = self.fields.get_key_value(&mapping.target) else { continue };
-            let key = key.clone();
+            let Some(key) = self.fields.get(&mapping.target).map(|field| field.key.clone()) else { continue };
             self.shared.share(&mut mapping, &key);
             let (Some(outcome), Some(field)) = (self.outcome_of(&mapping), self.fields.get_mut(&key)) else { continue };
             if outcome == Placed::Unchanged {
                 continue;
             }
             field.transform = field.state_for(&mapping).filter(|_| outcome == Placed::Published);
-            let mapping = Arc::new(mapping);
+            field.decision.mapping = Some(Arc::new(mapping));
             if outcome == Placed::Published {
-                let work = MappingWork::Put(Arc::clone(&mapping), field.transform.clone());
-                self.aftermath.mappings.push(work);
+                self.aftermath.mappings.extend(field.published());
             }
-            field.decision.mapping = Some(mapping);
             field.shelf.is_recorded = false;
             if outcome == Placed::Published {
                 self.record_version(&key, Some(author), note, now);
@@ -171,7 +168,7 @@ impl Books {
         let row = mapping.map(|mapping| {
             let mapping = Mapping { mapping_id: field.shadow_id(), ..mapping };
             let row = ShadowRow { mapping: json(&mapping), author: author.to_owned(), started_at: now };
-            field.shelf.shadow = Some(Shadow { mapping, author: author.to_owned(), started_at: now });
+            field.shelf.shadow = Some(Box::new(Shadow { mapping, author: author.to_owned(), started_at: now }));
             row
         });
         if row.is_none() {
@@ -188,7 +185,11 @@ impl Books {
     pub(super) fn show_shadow(&mut self, key: &FieldKey) {
         let Some(field) = self.fields.get(key) else { return };
         self.aftermath.mappings.push(match &field.shelf.shadow {
-            Some(shadow) => MappingWork::PutShadow(Arc::new(shadow.mapping.clone()), field.state_for(&shadow.mapping)),
+            Some(shadow) => MappingWork::Put(Published {
+                state: field.state_for(&shadow.mapping),
+                is_shadow: true,
+                ..Published::new(shadow.mapping.clone(), TargetKey(field.id))
+            }),
             None => MappingWork::Remove(field.shadow_id()),
         });
     }
@@ -232,7 +233,7 @@ impl Books {
         let shadow = shadow
             .map(|row| {
                 let mapping = serde_json::from_str(&row.mapping).map_err(unreadable)?;
-                Ok::<_, StoreError>(Shadow { mapping, author: row.author, started_at: row.started_at })
+                Ok::<_, StoreError>(Box::new(Shadow { mapping, author: row.author, started_at: row.started_at }))
             })
             .transpose()?;
         Ok(Shelf { version: newest.map(|(version, _)| version).unwrap_or_default(), is_recorded, shadow })

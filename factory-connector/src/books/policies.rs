@@ -182,10 +182,10 @@ impl Books {
     /// field's unit.
     #[must_use]
     pub fn policy_changes(&self, id: &DocumentId, draft: &DisclosurePolicy) -> Vec<PolicyChange> {
-        let mapped = self.fields.iter().filter(|(_, field)| field.decision.is_mapped());
+        let mapped = self.fields.iter().filter(|field| field.decision.is_mapped());
         mapped
-            .filter_map(|(key, field)| {
-                let (decision, definition) = (&field.decision, &field.definition);
+            .filter_map(|field| {
+                let (key, decision, definition) = (&field.key, &field.decision, &field.definition);
                 let with = |own: &DisclosurePolicy| {
                     let mut all = decision.policy.strictest(own);
                     for id in self.named_for(key, decision.grounds.policy_id.as_ref()).into_iter().filter(|n| *n != id)
@@ -221,9 +221,9 @@ impl Books {
         let changed: Vec<(FieldKey, Arc<DisclosurePolicy>)> = self
             .fields
             .iter()
-            .filter(|(_, field)| field.decision.is_mapped())
-            .filter_map(|(key, field)| {
-                let decision = &field.decision;
+            .filter(|field| field.decision.is_mapped())
+            .filter_map(|field| {
+                let (key, decision) = (&field.key, &field.decision);
                 let (effective, _) =
                     self.effective_policy(key, field, &decision.policy, decision.grounds.policy_id.as_ref());
                 (effective != *field.gate.policy()).then(|| (key.clone(), effective))

@@ -173,11 +173,12 @@ impl Books {
         self.last_field += 1;
         let decision = FieldDecision::default();
         let field = Field {
+            key: key.clone(),
             id: self.last_field,
             gate: Gate::new(Arc::clone(&decision.policy), definition.field_type.0, GateState::default(), now),
             definition,
             decision,
-            traffic: Box::new(Traffic::new(now)),
+            traffic: Traffic::new(now),
             validity: self.validity_of(key),
             newest: None,
             transform: None,
@@ -186,7 +187,7 @@ impl Books {
             noted_due: None,
             marks: super::Marks::default(),
         };
-        self.fields.insert(key.clone(), field);
+        self.fields.insert(field);
         self.store_field(key);
     }
 
@@ -209,7 +210,7 @@ impl Books {
         let Some(field) = self.fields.remove(key) else { return false };
         self.tell_watchers(key, now);
         if let Some(due) = field.noted_due {
-            self.due.remove(&(due, key.clone()));
+            self.due.remove(&(due, field.id));
         }
         self.unwatch(key);
         self.changes.fields.remove(&field.id);

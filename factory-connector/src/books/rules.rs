@@ -81,7 +81,8 @@ impl Books {
         let key = DocumentVersion { id: "draft".parse().expect("an id"), version: 0 };
         let mut found: Vec<(FieldKey, RuleOffer)> = self
             .fields
-            .keys()
+            .iter()
+            .map(|field| &field.key)
             .filter_map(|field| Some((field.clone(), self.offer_of(field, std::iter::once((&key, rule)))?)))
             .collect();
         found.sort_by(|left, right| left.0.cmp(&right.0));
@@ -159,11 +160,11 @@ impl Books {
         let mut undecided: Vec<FieldKey> = self
             .fields
             .iter()
-            .filter(|(key, field)| {
+            .filter(|field| {
                 // What an engineer left open stays with the engineer.
-                network.is_none_or(|network| key.request.operation_network_id == *network) && field.is_undecided()
+                network.is_none_or(|network| field.key.request.operation_network_id == *network) && field.is_undecided()
             })
-            .map(|(key, _)| key.clone())
+            .map(|field| field.key.clone())
             .collect();
         undecided.sort();
         undecided.into_iter().filter(|key| self.apply_offer(key, now)).count()

@@ -1,16 +1,23 @@
 //! Texts that many mappings have in common are held once.
 
-use std::{collections::HashSet, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use asi_model::{FieldKey, values::Namespace};
 use mapping_engine::Mapping;
 use shop_floor::SourceId;
+
+use crate::disclosure::DisclosurePolicy;
 
 /// The sources and namespaces that mappings name. There are few of them, whatever comes and goes.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     sources: HashSet<SourceId>,
     namespaces: HashSet<Arc<str>>,
+    /// By their JSON: many fields have the same, most of them none.
+    policies: HashMap<String, Arc<DisclosurePolicy>>,
 }
 
 impl Shared {
@@ -28,6 +35,29 @@ impl Shared {
         }
         mapping.inputs.shrink_to_fit();
         mapping.steps.shrink_to_fit();
+    }
+
+    /// A stored policy.
+    pub fn policy(&mut self, json: String) -> serde_json::Result<Arc<DisclosurePolicy>> {
+        if let Some(known) = self.policies.get(&json) {
+            return Ok(Arc::clone(known));
+        }
+        let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&json)?);
+        self.policies.insert(json, Arc::clone(&policy));
+        Ok(policy)
+    }
+
+    /// The policy that holds for a field, given the field's own.
+    pub fn one_policy(
+        &mut self,
+        effective: Arc<DisclosurePolicy>,
+        own: &Arc<DisclosurePolicy>,
+    ) -> Arc<DisclosurePolicy> {
+        if effective == *own {
+            return Arc::clone(own);
+        }
+        let json = serde_json::to_string(&*effective).expect("policies have text keys and finite numbers");
+        Arc::clone(self.policies.entry(json).or_insert(effective))
     }
 }
 

@@ -2,7 +2,7 @@ use asi_model::{
     DataValue, Variant,
     messages::{GapCause, MappingState, ValueSource},
 };
-use mapping_engine::Mapping;
+use mapping_engine::{Mapping, Published};
 use serde_json::{Value, json};
 
 use super::*;
@@ -356,7 +356,7 @@ fn a_shadow_goes_with_its_field() {
     let shadow = fitted(&books, &json!([]));
     books.set_shadow(&field("made"), Some(shadow), "eve", at(1)).expect("there is the field");
     let started = books.take();
-    assert!(matches!(started.1.mappings.as_slice(), [MappingWork::PutShadow(..)]));
+    assert!(matches!(started.1.mappings.as_slice(), [MappingWork::Put(Published { is_shadow: true, .. })]));
     arrive(&mut books, network(2, |request| request["reportDataFormat"]["reportFieldList"] = json!([])));
     let (changes, aftermath) = books.take();
     assert!(changes.mappings.is_empty());

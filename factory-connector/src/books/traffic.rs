@@ -11,56 +11,65 @@ const HOURS: usize = 24;
 const HOUR_MS: i64 = 3_600_000;
 
 /// Counts per hour over the last day.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Traffic {
     since: DateTime,
-    /// The hour since 1970 in which the newest count was made.
-    newest_hour: i64,
-    counts: [(u32, u32); HOURS],
+    /// The present hour, since 1970, and its counts.
+    hour: i64,
+    present: (u32, u32),
+    /// The counts of the hours before it, each in the place of its hour; made when they are first needed.
+    earlier: Option<Box<[(u32, u32); HOURS]>>,
 }
 
 impl Traffic {
     /// Nothing counted yet.
     #[must_use]
     pub fn new(since: DateTime) -> Self {
-        Self { since, newest_hour: since.unix_millis().div_euclid(HOUR_MS), counts: [(0, 0); HOURS] }
+        Self { since, hour: since.unix_millis().div_euclid(HOUR_MS), present: (0, 0), earlier: None }
     }
 
     /// A value came.
     pub fn came(&mut self, now: DateTime) {
-        let count = &mut self.of(now).0;
-        *count = count.saturating_add(1);
+        self.turn_to(now);
+        self.present.0 = self.present.0.saturating_add(1);
     }
 
     /// A value left.
     pub fn left(&mut self, now: DateTime) {
-        let count = &mut self.of(now).1;
-        *count = count.saturating_add(1);
+        self.turn_to(now);
+        self.present.1 = self.present.1.saturating_add(1);
     }
 
     /// What was counted.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn measured(&self, now: DateTime) -> Measured {
-        let mut counted = *self;
-        counted.of(now);
+        let mut counted = self.clone();
+        counted.turn_to(now);
+        let counts = || counted.earlier.iter().flat_map(|hours| hours.iter()).chain([&counted.present]);
         let hours = (now.since(self.since).as_secs_f64() / 3600.0).min(HOURS as f64);
         Measured {
-            candidates: counted.counts.iter().map(|(came, _)| u64::from(*came)).sum(),
-            released: counted.counts.iter().map(|(_, left)| u64::from(*left)).sum(),
+            candidates: counts().map(|(came, _)| u64::from(*came)).sum(),
+            released: counts().map(|(_, left)| u64::from(*left)).sum(),
             hours,
         }
     }
 
-    /// The counts of the present hour, with hours that are over a day ago forgotten.
-    fn of(&mut self, now: DateTime) -> &mut (u32, u32) {
-        let hour = now.unix_millis().div_euclid(HOUR_MS).max(self.newest_hour);
-        let place = |hour: i64| usize::try_from(hour.rem_euclid(HOURS as i64)).unwrap_or(0);
-        for passed in (self.newest_hour + 1..=hour).rev().take(HOURS) {
-            self.counts[place(passed)] = (0, 0);
+    /// Goes on to the hour of `now`; hours that are over a day ago are forgotten.
+    fn turn_to(&mut self, now: DateTime) {
+        let hour = now.unix_millis().div_euclid(HOUR_MS);
+        if hour <= self.hour {
+            return;
         }
-        self.newest_hour = hour;
-        &mut self.counts[place(hour)]
+        let place = |hour: i64| usize::try_from(hour.rem_euclid(HOURS as i64)).unwrap_or(0);
+        if self.present != (0, 0) || self.earlier.is_some() {
+            let earlier = self.earlier.get_or_insert_with(|| Box::new([(0, 0); HOURS]));
+            earlier[place(self.hour)] = std::mem::take(&mut self.present);
+            for passed in (self.hour + 1..=hour).rev().take(HOURS) {
+                earlier[place(passed)] = (0, 0);
+            }
+        }
+        self.hour = hour;
     }
 }
 
@@ -117,7 +126,7 @@ impl Books {
             operation_id: operation.operation_id.clone(),
             dynamic_data_request_id: request.dynamic_data_request_id.clone(),
         };
-        self.fields.get_key_value(&key.field(name.clone()))
+        self.fields.get(&key.field(name.clone())).map(|field| (&field.key, field))
     }
 }
 

@@ -75,7 +75,7 @@ impl Books {
         }
         let is_over = |field: &Field| field.decision.is_mapped() && field.validity.has_ended(now);
         let mut over: Vec<FieldKey> =
-            self.fields.iter().filter(|(_, field)| is_over(field)).map(|(key, _)| key.clone()).collect();
+            self.fields.iter().filter(|field| is_over(field)).map(|field| field.key.clone()).collect();
         over.sort();
         let mut writers = std::collections::BTreeSet::new();
         for key in over {
@@ -101,7 +101,8 @@ impl Books {
         for writer in writers {
             self.refresh_writer(writer, now);
         }
-        let ends = self.fields.values().filter(|field| field.decision.is_mapped()).filter_map(|f| f.validity.until);
+        let ends =
+            self.fields.iter().filter(|field| field.decision.is_mapped()).filter_map(|field| field.validity.until);
         self.next_expiry = ends.min();
     }
 }

@@ -1,7 +1,7 @@
 //! Values: through the gate, into reports. This is the only way a value leaves.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet},
     sync::Arc,
 };
 
@@ -12,7 +12,7 @@ use asi_model::{
 };
 use mapping_engine::TransformState;
 
-use super::{Aftermath, Books, field::Field, range_of};
+use super::{Books, Marks, field::Field, range_of};
 use crate::{
     disclosure::{Gate, Outcome},
     ledger::{Event, SALT_BYTES, values_root},
@@ -24,30 +24,21 @@ const SHARED_BYTES_MAX: usize = 64 * 1024;
 
 /// Where it is noted what follows from a field's value.
 struct Follows<'b> {
-    dirty_fields: &'b mut Vec<FieldKey>,
+    dirty_fields: &'b mut Vec<i64>,
     dirty_writers: &'b mut BTreeSet<u16>,
-    due: &'b mut BTreeSet<(DateTime, FieldKey)>,
-    aftermath: &'b mut Aftermath,
+    due: &'b mut BTreeSet<(DateTime, i64)>,
 }
 
 impl Follows<'_> {
     /// Whatever a field's gate is told, and what follows from it.
-    fn through_gate<T>(
-        &mut self,
-        field: &mut Field,
-        key: &FieldKey,
-        now: DateTime,
-        tell: impl FnOnce(&mut Gate) -> T,
-    ) -> T {
+    fn through_gate<T>(&mut self, field: &mut Field, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> T {
         let told = tell(&mut field.gate);
-        field.mark_dirty(key, self.dirty_fields);
-        field.note_due(key, self.due);
+        field.mark_dirty(self.dirty_fields);
+        field.note_due(self.due);
         if field.gate.take_news() {
             field.traffic.left(now);
-            self.dirty_writers.insert(field.writer);
-            if let Some(value) = field.gate.disclosed() {
-                self.aftermath.disclose(&mut field.marks.disclosed, key, value);
-                field.tell_pages(key, self.aftermath);
+            if !std::mem::replace(&mut field.marks.has_left, true) {
+                self.dirty_writers.insert(field.writer);
             }
         }
         told
@@ -64,13 +55,26 @@ impl Books {
         transform: Option<TransformState>,
         now: DateTime,
     ) -> Option<Outcome> {
-        let is_watched = self.watchers.contains_key(key);
-        let (fields, mut follows) = self.fields_and_follows();
-        let field = fields.get_mut(key).filter(|field| field.decision.is_open_for(source))?;
+        let number = self.fields.get(key)?.id;
+        self.candidate_for(number, source, value, transform, now)
+    }
+
+    /// As [`Self::candidate`], for the field of this number.
+    pub fn candidate_for(
+        &mut self,
+        number: i64,
+        source: ValueSource,
+        value: DataValue,
+        transform: Option<TransformState>,
+        now: DateTime,
+    ) -> Option<Outcome> {
+        let Self { fields, watchers, dirty_fields, dirty_writers, due, .. } = self;
+        let mut follows = Follows { dirty_fields, dirty_writers, due };
+        let field = fields.get_numbered_mut(number).filter(|field| field.decision.is_open_for(source))?;
         if !field.validity.contains(now) {
             if let Some(from) = field.validity.from.filter(|from| *from > now) {
                 field.newest = Some(value);
-                self.beginnings.insert((from, key.clone()));
+                self.beginnings.insert((from, field.key.clone()));
             }
             return None;
         }
@@ -79,24 +83,25 @@ impl Books {
         }
         field.newest = Some(value.clone());
         field.traffic.came(now);
-        if !is_watched {
-            return Some(follows.through_gate(field, key, now, |gate| gate.on(now, value)));
+        if !watchers.contains_key(&field.key) {
+            return Some(follows.through_gate(field, now, |gate| gate.on(now, value)));
         }
         // Others hear of a new state before anything of theirs leaves.
-        self.tell_watchers(key, now);
-        self.through_gate(key, now, |gate| gate.on(now, value))
+        let key = field.key.clone();
+        self.tell_watchers(&key, now);
+        self.through_gate(number, now, |gate| gate.on(now, value))
     }
 
     /// Asks every gate that wanted to be asked by now.
     pub fn release_due(&mut self, now: DateTime) {
-        while let Some((at, key)) = self.due.first().cloned() {
+        while let Some((at, number)) = self.due.first().copied() {
             if at > now {
                 break;
             }
             self.due.pop_first();
-            if let Some(field) = self.fields.get_mut(&key) {
+            if let Some(field) = self.fields.get_numbered_mut(number) {
                 field.noted_due = None;
-                self.through_gate(&key, now, |gate| gate.on_time(now));
+                self.through_gate(number, now, |gate| gate.on_time(now));
             }
         }
     }
@@ -112,12 +117,9 @@ impl Books {
         for writer in self.writers.values_mut() {
             writer.last_sign_at = writer.last_sign_at.min(now);
         }
-        let keys: Vec<FieldKey> = self.fields.keys().cloned().collect();
-        for key in keys {
-            if let Some(field) = self.fields.get_mut(&key) {
-                field.gate.set_clock_back(now);
-            }
-            self.note_due(&key);
+        for field in self.fields.iter_mut() {
+            field.gate.set_clock_back(now);
+            field.note_due(&mut self.due);
         }
     }
 
@@ -128,17 +130,15 @@ impl Books {
     }
 
     pub(super) fn after_gate(&mut self, key: &FieldKey, now: DateTime) {
-        self.through_gate(key, now, |_| ());
+        if let Some(number) = self.fields.get(key).map(|field| field.id) {
+            self.through_gate(number, now, |_| ());
+        }
     }
 
-    fn through_gate<T>(&mut self, key: &FieldKey, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> Option<T> {
-        let (fields, mut follows) = self.fields_and_follows();
-        Some(follows.through_gate(fields.get_mut(key)?, key, now, tell))
-    }
-
-    fn fields_and_follows(&mut self) -> (&mut HashMap<FieldKey, Field>, Follows<'_>) {
-        let Self { fields, dirty_fields, dirty_writers, due, aftermath, .. } = self;
-        (fields, Follows { dirty_fields, dirty_writers, due, aftermath })
+    fn through_gate<T>(&mut self, number: i64, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> Option<T> {
+        let Self { fields, dirty_fields, dirty_writers, due, .. } = self;
+        let mut follows = Follows { dirty_fields, dirty_writers, due };
+        Some(follows.through_gate(fields.get_numbered_mut(number)?, now, tell))
     }
 
     /// Makes one key frame per data set with news, and notes everything that has to be stored with it.
@@ -185,11 +185,18 @@ impl Books {
             shared.push(report);
         }
         self.close_message(&mut shared);
-        for key in std::mem::take(&mut self.dirty_fields) {
-            if let Some(field) = self.fields.get_mut(&key) {
-                field.marks.is_dirty = false;
-                self.changes.field_values.insert(field.id, field.value_row());
+        for number in std::mem::take(&mut self.dirty_fields) {
+            let Some(field) = self.fields.get_numbered_mut(number) else { continue };
+            let Marks { is_dirty, has_left, .. } = &mut field.marks;
+            *is_dirty = false;
+            // What partners do not get, nodes and pages do not show: the newest that left, not each.
+            if std::mem::take(has_left)
+                && let Some(value) = field.gate.disclosed()
+            {
+                self.aftermath.values.push((field.key.clone(), value.clone()));
+                field.tell_pages(&mut self.aftermath);
             }
+            self.changes.field_values.insert(field.id, field.value_row());
         }
     }
 

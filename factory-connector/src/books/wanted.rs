@@ -45,14 +45,14 @@ impl Books {
     /// The mappings of all fields, in force or proposed, in no order.
     #[must_use]
     pub fn all_mappings(&self) -> Vec<Mapping> {
-        self.fields.values().filter_map(|field| field.decision.mapping.as_deref().cloned()).collect()
+        self.fields.iter().filter_map(|field| field.decision.mapping.as_deref().cloned()).collect()
     }
 
     /// Which variables were chosen for which fields, whether or not they still flow.
     #[must_use]
     pub fn past_decisions(&self) -> Vec<PastDecision> {
         let decided =
-            self.fields.iter().filter_map(|(key, field)| Some((key, field, field.decision.mapping.as_ref()?)));
+            self.fields.iter().filter_map(|field| Some((&field.key, field, field.decision.mapping.as_ref()?)));
         decided
             .flat_map(|(key, field, mapping)| {
                 mapping.inputs.iter().map(|input| PastDecision {

@@ -14,7 +14,7 @@ impl Books {
         let watching: Vec<(FieldKey, BTreeSet<FieldName>)> = self
             .fields
             .iter()
-            .map(|(key, field)| (key.clone(), others(field.gate.policy()).cloned().collect::<BTreeSet<_>>()))
+            .map(|field| (field.key.clone(), others(field.gate.policy()).cloned().collect::<BTreeSet<_>>()))
             .filter(|(_, others)| !others.is_empty())
             .collect();
         for (key, others) in watching {

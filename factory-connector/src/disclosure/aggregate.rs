@@ -65,7 +65,7 @@ pub struct Aggregation {
     /// The newest value.
     pub held: Option<DataValue>,
     /// The window whose end will publish something.
-    pub open: Option<OpenWindow>,
+    pub open: Option<Box<OpenWindow>>,
 }
 
 /// A window that has not ended.
@@ -107,7 +107,7 @@ impl Aggregation {
     /// A value came at `now`; the window before has been closed.
     pub fn take(&mut self, aggregate: WindowAggregate, now: DateTime, value: DataValue, field_type: BuiltInType) {
         let from = now.floor_to(aggregate.window());
-        let open = self.open.get_or_insert_with(|| OpenWindow::new(from, self.held.as_ref(), field_type));
+        let open = self.open.get_or_insert_with(|| Box::new(OpenWindow::new(from, self.held.as_ref(), field_type)));
         open.weigh(self.held.as_ref(), now);
         open.count(&value);
         open.add(&value);
@@ -148,7 +148,7 @@ impl Aggregation {
         let next = silent.result(aggregate.function, self.held.as_ref(), field_type);
         if result.is_some() && next.is_some_and(|next| !says_the_same(&next, result.as_ref())) {
             idle.weighed_until = end;
-            self.open = Some(idle);
+            self.open = Some(Box::new(idle));
         }
         result.map(|value| (end, value))
     }

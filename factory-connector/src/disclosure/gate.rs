@@ -8,7 +8,12 @@ use std::{
 
 use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
 
-use super::{AggregateFunction, DisclosurePolicy, aggregate::Aggregation, coarsening::coarsen, rate};
+use super::{
+    AggregateFunction, DisclosurePolicy,
+    aggregate::Aggregation,
+    coarsening::{Coarsened, coarsen},
+    rate,
+};
 
 /// Most values that wait for their delay; within a share of the delay the latest replaces the one before it.
 const DELAYED_MAX: u32 = 256;
@@ -60,6 +65,8 @@ pub struct GateState {
 #[derive(Debug, Clone)]
 pub struct Gate {
     policy: Arc<DisclosurePolicy>,
+    /// The policy coarsens values alone: what comes may leave at once.
+    is_immediate: bool,
     field_type: BuiltInType,
     state: GateState,
     /// The newest value whose delay is over, with the time it came.
@@ -82,7 +89,8 @@ impl Gate {
             *released_at = (*released_at).min(now);
         }
         state.aggregation.set_clock_back(now);
-        Self { policy, field_type, state, ripe: None, not_before: None, has_news: false }
+        let is_immediate = policy.is_immediate();
+        Self { policy, is_immediate, field_type, state, ripe: None, not_before: None, has_news: false }
     }
 
     /// The policy in force.
@@ -121,6 +129,9 @@ impl Gate {
 
     /// Takes a candidate. Whatever was due before it is released first.
     pub fn on(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
+        if self.is_idle() && self.state.last_released_at.is_none_or(|last| last <= now) {
+            return self.on_at_once(now, candidate);
+        }
         self.on_time(now);
         if let Some(is_withheld) = self.policy.is_own_state_withheld(&candidate) {
             self.state.is_in_withheld_state = is_withheld;
@@ -146,6 +157,24 @@ impl Gate {
             None => Outcome::Unchanged { is_coarsened },
             Some(until) => Outcome::Withheld { until },
         }
+    }
+
+    /// Nothing waits, and nothing that comes has to.
+    fn is_idle(&self) -> bool {
+        self.is_immediate && self.ripe.is_none() && self.state.waiting.is_empty() && !self.state.is_in_withheld_state
+    }
+
+    /// Takes a candidate where [`Self::is_idle`]: what all of the above comes to then, for the many fields of which
+    /// every change leaves.
+    fn on_at_once(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
+        let Coarsened { value, is_coarsened } = coarsen(&self.policy, self.field_type, candidate);
+        if self.is_known(&value) {
+            return Outcome::Unchanged { is_coarsened };
+        }
+        self.state.disclosed = Some(value);
+        self.state.last_released_at = Some(now);
+        self.has_news = true;
+        Outcome::Disclosed { is_coarsened }
     }
 
     /// Another field came into, or left, a state in which nothing of this one leaves; `None` where its state is not
@@ -225,6 +254,9 @@ impl Gate {
     /// When something may be released next.
     #[must_use]
     pub fn due(&self) -> Option<DateTime> {
+        if self.is_idle() {
+            return None;
+        }
         let ripens_at = self.state.waiting.front().map(|(arrived_at, _)| arrived_at.after(self.policy.delay()));
         let ends_at = self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
         [self.release_at(), ripens_at, ends_at].into_iter().flatten().min()
@@ -241,6 +273,7 @@ impl Gate {
             self.state.withheld_by.clear();
         }
         self.not_before = None;
+        self.is_immediate = policy.is_immediate();
         self.policy = policy;
         let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
         self.ripe = self.ripe.take().map(|(at, value)| (at, again(value)));
@@ -277,14 +310,11 @@ impl Gate {
 
     /// Nothing new for those who know what left last. A sum is new with every window: two fives are ten.
     fn is_known(&self, value: &DataValue) -> bool {
-        let is_sum = self.policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
-        let is_zero = value.value.as_f64() == Some(0.0);
-        (!is_sum || is_zero)
-            && self
-                .state
-                .disclosed
-                .as_ref()
-                .is_some_and(|known| known.value == value.value && known.status == value.status)
+        let is_sum = || self.policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
+        let is_zero = || value.value.as_f64() == Some(0.0);
+        let known = self.state.disclosed.as_ref();
+        known.is_some_and(|known| known.value == value.value && known.status == value.status)
+            && (!is_sum() || is_zero())
     }
 
     /// When the ripe value may leave.

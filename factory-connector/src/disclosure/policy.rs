@@ -63,6 +63,15 @@ impl DisclosurePolicy {
         *self == Self::default()
     }
 
+    /// True where values are coarsened at most: when they leave, and whether, is left to those who bring them.
+    pub(super) fn is_immediate(&self) -> bool {
+        self.aggregate.is_none()
+            && self.rate_limits.is_empty()
+            && self.withhold_while.is_empty()
+            && !self.has_hours()
+            && [self.minimum_interval(), self.time_step(), self.delay()].iter().all(Duration::is_zero)
+    }
+
     /// The minimum interval, zero without one.
     #[must_use]
     pub fn minimum_interval(&self) -> Duration {

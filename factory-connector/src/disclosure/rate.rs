@@ -30,7 +30,9 @@ impl RateLimit {
 
 /// Remembers a release for as long as one of the limits needs it.
 pub(super) fn remember(released: &mut VecDeque<DateTime>, limits: &[RateLimit], now: DateTime) {
-    let count = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max().unwrap_or(0);
+    let Some(count) = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max() else {
+        return released.clear();
+    };
     released.push_back(now);
     while released.len() > usize::try_from(count).unwrap_or(0) {
         released.pop_front();

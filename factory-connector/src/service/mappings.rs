@@ -16,12 +16,7 @@ pub(super) async fn publish(
         let mut ready: Vec<Published> = Vec::new();
         for piece in batch {
             match piece {
-                MappingWork::Put(mapping, state) => {
-                    ready.push(Published { mapping, state, last: None, is_shadow: false });
-                }
-                MappingWork::PutShadow(mapping, state) => {
-                    ready.push(Published { mapping, state, last: None, is_shadow: true });
-                }
+                MappingWork::Put(published) => ready.push(published),
                 MappingWork::Remove(id) => {
                     put(&engine, std::mem::take(&mut ready)).await;
                     if engine.remove(&id).await.is_err() {

@@ -6,12 +6,14 @@ use std::{collections::HashMap, sync::Arc, time::Instant};
 
 use asi_model::{DataValue, DateTime};
 use script_protocol::ScriptId;
-use shop_floor::{InputChange, InputKey};
+use shop_floor::{InputChange, InputKey, MonitorRequest};
+use smallvec::SmallVec;
 
 use super::{
     Candidate, Compiled, EngineError, MappingEngineConfig,
     history::History,
     inventory::{Entry, Inventory},
+    plans::Plans,
     routes::{Routes, Subscriber},
     status::MappingStatus,
     timers::Timers,
@@ -28,20 +30,23 @@ use crate::{
 pub(super) use scripts::yielded_of;
 
 /// The place of nobody: holds variables while their mapping is replaced.
-const HELD: usize = usize::MAX;
+const HELD: u32 = u32::MAX;
 
 /// Mappings, routes, timers, and what waits for the consumer.
 pub(super) struct Core {
     config: MappingEngineConfig,
     inputs: Box<dyn Inputs>,
     inventory: Inventory,
+    plans: Plans,
     routes: Routes,
     timers: Timers,
     lanes: Vec<Lane>,
     /// Where a script belongs: its mapping's place, and which of its scripts it is.
     scripts: HashMap<ScriptId, (usize, usize)>,
     last_script: u32,
-    pending: Vec<(usize, Candidate)>,
+    pending: Vec<Candidate>,
+    /// The places of the mappings that made them.
+    pending_places: Vec<u32>,
     batches: u64,
 }
 
@@ -51,12 +56,14 @@ impl Core {
             config,
             inputs,
             inventory: Inventory::default(),
+            plans: Plans::default(),
             routes: Routes::default(),
             timers: Timers::default(),
             lanes,
             scripts: HashMap::new(),
             last_script: 0,
             pending: Vec::new(),
+            pending_places: Vec::new(),
             batches: 0,
         }
     }
@@ -66,7 +73,7 @@ impl Core {
         let mut results = Vec::with_capacity(compiled.len());
         let mut put = Vec::new();
         for mapping in compiled {
-            let id = mapping.plan.mapping.mapping_id.clone();
+            let id = mapping.mapping.mapping_id.clone();
             let result = self.put(mapping, &mut requests, now);
             if result.is_ok() {
                 put.push((results.len(), id));
@@ -94,20 +101,20 @@ impl Core {
     fn put(
         &mut self,
         compiled: Compiled,
-        requests: &mut Vec<shop_floor::MonitorRequest>,
+        requests: &mut Vec<Arc<MonitorRequest>>,
         now: DateTime,
     ) -> Result<(), EngineError> {
-        let mapping = Arc::clone(&compiled.plan.mapping);
+        let mapping = Arc::clone(&compiled.mapping);
         let mut held = Vec::with_capacity(mapping.inputs.len());
-        for (input, wanted) in mapping.inputs.iter().enumerate() {
+        for (input, wanted) in (0..).zip(&mapping.inputs) {
             let subscriber = Subscriber { place: HELD, input };
             let (key, request) = self.routes.subscribe(wanted, subscriber);
             requests.extend(request);
-            held.push((key, wanted, subscriber));
+            held.push((key, subscriber));
         }
         let result = self.put_in_place(compiled, now);
-        for (key, wanted, subscriber) in held {
-            if self.routes.unsubscribe(key, wanted, subscriber) {
+        for (key, subscriber) in held {
+            if self.routes.unsubscribe(key, subscriber) {
                 requests.retain(|request| request.input != key);
                 self.inputs.unmonitor(&[key]);
             }
@@ -116,30 +123,29 @@ impl Core {
     }
 
     fn put_in_place(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
-        let Compiled { plan, state, last, is_shadow } = compiled;
-        let id = plan.mapping.mapping_id.clone();
+        let Compiled { mapping, plan, target, state, last, is_shadow } = compiled;
+        let id = mapping.mapping_id.clone();
         self.remove(&id);
         if self.inventory.len() >= self.config.mappings_max {
             return Err(EngineError::TooManyMappings(self.config.mappings_max));
         }
-        let transform = Transform::new(Arc::clone(&plan), state, last);
+        let transform = Transform::new(self.plans.shared(&mapping, plan), state, last);
         let place = self.inventory.next_place();
-        let scripts = self.place_scripts(&plan, &transform, place)?;
-        let mut keys = Vec::with_capacity(plan.mapping.inputs.len());
-        for (input, wanted) in plan.mapping.inputs.iter().enumerate() {
-            // It is held already, so there is nothing to request.
-            let (key, _) = self.routes.subscribe(wanted, Subscriber { place, input });
-            keys.push(key);
-        }
-        self.inventory.insert(id, Entry::new(transform, keys.clone().into(), scripts, is_shadow));
+        let scripts = self.place_scripts(&mapping, &transform, place)?;
+        let follower = |input| Subscriber { place: narrow(place), input };
+        // They are held already, so there is nothing to request.
+        let inputs = (0..).zip(&mapping.inputs);
+        let keys: SmallVec<_> =
+            inputs.map(|(input, wanted)| self.routes.subscribe(wanted, follower(input)).0).collect();
+        self.inventory.insert(id, Entry::new(mapping, transform, target, keys.clone(), scripts, is_shadow));
         let reaction = self.inventory.get_mut(place).map(|entry| entry.transform.start(now, None));
         if let Some(reaction) = reaction {
             self.react(place, reaction, now);
         }
-        for (input, key) in keys.into_iter().enumerate() {
+        for (input, key) in (0..).zip(keys) {
             let last = self.routes.get_mut(key).and_then(|route| route.history.newest().cloned());
             if let Some(last) = last {
-                self.take(Subscriber { place, input }, last, now, &mut Instant::now());
+                self.take(follower(input), last, now, &mut Instant::now());
             }
         }
         Ok(())
@@ -148,9 +154,8 @@ impl Core {
     pub fn remove(&mut self, id: &MappingId) -> bool {
         let Some((place, entry)) = self.inventory.remove(id) else { return false };
         let mut unwanted = Vec::new();
-        let wanted = &entry.transform.plan().mapping.inputs;
-        for (input, (key, wanted)) in entry.inputs.iter().zip(wanted).enumerate() {
-            if self.routes.unsubscribe(*key, wanted, Subscriber { place, input }) {
+        for (input, key) in (0..).zip(&entry.inputs) {
+            if self.routes.unsubscribe(*key, Subscriber { place: narrow(place), input }) {
                 unwanted.push(*key);
             }
         }
@@ -163,7 +168,9 @@ impl Core {
                 lane.unload(script.id);
             }
         }
-        self.pending.retain(|(_, candidate)| candidate.mapping.mapping_id != *id);
+        let mut places = self.pending_places.iter();
+        self.pending.retain(|_| places.next().is_none_or(|pending| *pending != narrow(place)));
+        self.pending_places.retain(|pending| *pending != narrow(place));
         metrics::gauge!("mapping_engine_mappings").set(count(self.inventory.len()));
         true
     }
@@ -203,14 +210,16 @@ impl Core {
     pub fn changed(&mut self, changes: Vec<InputChange>, now: DateTime) {
         metrics::counter!("mapping_engine_changes_total").increment(changes.len() as u64);
         let mut begun = Instant::now();
+        let share = self.config.history.share(self.routes.len());
+        self.pending.reserve(changes.len());
+        self.pending_places.reserve(changes.len());
         for InputChange { input, value } in changes {
-            self.change(input, value, now, &mut begun);
+            self.change(input, value, share, now, &mut begun);
         }
         self.lanes.iter_mut().for_each(Lane::feed);
     }
 
-    fn change(&mut self, key: InputKey, value: DataValue, now: DateTime, begun: &mut Instant) {
-        let share = self.config.history.share(self.routes.len());
+    fn change(&mut self, key: InputKey, value: DataValue, share: usize, now: DateTime, begun: &mut Instant) {
         let Some(route) = self.routes.get_mut(key) else { return };
         route.history.push(now, value.clone(), share);
         if let [only] = *route.subscribers.as_slice() {
@@ -223,7 +232,7 @@ impl Core {
 
     /// What one subscriber has done is where the next begins: asking for the time costs as much as a small function.
     fn take(&mut self, subscriber: Subscriber, value: DataValue, now: DateTime, begun: &mut Instant) {
-        let Subscriber { place, input } = subscriber;
+        let (place, input) = (subscriber.place as usize, subscriber.input as usize);
         let Some(entry) = self.inventory.get_mut(place) else { return };
         entry.received += 1;
         let reaction = entry.transform.on(now, input, value, None);
@@ -269,15 +278,10 @@ impl Core {
         let Some(entry) = self.inventory.get_mut(place) else { return };
         entry.yielded += 1;
         entry.last_yielded_at = Some(now);
-        match &mut entry.last_candidate {
-            Some(last) => (**last).clone_from(&value),
-            none => *none = Some(Box::new(value.clone())),
+        if !entry.is_shadow {
+            self.pending.push(Candidate { target: entry.target, value, state: None });
+            self.pending_places.push(narrow(place));
         }
-        if entry.is_shadow {
-            return;
-        }
-        let mapping = Arc::clone(&entry.transform.plan().mapping);
-        self.pending.push((place, Candidate { mapping, value, state: None }));
     }
 
     /// Whether changes are to be taken.
@@ -293,16 +297,19 @@ impl Core {
     pub fn candidates(&mut self) -> Vec<Candidate> {
         self.batches += 1;
         metrics::counter!("mapping_engine_candidates_total").increment(self.pending.len() as u64);
-        for (place, candidate) in self.pending.iter_mut().rev() {
-            let Some(entry) = self.inventory.get_mut(*place).filter(|entry| entry.state_carried_in != self.batches)
-            else {
-                continue;
-            };
+        for (candidate, place) in self.pending.iter_mut().zip(self.pending_places.drain(..)).rev() {
+            let entry = self.inventory.get_mut(place as usize);
+            let Some(entry) = entry.filter(|entry| entry.state_carried_in != self.batches) else { continue };
             entry.state_carried_in = self.batches;
             candidate.state = entry.transform.state();
         }
-        std::mem::take(&mut self.pending).into_iter().map(|(_, candidate)| candidate).collect()
+        std::mem::take(&mut self.pending)
     }
+}
+
+/// A place as it is noted where there are many: mappings are limited far below 2^32.
+fn narrow(place: usize) -> u32 {
+    u32::try_from(place).unwrap_or(HELD)
 }
 
 #[allow(clippy::cast_precision_loss)]

@@ -1,18 +1,28 @@
 //! The mappings at work, each at a place of its own.
 
-use std::{collections::HashMap, time::Duration};
+use std::{collections::HashMap, sync::Arc, time::Duration};
 
-use asi_model::{DataValue, DateTime};
+use asi_model::DateTime;
 use script_protocol::ScriptId;
 use shop_floor::InputKey;
+use smallvec::SmallVec;
 
-use crate::{fault::FaultRecord, mapping::MappingId, script::breaker::Breaker, transform::Transform};
+use super::TargetKey;
+use crate::{
+    fault::FaultRecord,
+    mapping::{Mapping, MappingId},
+    script::breaker::Breaker,
+    transform::Transform,
+};
 
 /// A mapping at work.
 #[derive(Debug)]
 pub(super) struct Entry {
+    pub mapping: Arc<Mapping>,
     pub transform: Transform,
-    pub inputs: Box<[InputKey]>,
+    /// Whose values it yields, in the consumer's words.
+    pub target: TargetKey,
+    pub inputs: SmallVec<[InputKey; 2]>,
     pub scripts: Box<[Script]>,
     /// It runs, and nothing of it leaves the engine.
     pub is_shadow: bool,
@@ -25,7 +35,6 @@ pub(super) struct Entry {
     pub last_fault: Option<Box<FaultRecord>>,
     pub spent: Duration,
     pub last_yielded_at: Option<DateTime>,
-    pub last_candidate: Option<Box<DataValue>>,
     /// The number of the batch of candidates that carried its state.
     pub state_carried_in: u64,
 }
@@ -40,9 +49,18 @@ pub(super) struct Script {
 }
 
 impl Entry {
-    pub fn new(transform: Transform, inputs: Box<[InputKey]>, scripts: Box<[Script]>, is_shadow: bool) -> Self {
+    pub fn new(
+        mapping: Arc<Mapping>,
+        transform: Transform,
+        target: TargetKey,
+        inputs: SmallVec<[InputKey; 2]>,
+        scripts: Box<[Script]>,
+        is_shadow: bool,
+    ) -> Self {
         Self {
+            mapping,
             transform,
+            target,
             inputs,
             scripts,
             is_shadow,
@@ -54,7 +72,6 @@ impl Entry {
             last_fault: None,
             spent: Duration::ZERO,
             last_yielded_at: None,
-            last_candidate: None,
             state_carried_in: 0,
         }
     }
@@ -63,7 +80,8 @@ impl Entry {
 /// All mappings. Places are used again.
 #[derive(Debug, Default)]
 pub(super) struct Inventory {
-    entries: Vec<Option<Entry>>,
+    /// Each at an address of its own: what grows is a list of addresses.
+    entries: Vec<Option<Box<Entry>>>,
     free: Vec<usize>,
     places: HashMap<MappingId, usize>,
 }
@@ -78,11 +96,11 @@ impl Inventory {
     }
 
     pub fn get(&self, place: usize) -> Option<&Entry> {
-        self.entries.get(place)?.as_ref()
+        self.entries.get(place)?.as_deref()
     }
 
     pub fn get_mut(&mut self, place: usize) -> Option<&mut Entry> {
-        self.entries.get_mut(place)?.as_mut()
+        self.entries.get_mut(place)?.as_deref_mut()
     }
 
     /// The place that the next entry gets.
@@ -92,6 +110,7 @@ impl Inventory {
 
     /// Puts an entry at [`Self::next_place`].
     pub fn insert(&mut self, id: MappingId, entry: Entry) {
+        let entry = Box::new(entry);
         let place = match self.free.pop() {
             Some(place) => {
                 self.entries[place] = Some(entry);
@@ -105,7 +124,7 @@ impl Inventory {
         self.places.insert(id, place);
     }
 
-    pub fn remove(&mut self, id: &MappingId) -> Option<(usize, Entry)> {
+    pub fn remove(&mut self, id: &MappingId) -> Option<(usize, Box<Entry>)> {
         let place = self.places.remove(id)?;
         let entry = self.entries.get_mut(place)?.take()?;
         self.free.push(place);
@@ -113,6 +132,6 @@ impl Inventory {
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Entry> {
-        self.entries.iter().flatten()
+        self.entries.iter().filter_map(Option::as_deref)
     }
 }

@@ -2,10 +2,13 @@
 //!
 //! A variable that several mappings use in the same way is monitored once.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, hash::BuildHasher as _, sync::Arc};
 
 use asi_model::NodeId;
-use shop_floor::{InputKey, MonitorOptions, MonitorRequest, SourceId};
+use foldhash::fast::RandomState;
+use hashbrown::HashTable;
+use shop_floor::{InputKey, MonitorRequest, SourceId};
+use smallvec::SmallVec;
 
 use super::history::History;
 use crate::mapping::MappingInput;
@@ -14,24 +17,27 @@ use crate::mapping::MappingInput;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Subscriber {
     /// The mapping's place.
-    pub place: usize,
+    pub place: u32,
     /// Position among its inputs.
-    pub input: usize,
+    pub input: u32,
 }
 
 /// A monitored variable.
 #[derive(Debug)]
 pub(super) struct Route {
-    pub subscribers: Vec<Subscriber>,
+    pub subscribers: SmallVec<[Subscriber; 2]>,
     /// The newest is given to mappings that come later.
     pub history: History,
+    /// What the shop floor was asked.
+    request: Arc<MonitorRequest>,
 }
 
 /// All monitored variables.
 #[derive(Debug, Default)]
 pub(super) struct Routes {
-    routes: HashMap<InputKey, Route>,
-    keys: HashMap<(SourceId, NodeId), Vec<(MonitorOptions, InputKey)>>,
+    routes: HashMap<InputKey, Route, RandomState>,
+    /// The keys under which a variable is monitored, by its source and node: one way of monitoring is the rule.
+    variables: HashTable<InputKey>,
     last_key: u64,
 }
 
@@ -46,21 +52,31 @@ impl Routes {
     }
 
     /// The route of a variable that is read in the same way as an input, however it is monitored.
-    pub fn like(&self, input: &MappingInput) -> Option<&Route> {
-        let keys = self.keys.get(&(input.source_id.clone(), input.node_id.clone()))?;
-        let same = keys.iter().find(|(options, _)| *options == input.monitor);
-        let alike = keys.iter().find(|(options, _)| options.index_range == input.monitor.index_range);
-        let (_, key) = same.or(alike)?;
-        self.routes.get(key)
+    pub fn like<'r>(&'r self, input: &'r MappingInput) -> Option<&'r Route> {
+        let of_variable = || self.of_variable(&input.source_id, &input.node_id);
+        let same = of_variable().find(|route| route.request.options == input.monitor);
+        same.or_else(|| of_variable().find(|route| route.request.options.index_range == input.monitor.index_range))
+    }
+
+    fn of_variable<'r>(&'r self, source: &'r SourceId, node_id: &'r NodeId) -> impl Iterator<Item = &'r Route> {
+        let keys = self.variables.iter_hash(self.hash_of(source, node_id));
+        let routes = keys.filter_map(|key| self.routes.get(key));
+        routes.filter(move |route| route.request.source == *source && route.request.node_id == *node_id)
+    }
+
+    fn hash_of(&self, source: &SourceId, node_id: &NodeId) -> u64 {
+        self.routes.hasher().hash_one((source, node_id))
     }
 
     /// Lets a mapping's input follow a variable. The request to monitor it, if nobody has so far.
-    pub fn subscribe(&mut self, input: &MappingInput, subscriber: Subscriber) -> (InputKey, Option<MonitorRequest>) {
-        let (source, node_id) = (input.source_id.clone(), input.node_id.clone());
-        // One way of monitoring is the rule.
-        let keys = self.keys.entry((source.clone(), node_id.clone())).or_insert_with(|| Vec::with_capacity(1));
-        if let Some((_, key)) = keys.iter().find(|(options, _)| *options == input.monitor) {
-            let key = *key;
+    pub fn subscribe(
+        &mut self,
+        input: &MappingInput,
+        subscriber: Subscriber,
+    ) -> (InputKey, Option<Arc<MonitorRequest>>) {
+        let known = self.of_variable(&input.source_id, &input.node_id);
+        let known = known.map(|route| &route.request).find(|request| request.options == input.monitor);
+        if let Some(key) = known.map(|request| request.input) {
             if let Some(route) = self.routes.get_mut(&key) {
                 route.subscribers.push(subscriber);
             }
@@ -69,29 +85,35 @@ impl Routes {
         // Keys are never used again: a late change of a former variable finds nobody.
         self.last_key += 1;
         let key = InputKey(self.last_key);
-        keys.push((input.monitor.clone(), key));
-        // A mapping that is put is held while it finds its place, so there are two at first.
-        let mut subscribers = Vec::with_capacity(2);
-        subscribers.push(subscriber);
-        self.routes.insert(key, Route { subscribers, history: History::default() });
-        (key, Some(MonitorRequest { input: key, source, node_id, options: input.monitor.clone() }))
+        let request = Arc::new(MonitorRequest {
+            input: key,
+            source: input.source_id.clone(),
+            node_id: input.node_id.clone(),
+            options: input.monitor.clone(),
+        });
+        let (hash, hasher) = (self.hash_of(&request.source, &request.node_id), self.routes.hasher());
+        let rehash = |key: &InputKey| {
+            let request = self.routes.get(key).map(|route| &route.request);
+            request.map_or(0, |request| hasher.hash_one((&request.source, &request.node_id)))
+        };
+        self.variables.insert_unique(hash, key, rehash);
+        let subscribers = SmallVec::from_iter([subscriber]);
+        self.routes.insert(key, Route { subscribers, history: History::default(), request: Arc::clone(&request) });
+        (key, Some(request))
     }
 
     /// Ends what [`Self::subscribe`] began. True if nobody follows the variable any more.
-    pub fn unsubscribe(&mut self, key: InputKey, input: &MappingInput, subscriber: Subscriber) -> bool {
+    pub fn unsubscribe(&mut self, key: InputKey, subscriber: Subscriber) -> bool {
         let Some(route) = self.routes.get_mut(&key) else { return false };
         route.subscribers.retain(|other| *other != subscriber);
         if !route.subscribers.is_empty() {
             return false;
         }
-        self.routes.remove(&key);
-        let variable = (input.source_id.clone(), input.node_id.clone());
-        if let Some(keys) = self.keys.get_mut(&variable) {
-            keys.retain(|(_, other)| *other != key);
-            if keys.is_empty() {
-                self.keys.remove(&variable);
-            }
+        let hash = self.routes.get(&key).map(|route| self.hash_of(&route.request.source, &route.request.node_id));
+        if let Some(Ok(found)) = hash.map(|hash| self.variables.find_entry(hash, |other| *other == key)) {
+            found.remove();
         }
+        self.routes.remove(&key);
         true
     }
 }

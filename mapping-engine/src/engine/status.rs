@@ -92,7 +92,7 @@ pub enum CircuitState {
 impl MappingStatus {
     pub(super) fn of(entry: &Entry) -> Self {
         let transform = &entry.transform;
-        let mapping = &transform.plan().mapping;
+        let mapping = &entry.mapping;
         let inputs = mapping.inputs.iter().enumerate().map(|(index, input)| {
             let last = transform.input(index);
             InputStatus {
@@ -117,7 +117,7 @@ impl MappingStatus {
             last_fault: entry.last_fault.as_deref().cloned(),
             spent_us: micros(entry.spent),
             last_yielded_at: entry.last_yielded_at,
-            last_candidate: entry.last_candidate.as_deref().map(TracedValue::of),
+            last_candidate: entry.last_yielded_at.and_then(|_| transform.shown()).as_ref().map(TracedValue::of),
             inputs: inputs.collect(),
             circuit: circuit(&entry.scripts),
         }

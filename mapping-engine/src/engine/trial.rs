@@ -87,7 +87,7 @@ impl Running<'_> {
     }
 
     async fn load(&mut self, transform: &Transform, steps: &[usize]) {
-        let mapping = Arc::clone(&self.plan.mapping);
+        let mapping = Arc::clone(&self.plan.made_for);
         for step in steps {
             let Some(Step::Script(script)) = mapping.steps.get(*step) else { continue };
             let load = Load {
@@ -121,7 +121,7 @@ impl Running<'_> {
         }
         let mut timer_runs = 0;
         for (index, sample) in samples.iter().enumerate() {
-            let Some(input) = self.plan.mapping.input_index(&sample.input) else {
+            let Some(input) = self.plan.made_for.input_index(&sample.input) else {
                 let message = format!("there is no input \"{}\"", sample.input);
                 let pointer = format!("/samples/{index}/input");
                 self.trace.diagnostics.push(MappingDiagnostic::error(pointer, DiagnosticCode::UnknownName, message));

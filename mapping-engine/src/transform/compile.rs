@@ -156,7 +156,7 @@ impl Compiler<'_> {
         carried.sort_unstable();
         carried.dedup();
         Plan {
-            mapping: Arc::clone(mapping),
+            made_for: Arc::clone(mapping),
             target_type: mapping.target_type.0,
             target_rank: mapping.target_value_rank,
             late_values: mapping.late_values,

@@ -14,10 +14,11 @@ use crate::{
     text::{Pattern, Source, Template},
 };
 
-/// A compiled mapping.
+/// What a mapping does with the values of its inputs, whosever they are.
 #[derive(Debug)]
 pub(crate) struct Plan {
-    pub mapping: Arc<Mapping>,
+    /// The mapping it was made for: the first of those that share it.
+    pub made_for: Arc<Mapping>,
     pub target_type: BuiltInType,
     pub target_rank: i32,
     pub late_values: LateValues,
@@ -168,7 +169,7 @@ impl Plan {
 
     /// The function's name, as in JSON.
     pub fn name_of(&self, step: usize) -> &'static str {
-        self.mapping.steps.get(step).map_or("", |step| step.function())
+        self.made_for.steps.get(step).map_or("", |step| step.function())
     }
 }
 

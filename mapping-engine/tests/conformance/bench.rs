@@ -2,6 +2,7 @@
 
 use std::{
     collections::{HashMap, VecDeque},
+    hash::{DefaultHasher, Hash as _, Hasher as _},
     path::PathBuf,
     sync::{Arc, Mutex},
     time::Duration,
@@ -10,7 +11,7 @@ use std::{
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
     Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingId, MappingStatus,
-    ScriptConfig, ScriptEngine,
+    Published, ScriptConfig, ScriptEngine, TargetKey,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -31,7 +32,7 @@ pub const PATIENCE: Duration = Duration::from_secs(30);
 struct PlayedInputs(Arc<Mutex<HashMap<String, InputKey>>>);
 
 impl Inputs for PlayedInputs {
-    fn monitor(&self, requests: Vec<MonitorRequest>) -> Result<(), ShopFloorError> {
+    fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError> {
         let mut keys = self.0.lock().expect("no test panics while holding it");
         keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
         Ok(())
@@ -73,6 +74,16 @@ impl Bench {
         Self { handle, inputs, changes, candidates, arrived, shutdown, running, time: 1_600_000_000_000_000 }
     }
 
+    /// Publishes a mapping that has no faults.
+    pub async fn put(&self, mapping: Mapping) {
+        self.publish(published(mapping)).await;
+    }
+
+    pub async fn publish(&self, published: Published) {
+        let put = self.handle.put_many(vec![published]).await.expect("the engine runs");
+        put.into_iter().next().expect("one result").expect("the mapping is fine");
+    }
+
     pub async fn remove(&self, id: &str) {
         assert!(self.handle.remove(&mapping_id(id)).await.expect("the engine runs"), "{id} was there");
     }
@@ -109,15 +120,15 @@ impl Bench {
 
     /// The next candidate of a mapping; those of others stay for later.
     pub async fn next(&mut self, id: &str) -> Candidate {
-        let id = mapping_id(id);
-        if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping.mapping_id == id) {
+        let target = target_of(&mapping_id(id));
+        if let Some(at) = self.arrived.iter().position(|candidate| candidate.target == target) {
             return self.arrived.remove(at).expect("just found");
         }
         let waiting = async {
             loop {
                 let batch = self.candidates.recv().await.expect("the engine runs");
                 self.arrived.extend(batch);
-                if let Some(at) = self.arrived.iter().position(|candidate| candidate.mapping.mapping_id == id) {
+                if let Some(at) = self.arrived.iter().position(|candidate| candidate.target == target) {
                     return self.arrived.remove(at).expect("just found");
                 }
             }
@@ -139,6 +150,18 @@ impl Bench {
         self.shutdown.cancel();
         timeout(PATIENCE, self.running).await.expect("the engine ends").expect("without a panic");
     }
+}
+
+pub fn published(mapping: Mapping) -> Published {
+    let target = target_of(&mapping.mapping_id);
+    Published::new(mapping, target)
+}
+
+/// A test's fields are known by their mappings' ids.
+pub fn target_of(id: &MappingId) -> TargetKey {
+    let mut hasher = DefaultHasher::new();
+    id.as_str().hash(&mut hasher);
+    TargetKey(hasher.finish().cast_signed())
 }
 
 pub fn mapping_id(id: &str) -> MappingId {

@@ -71,7 +71,7 @@ pub async fn results_are_typed(worker: &Worker) {
             mapping.target_value_rank = if matches!(expected, Variant::Array(_)) { 1 } else { -1 };
             mapping
         };
-        bench.handle.put(mapping, None).await.expect("the mapping is fine");
+        bench.put(mapping).await;
         let value = bench.ask(&id, input).await;
         let fault = bench.status(&id).await.last_fault;
         assert_eq!((value.value, value.status), (expected, StatusCode::GOOD), "{source}: {fault:?}");

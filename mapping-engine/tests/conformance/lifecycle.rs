@@ -7,7 +7,7 @@ use mapping_engine::{
     CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingStatus, Published, Severity, TransformState,
 };
 
-use super::bench::{Bench, Worker, mapping_id, script_mapping};
+use super::bench::{Bench, Worker, mapping_id, published, script_mapping};
 
 /// Takes its worker down: no engine stops a native function.
 const FATAL: &str = "(v, ctx) => { if (v) (new Array(1e9) + ''); return 1 }";
@@ -36,11 +36,7 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     let mut bench = Bench::start(worker, |_| {});
     let mapping = script_mapping("count", &["a", "b"], "Double", COUNTING);
     let last = Some(candidate.value);
-    let put = bench
-        .handle
-        .put_many(vec![Published { mapping: mapping.into(), state: Some(state), last: last.clone(), is_shadow: false }])
-        .await;
-    put.expect("the engine runs").pop().expect("one result").expect("the mapping is fine");
+    bench.publish(Published { state: Some(state), last: last.clone(), ..published(mapping) }).await;
     // Until the source speaks, the last value stands.
     bench.feed_value("count", "a", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None)).await;
     let shown = bench.next("count").await.value;

@@ -18,6 +18,6 @@ impl bench::Bench {
     /// Publishes a script mapping `id` of the inputs named, to a field of a type.
     async fn put_script(&self, id: &str, inputs: &[&str], target: &str, source: &str) {
         let mapping = bench::script_mapping(id, inputs, target, source);
-        self.handle.put(mapping, None).await.expect("the mapping is fine");
+        self.put(mapping).await;
     }
 }

@@ -4,7 +4,7 @@ use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{EngineError, Mapping, MappingId, Published, ScriptEngine, Step, TransformState};
 use serde_json::json;
 
-use crate::bench::{Bench, Worker, script_mapping};
+use crate::bench::{Bench, Worker, mapping_id, published, script_mapping, target_of};
 
 /// These tests need no scripts.
 pub fn no_worker() -> Worker {
@@ -21,13 +21,13 @@ pub fn chain(id: &str, inputs: &[&str], target: &str, steps: serde_json::Value) 
 async fn values_become_candidates_with_status_and_time() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     let steps = json!([{ "function": "scale", "factor": 0.5 }]);
-    bench.handle.put(chain("half", &["a"], "Double", steps), None).await.expect("fine");
+    bench.put(chain("half", &["a"], "Double", steps)).await;
     let time = DateTime::from_unix_micros(1_700_000_000_000_000);
     let value = DataValue { status: StatusCode::UNCERTAIN, ..DataValue::good(7_i32, time) };
     bench.send("half", "a", vec![DataValue { server_timestamp: Some(time), ..value.clone() }]).await;
     let candidate = bench.next("half").await;
     assert_eq!(candidate.value, DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value });
-    assert_eq!(candidate.mapping.target.to_string(), "n-half/o/r/f");
+    assert_eq!(candidate.target, target_of(&mapping_id("half")));
     assert_eq!(candidate.state, None, "nothing is remembered");
     let status = bench.status("half").await;
     assert_eq!((status.received, status.yielded, status.faults), (1, 1, 0));
@@ -38,7 +38,7 @@ async fn values_become_candidates_with_status_and_time() {
 async fn state_comes_with_the_last_candidate_of_a_batch_and_goes_back_in() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     let counter = || chain("count", &["a"], "UInt64", json!([{ "function": "counter" }]));
-    bench.handle.put(counter(), None).await.expect("fine");
+    bench.put(counter()).await;
     bench.feed_all("count", "a", [10_u64, 12, 15].map(Variant::from)).await;
     let mut candidates = Vec::new();
     for _ in 0..3 {
@@ -53,7 +53,7 @@ async fn state_comes_with_the_last_candidate_of_a_batch_and_goes_back_in() {
     assert_eq!(json, r#"[{"function":"counter","total":5,"last":15,"level":null}]"#);
     let state: TransformState = serde_json::from_str(&json).expect("reads back");
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench.handle.put(counter(), Some(state)).await.expect("fine");
+    bench.publish(Published { state: Some(state), ..published(counter()) }).await;
     assert_eq!(bench.ask("count", 20_u64).await.value, 10_u64.into());
     bench.stop().await;
 }
@@ -63,7 +63,7 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
     let mut bench = Bench::start(&no_worker(), |_| {});
     let wrong = chain("wrong", &["a", "a"], "Int32", json!([{ "function": "scale", "divisor": 0 }]));
     let right = chain("right", &["a"], "Int32", json!([]));
-    let put = bench.handle.put_many(vec![wrong.into(), right.into()]).await.expect("runs");
+    let put = bench.handle.put_many(vec![published(wrong), published(right)]).await.expect("runs");
     let Err(EngineError::Rejected(found)) = &put[0] else { panic!("{put:?}") };
     let pointers: Vec<&str> = found.iter().map(|d| d.pointer.as_str()).collect();
     assert_eq!(pointers, ["/inputs/1/name", "/steps/0/divisor"]);
@@ -78,11 +78,10 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
 #[tokio::test]
 async fn a_shadow_runs_on_live_values_and_yields_nothing() {
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
+    bench.put(chain("m", &["a"], "Int32", json!([]))).await;
     let mut shadow = chain("m", &["a"], "Int32", json!([{ "function": "expression", "expression": "value * 2" }]));
     shadow.mapping_id = MappingId::new("m.shadow").expect("an id");
-    let shadow = Published { mapping: shadow.into(), state: None, last: None, is_shadow: true };
-    bench.handle.put_many(vec![shadow]).await.expect("runs").pop().expect("one").expect("fine");
+    bench.publish(Published { is_shadow: true, ..published(shadow) }).await;
     assert_eq!(bench.ask("m", 5_i32).await.value, 5_i32.into());
     assert_eq!(bench.ask("m", 6_i32).await.value, 6_i32.into());
     let status = bench.status("m.shadow").await;
@@ -95,7 +94,7 @@ async fn a_shadow_runs_on_live_values_and_yields_nothing() {
 async fn what_came_in_is_recorded_and_can_be_tried_on() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     let counter = || chain("count", &["a"], "UInt64", json!([{ "function": "counter" }]));
-    bench.handle.put(counter(), None).await.expect("fine");
+    bench.put(counter()).await;
     for value in [10_u64, 12, 15] {
         bench.ask("count", value).await;
     }
@@ -111,7 +110,7 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
     let trace = bench.handle.dry_run(counter(), vec![recorded[2].clone()], Some(state)).await.expect("runs");
     assert_eq!(last(trace).value, json!("41"));
     // Another version goes on with what was recorded.
-    bench.handle.put(chain("count", &["a"], "UInt64", json!([])), None).await.expect("fine");
+    bench.put(chain("count", &["a"], "UInt64", json!([]))).await;
     assert_eq!(bench.handle.recorded(counter().inputs).await.expect("runs").len(), 3);
     assert!(bench.handle.recorded(chain("x", &["b"], "UInt64", json!([])).inputs).await.expect("runs").is_empty());
     bench.stop().await;
@@ -120,12 +119,10 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
 #[tokio::test]
 async fn a_mapping_is_replaced_in_place() {
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
+    bench.put(chain("m", &["a"], "Int32", json!([]))).await;
     assert_eq!(bench.ask("m", 4_i32).await.value, 4_i32.into());
     let doubled = json!([{ "function": "expression", "expression": "value * 2" }]);
-    let published =
-        Published { mapping: chain("m", &["a"], "Int32", doubled).into(), state: None, last: None, is_shadow: false };
-    bench.handle.put_many(vec![published]).await.expect("runs").pop().expect("one").expect("fine");
+    bench.put(chain("m", &["a"], "Int32", doubled)).await;
     assert_eq!(bench.next("m").await.value.value, 8_i32.into(), "it speaks at once about what is known");
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
     assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
@@ -135,13 +132,9 @@ async fn a_mapping_is_replaced_in_place() {
 #[tokio::test]
 async fn debounce_and_windows_wake_by_themselves() {
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench
-        .handle
-        .put(chain("calm", &["a"], "Int32", json!([{ "function": "debounce", "quietMs": 20 }])), None)
-        .await
-        .expect("fine");
+    bench.put(chain("calm", &["a"], "Int32", json!([{ "function": "debounce", "quietMs": 20 }]))).await;
     let counting = json!([{ "function": "window", "aggregate": "count", "durationMs": 30 }]);
-    bench.handle.put(chain("count", &["a"], "Int64", counting), None).await.expect("fine");
+    bench.put(chain("count", &["a"], "Int64", counting)).await;
     assert_eq!(bench.ask("calm", 4_i32).await.value, 4_i32.into());
     assert_eq!(bench.ask("count", 4_i32).await.value, 1_i64.into());
     assert_eq!(bench.next("count").await.value.value, 0_i64.into());

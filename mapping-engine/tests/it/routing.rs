@@ -10,7 +10,7 @@ use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    bench::{Bench, PATIENCE},
+    bench::{Bench, PATIENCE, published},
     publishing::{chain, no_worker},
 };
 
@@ -21,9 +21,9 @@ async fn mappings_share_a_variable_and_late_comers_get_its_last_value() {
     let mut second = chain("second", &["a"], "Int32", json!([{ "function": "scale", "factor": 2 }]));
     second.inputs[0].node_id = first.inputs[0].node_id.clone();
     first.mapping_id = mapping_engine::MappingId::new("first").expect("an id");
-    bench.handle.put(first, None).await.expect("fine");
+    bench.put(first).await;
     assert_eq!(bench.ask("first", 4_i32).await.value, 4_i32.into());
-    bench.handle.put(second, None).await.expect("fine");
+    bench.put(second).await;
     assert_eq!(bench.next("second").await.value.value, 8_i32.into(), "without a new change");
     bench.feed("first", "a", 5_i32).await;
     assert_eq!(bench.next("first").await.value.value, 5_i32.into());
@@ -36,7 +36,7 @@ async fn mappings_share_a_variable_and_late_comers_get_its_last_value() {
 async fn a_stalled_consumer_stops_intake_and_loses_nothing() {
     let config = MappingEngineConfig { waiting_candidates_max: 100, waiting_batches_max: 1, ..Default::default() };
     let mut bench = Bench::start_with(config);
-    bench.handle.put(chain("m", &["a"], "Int32", json!([])), None).await.expect("fine");
+    bench.put(chain("m", &["a"], "Int32", json!([]))).await;
     let (changes, input) = (bench.changes(), bench.key("m", "a"));
     let change =
         |value: i32| InputChange { input, value: DataValue::good(value, DateTime::from_unix_micros(value.into())) };
@@ -61,7 +61,7 @@ async fn many_mappings_are_put_at_once() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     let count = 20_000;
     let begun = std::time::Instant::now();
-    let mappings = (0..count).map(|n| chain(&format!("m{n}"), &["a"], "Int32", json!([])).into());
+    let mappings = (0..count).map(|n| published(chain(&format!("m{n}"), &["a"], "Int32", json!([]))));
     let put = bench.handle.put_many(mappings.collect()).await.expect("runs");
     assert!(put.iter().all(Result::is_ok));
     assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
@@ -79,12 +79,12 @@ async fn a_source_that_is_not_there_is_said() {
     let (engine, handle, mut candidates) = MappingEngine::new(MappingEngineConfig::default(), floor, changes);
     let shutdown = CancellationToken::new();
     let running = [tokio::spawn(shop_floor.run(shutdown.clone())), tokio::spawn(engine.run(shutdown.clone()))];
-    let mappings = ["x", "y"].map(|id| chain(id, &["a"], "Int32", json!([])).into());
+    let mappings = ["x", "y"].map(|id| published(chain(id, &["a"], "Int32", json!([]))));
     handle.put_many(mappings.into()).await.expect("runs");
     let mut statuses = HashMap::new();
     while statuses.len() < 2 {
         for candidate in timeout(PATIENCE, candidates.recv()).await.expect("in time").expect("the engine runs") {
-            statuses.insert(candidate.mapping.mapping_id.to_string(), candidate.value.status);
+            statuses.insert(candidate.target, candidate.value.status);
         }
     }
     assert!(statuses.values().all(|status| *status == StatusCode::BAD_NOT_CONNECTED), "{statuses:?}");

@@ -114,11 +114,11 @@ impl Entry {
     }
 
     /// Callers want these inputs.
-    pub(crate) fn want(&self, requests: Vec<MonitorRequest>) {
+    pub(crate) fn want(&self, requests: Vec<Arc<MonitorRequest>>) {
         let mut wanted = self.wanted.lock();
         for request in requests {
             wanted.changed.insert(request.input);
-            wanted.inputs.insert(request.input, Arc::new(request));
+            wanted.inputs.insert(request.input, request);
         }
         drop(wanted);
         self.wanted_changed.notify_one();

@@ -122,6 +122,7 @@ fn path_from(
         at = parents.get(at)?.as_ref()?;
     }
     elements.reverse();
+    elements.shrink_to_fit();
     (!elements.is_empty()).then_some(BrowsePath(elements))
 }
 

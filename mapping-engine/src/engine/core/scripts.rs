@@ -9,25 +9,25 @@ use super::{
 };
 use crate::{
     fault::{Fault, FaultKind},
-    mapping::Step,
+    mapping::{Mapping, Step},
     script::{
         CallOutcome,
         breaker::Admission,
         lane::{Done, Lane, Report, Waiting},
         values,
     },
-    transform::{Plan, ScriptCall, ScriptYield, Transform},
+    transform::{ScriptCall, ScriptYield, Transform},
 };
 
 impl Core {
     /// Loads the scripts of a mapping into the worker that has the fewest.
     pub(super) fn place_scripts(
         &mut self,
-        plan: &Plan,
+        mapping: &Mapping,
         transform: &Transform,
         place: usize,
     ) -> Result<Box<[Script]>, EngineError> {
-        let steps: Vec<usize> = plan.script_steps().collect();
+        let steps: Vec<usize> = transform.plan().script_steps().collect();
         let Some((lane, _)) = self.lanes.iter().enumerate().min_by_key(|(_, lane)| lane.scripts) else {
             return Ok(Box::default());
         };
@@ -37,16 +37,16 @@ impl Core {
         }
         let mut scripts = Vec::with_capacity(steps.len());
         for (index, step) in steps.into_iter().enumerate() {
-            let Some(Step::Script(script)) = plan.mapping.steps.get(step) else { continue };
+            let Some(Step::Script(script)) = mapping.steps.get(step) else { continue };
             self.last_script = self.last_script.wrapping_add(1);
             let id = ScriptId(self.last_script);
             self.scripts.insert(id, (place, index));
             if let Some(lane) = self.lanes.get_mut(lane) {
                 lane.load(Load {
                     script: id,
-                    name: plan.mapping.mapping_id.as_str().into(),
+                    name: mapping.mapping_id.as_str().into(),
                     source: script.source.as_str().into(),
-                    inputs: plan.mapping.inputs.iter().map(|input| input.name.as_str().into()).collect(),
+                    inputs: mapping.inputs.iter().map(|input| input.name.as_str().into()).collect(),
                     state: transform.script_state(step),
                     values: Vec::new(),
                 });
@@ -141,7 +141,7 @@ impl Core {
         if rests {
             metrics::counter!("mapping_engine_scripts_rested_total").increment(1);
             tracing::warn!(
-                mapping.id = entry.transform.plan().mapping.mapping_id.as_str(),
+                mapping.id = entry.mapping.mapping_id.as_str(),
                 "A script rests because it did not keep to its budget."
             );
             if let Some(lane) = self.lanes.get_mut(script.lane) {
