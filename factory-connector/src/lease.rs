@@ -233,7 +233,9 @@ impl Lease {
         }
         let other = LeaseParty { instance_id: answer.instance_id, host: answer.host, since: now, last_heard_at: now };
         self.status.contender = Some(other);
-        // Its answer came here, so ours may have gone there. Not at once, lest both chase each other's answers.
+        // Its answer came here, so ours may have gone there: the platform is there and takes its time for nobody. Not at
+        // once, lest both chase each other's answers.
+        self.patience = PATIENCE_MIN;
         self.ask_at = self.ask_at.map(|at| at.min(instant + OVERHEARD_PAUSE));
     }
 
