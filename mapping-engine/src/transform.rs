@@ -9,6 +9,7 @@ mod compile;
 mod counting;
 mod merging;
 mod plan;
+mod shown;
 mod slots;
 mod table;
 mod windows;
@@ -28,6 +29,7 @@ use crate::{
 use apply::Applied;
 pub(crate) use compile::compile;
 pub(crate) use plan::{Function, Plan};
+use shown::Shown;
 use slots::{Arrival, Slot};
 
 /// A value on its way through the chain.
@@ -85,33 +87,6 @@ pub(crate) struct ScriptYield {
     pub state: Option<Arc<str>>,
 }
 
-/// The last candidate.
-#[derive(Debug)]
-enum Shown {
-    /// There was none.
-    Nothing,
-    /// The last value that was not Bad, with this status.
-    Last(StatusCode),
-    Bad(Box<DataValue>),
-}
-
-impl Shown {
-    fn status(&self) -> Option<StatusCode> {
-        match self {
-            Self::Nothing => None,
-            Self::Last(status) => Some(*status),
-            Self::Bad(value) => Some(value.status),
-        }
-    }
-
-    fn set_bad(&mut self, value: &DataValue) {
-        match self {
-            Self::Bad(kept) => (**kept).clone_from(value),
-            other => *other = Self::Bad(Box::new(value.clone())),
-        }
-    }
-}
-
 /// What a transform counts about its inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Counters {
@@ -148,11 +123,7 @@ impl Transform {
                 }
             }
         }
-        let shown = match &last {
-            None => Shown::Nothing,
-            Some(value) if value.value.is_null() => Shown::Bad(Box::new(value.clone())),
-            Some(value) => Shown::Last(value.status),
-        };
+        let shown = Shown::of(last.as_ref());
         Self {
             slots: plan.inputs.iter().map(|_| Slot::default()).collect(),
             unsent: plan.script_steps().map(|step| (step, u32::MAX)).collect(),
