@@ -72,11 +72,38 @@ export interface Trial {
 export interface MappingStatus {
   received: number
   yielded: number
+  repeated: number
+  late: number
+  clockSteps: number
+  /** Values that a script could not keep up with. */
+  superseded: number
   faults: number
-  lastFault?: { message: string } | null
-  lastYieldedAt?: string
-  lastCandidate?: TracedValue
+  lastFault?: MappingFault | null
+  lastYieldedAt?: string | null
+  lastCandidate?: TracedValue | null
   spentUs: number
+  inputs: InputStatus[]
+  /** Whether its scripts are run: one that does not keep to its budget rests for a while. */
+  circuit: { state: 'closed' | 'trying' } | { state: 'resting'; until: string }
+}
+
+/** What went wrong, and where. */
+export interface MappingFault {
+  at: string
+  message: string
+  /** The function's place in the chain; absent for the end of the chain. */
+  step?: number | null
+  line?: number | null
+  column?: number | null
+}
+
+/** How an input of a mapping is doing. */
+export interface InputStatus {
+  name: string
+  value?: TracedValue | null
+  receivedAt?: string | null
+  /** How far the source's clock is ahead of ours, in milliseconds. */
+  clockAheadMs?: number | null
 }
 
 /** A mapping on trial beside the published one. */

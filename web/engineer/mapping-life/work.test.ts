@@ -1,0 +1,88 @@
+import { render, screen } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { toasts } from '@/design/toasts.svelte'
+import { serve, type Asked } from '../../vitest.server'
+import type { Field, MappingStatus } from '../api/types'
+import WorkPanel from './WorkPanel.svelte'
+
+const HOUR_MS = 3_600_000
+const key = { operationNetworkId: 'n', operationId: 'turn', dynamicDataRequestId: 'progress', fieldName: 'made' }
+const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as Field
+const PATH = '/fields/n/turn/progress/made/mapping-status'
+const at = '2026-01-02T03:04:05Z'
+const well: MappingStatus = {
+  received: 1000,
+  yielded: 998,
+  repeated: 2,
+  late: 0,
+  clockSteps: 0,
+  superseded: 0,
+  faults: 0,
+  lastYieldedAt: at,
+  lastCandidate: { value: '42', status: 0 },
+  spentUs: 2500,
+  inputs: [{ name: 'parts', value: { value: 42, status: 0 }, receivedAt: at, clockAheadMs: 3 }],
+  circuit: { state: 'closed' },
+}
+let status: MappingStatus
+const text = (): string => document.body.textContent.replace(/\s+/g, ' ')
+
+function show(): Asked[] {
+  const log = serve({
+    [`GET ${PATH}`]: () => status,
+    [`POST ${PATH}/restart`]: () => {
+      status = { ...status, circuit: { state: 'closed' } }
+      return status
+    },
+  })
+  render(WorkPanel, { field })
+  return log
+}
+
+beforeEach(() => {
+  status = well
+  toasts.list = []
+})
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('a mapping at work', () => {
+  it('says what came in, what went out and what it took, and leaves out what never was', async () => {
+    show()
+    expect(await screen.findByText('parts')).toBeTruthy()
+    expect(text()).toContain('Came in 1,000 Went on 998 Time for each 2.5 µs Repeats 2 Faults 0')
+    expect(text()).not.toContain('Late')
+    expect(text()).not.toContain('clock is')
+  })
+
+  it('says where it failed and that a machine’s clock is hours off', async () => {
+    const [input] = well.inputs
+    status = {
+      ...well,
+      faults: 3,
+      lastFault: { at, message: 'ReferenceError: x is not defined', step: 1, line: 2, column: 7 },
+      inputs: [{ name: 'parts', ...input, clockAheadMs: -2 * HOUR_MS }],
+    }
+    show()
+    expect(await screen.findByText('ReferenceError: x is not defined')).toBeTruthy()
+    expect(text()).toContain('Function 2, line 2, column 7')
+    expect(text()).toMatch(/clock is 2 h\w* behind/)
+  })
+
+  it('lets a script that rests be run again by hand', async () => {
+    status = { ...well, circuit: { state: 'resting', until: at } }
+    const log = show()
+    await userEvent.click(await screen.findByRole('button', { name: 'Let it run now' }))
+    await vi.waitFor(() => expect(screen.queryByText('A script rests')).toBeNull())
+    expect(log.some(({ method, path }) => method === 'POST' && path === `${PATH}/restart`)).toBe(true)
+  })
+
+  it('shows nothing of a mapping that has ended', async () => {
+    const log = serve({})
+    render(WorkPanel, { field })
+    await vi.waitFor(() => expect(log).toHaveLength(1))
+    expect(screen.queryByText('At work')).toBeNull()
+  })
+})
