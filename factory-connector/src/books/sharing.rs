@@ -11,7 +11,8 @@ use shop_floor::SourceId;
 
 use crate::disclosure::DisclosurePolicy;
 
-/// The sources and namespaces that mappings name. There are few of them, whatever comes and goes.
+/// The sources and namespaces that mappings name - there are few of them, whatever comes and goes - and the policies of
+/// fields.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     sources: HashSet<SourceId>,
@@ -43,6 +44,7 @@ impl Shared {
             return Ok(Arc::clone(known));
         }
         let policy: Arc<DisclosurePolicy> = Arc::new(serde_json::from_str(&json)?);
+        self.forget_unused();
         self.policies.insert(json, Arc::clone(&policy));
         Ok(policy)
     }
@@ -57,7 +59,16 @@ impl Shared {
             return Arc::clone(own);
         }
         let json = serde_json::to_string(&*effective).expect("policies have text keys and finite numbers");
+        self.forget_unused();
         Arc::clone(self.policies.entry(json).or_insert(effective))
+    }
+
+    /// Every figure that was ever typed would be a policy: those that no field has any more go before the table grows.
+    fn forget_unused(&mut self) {
+        if self.policies.len() == self.policies.capacity() {
+            self.policies.retain(|_, policy| Arc::strong_count(policy) > 1);
+            self.policies.reserve(self.policies.len() + 1);
+        }
     }
 }
 
@@ -74,6 +85,20 @@ mod tests {
 
     use super::*;
     use crate::books::tests::field;
+
+    #[test]
+    fn alike_policies_are_held_once_and_unused_ones_forgotten() {
+        let mut shared = Shared::default();
+        let used = shared.policy("{}".to_owned()).expect("a policy");
+        assert!(Arc::ptr_eq(&used, &shared.policy("{}".to_owned()).expect("a policy")));
+        for delay in 1..1000 {
+            let policy = DisclosurePolicy { delay_ms: Some(delay), ..Default::default() };
+            let held = shared.one_policy(Arc::new(policy.clone()), &used);
+            assert_eq!(*held, policy);
+        }
+        assert!(shared.policies.len() < 100, "{}", shared.policies.len());
+        assert!(Arc::ptr_eq(&used, &shared.policy("{}".to_owned()).expect("a policy")), "one in use stays");
+    }
 
     #[test]
     fn what_mappings_have_in_common_is_held_once() {

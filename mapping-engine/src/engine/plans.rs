@@ -22,39 +22,37 @@ pub(super) struct Plans {
 impl Plans {
     /// The plan of a mapping: that of another one with the same functions, where there is one.
     pub fn shared(&mut self, mapping: &Mapping, plan: Arc<Plan>) -> Arc<Plan> {
-        let hash = hash_of(mapping);
-        let is_it =
-            |(_, known): &(u64, Weak<Plan>)| known.upgrade().is_some_and(|plan| is_alike(&plan.made_for, mapping));
+        let made_of = made_of(mapping);
+        let hash = hash_of(&made_of);
+        let is_it = |(known_hash, known): &(u64, Weak<Plan>)| {
+            *known_hash == hash && known.upgrade().is_some_and(|plan| self::made_of(&plan.made_for) == made_of)
+        };
         if let Some(known) = self.known.find(hash, is_it).and_then(|(_, known)| known.upgrade()) {
             return known;
         }
         if self.known.len() == self.known.capacity() {
             self.known.retain(|(_, known)| known.strong_count() > 0);
+            // Twice what is alive, so that this is not done again before as many have come.
+            self.known.reserve(self.known.len() + 1, |(hash, _)| *hash);
         }
         self.known.insert_unique(hash, (hash, Arc::downgrade(&plan)), |(hash, _)| *hash);
         plan
     }
 }
 
-fn hash_of(mapping: &Mapping) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    mapping.inputs.iter().for_each(|input| input.name.hash(&mut hasher));
-    serde_json::to_string(&mapping.steps).unwrap_or_default().hash(&mut hasher);
-    hasher.finish()
+/// All of a mapping but whose values it takes and for which field. As text, in which 1 and 1.0 differ: they are equal
+/// numbers, but one makes integers and the other does not.
+fn made_of(mapping: &Mapping) -> String {
+    let Mapping { target_type, target_unit, target_value_rank, steps, late_values, .. } = mapping;
+    let inputs = mapping.inputs.iter().map(|input| (&input.name, input.value_type, &input.unit, input.triggers));
+    let parts = (target_type, target_unit, target_value_rank, steps, late_values, inputs.collect::<Vec<_>>());
+    serde_json::to_string(&parts).expect("mappings have text keys and finite numbers")
 }
 
-/// Whether two mappings differ at most in whose values they take and for which field.
-fn is_alike(one: &Mapping, other: &Mapping) -> bool {
-    one.target_type == other.target_type
-        && one.target_unit == other.target_unit
-        && one.target_value_rank == other.target_value_rank
-        && one.late_values == other.late_values
-        && one.steps == other.steps
-        && one.inputs.len() == other.inputs.len()
-        && one.inputs.iter().zip(&other.inputs).all(|(one, other)| {
-            (&one.name, one.value_type, &one.unit, one.triggers)
-                == (&other.name, other.value_type, &other.unit, other.triggers)
-        })
+fn hash_of(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    hasher.finish()
 }
 
 #[cfg(test)]
@@ -64,7 +62,8 @@ mod tests {
     use super::*;
     use crate::transform::compile;
 
-    fn mapping(field: &str, node: &str, factor: f64) -> Arc<Mapping> {
+    fn mapping(field: &str, node: &str, factor: impl Into<serde_json::Value>) -> Arc<Mapping> {
+        let factor = factor.into();
         let json = json!({ "mappingId": field, "targetType": "Double",
             "target": { "operationNetworkId": "n", "operationId": "o", "dynamicDataRequestId": "r", "fieldName": field },
             "inputs": [{ "name": "a", "sourceId": "press", "nodeId": format!("nsu=urn:press;s={node}") }],
@@ -82,6 +81,9 @@ mod tests {
         let one = shared(&mapping("one", "One", 0.1));
         assert!(Arc::ptr_eq(&one, &shared(&mapping("other", "Other", 0.1))));
         assert!(!Arc::ptr_eq(&one, &shared(&mapping("one", "One", 0.2))), "another function");
+        assert!(!Arc::ptr_eq(&one, &shared(&mapping("one", "One", 1))));
+        let (whole, real) = (shared(&mapping("one", "One", 2)), shared(&mapping("one", "One", 2.0)));
+        assert_eq!((whole.made_for.steps == real.made_for.steps, Arc::ptr_eq(&whole, &real)), (true, false));
         let mut whole = mapping("one", "One", 0.1);
         Arc::make_mut(&mut whole).target_type = serde_json::from_value(json!("Int32")).expect("a type");
         assert!(!Arc::ptr_eq(&one, &shared(&whole)), "another field's type");
@@ -90,8 +92,8 @@ mod tests {
     #[test]
     fn plans_that_nobody_uses_are_forgotten() {
         let mut plans = Plans::default();
-        for factor in 1..1000 {
-            let mapping = mapping("one", "One", factor.into());
+        for factor in 1..1000_i32 {
+            let mapping = mapping("one", "One", factor);
             drop(plans.shared(&mapping, Arc::new(compile(&mapping).0.expect("compiles"))));
         }
         assert!(plans.known.len() < 100, "{}", plans.known.len());
