@@ -147,7 +147,7 @@ export const mapping: typeof English = {
     supersededHint: 'Das Skript kam nicht nach: Neuere Werte traten an ihre Stelle.',
     faults: 'Fehler',
     clockAhead: (time: string) => `Die Uhr der Maschine geht ${time} vor.`,
-    clockBehind: (time: string) => `Die Uhr der Maschine geht ${time} nach.`,
+    measuredBefore: (time: string) => `Gemessen ${time}, bevor er kam.`,
     atFunction: (number: string) => `Funktion ${number}`,
     atEnd: 'Am Ende der Funktionen',
     atLine: (line: number, column: number) => `Zeile ${line}, Spalte ${column}`,

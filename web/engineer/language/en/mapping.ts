@@ -145,7 +145,7 @@ export const mapping = {
     supersededHint: 'The script could not keep up: newer values took their place.',
     faults: 'Faults',
     clockAhead: (time: string) => `Its machine’s clock is ${time} ahead.`,
-    clockBehind: (time: string) => `Its machine’s clock is ${time} behind.`,
+    measuredBefore: (time: string) => `Measured ${time} before it came.`,
     atFunction: (number: string) => `Function ${number}`,
     atEnd: 'At the end of the functions',
     atLine: (line: number, column: number) => `line ${line}, column ${column}`,
