@@ -9,6 +9,7 @@ mod compile;
 mod counting;
 mod merging;
 mod plan;
+mod reaction;
 mod shown;
 mod slots;
 mod table;
@@ -29,63 +30,9 @@ use crate::{
 use apply::Applied;
 pub(crate) use compile::compile;
 pub(crate) use plan::{Function, Plan};
+pub(crate) use reaction::{FailedStep, Flow, Reaction, ScriptCall, ScriptYield};
 use shown::Shown;
 use slots::{Arrival, Slot};
-
-/// A value on its way through the chain.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Flow {
-    pub value: Variant,
-    pub meta: Meta,
-}
-
-/// What came of an event.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Reaction {
-    /// Nothing to say.
-    Quiet,
-    /// A candidate.
-    Candidate(DataValue),
-    /// A candidate without value because a function failed.
-    Failed(DataValue, FailedStep),
-    /// A script is to be called; the chain goes on with [`Transform::resume`].
-    Call(ScriptCall),
-}
-
-/// Where a chain failed, and why. `step` is `None` at the end of the chain.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FailedStep {
-    pub step: Option<usize>,
-    pub fault: Fault,
-}
-
-/// A script to be called.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ScriptCall {
-    pub step: usize,
-    pub flow: Flow,
-    /// Inputs that changed since the last call of this script.
-    pub inputs: Vec<(usize, DataValue)>,
-    /// Inputs whose source is away or that are otherwise worse decide the result's status too.
-    pub input_meta: Meta,
-}
-
-impl ScriptCall {
-    /// A call that never was, to carry the fault of a script that is not there.
-    pub fn without_value(step: usize) -> Self {
-        let flow = Flow { value: Variant::Null, meta: Meta::default() };
-        Self { step, flow, inputs: Vec::new(), input_meta: Meta::default() }
-    }
-}
-
-/// What a script yielded.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ScriptYield {
-    /// `None`: the script returned `undefined`.
-    pub value: Option<(Variant, StatusCode)>,
-    /// `ctx.state` where it changed.
-    pub state: Option<Arc<str>>,
-}
 
 /// What a transform counts about its inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -419,12 +366,6 @@ fn carry(carried: &mut Vec<(usize, Flow)>, step: usize, flow: &Flow) {
     match carried.iter_mut().find(|(at, _)| *at == step) {
         Some((_, kept)) => kept.clone_from(flow),
         None => carried.push((step, flow.clone())),
-    }
-}
-
-impl Flow {
-    pub fn into_value(self) -> DataValue {
-        self.meta.with(self.value)
     }
 }
 

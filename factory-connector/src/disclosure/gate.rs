@@ -343,6 +343,10 @@ impl Gate {
 }
 
 #[cfg(test)]
+mod played;
+#[cfg(test)]
 mod promises;
+#[cfg(test)]
+mod short_way;
 #[cfg(test)]
 mod tests;

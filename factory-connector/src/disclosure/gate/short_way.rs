@@ -1,0 +1,36 @@
+//! The short way through the gate, where nothing has to wait, beside the long one.
+
+use proptest::prelude::*;
+
+use super::{
+    played::{Step, at, other, policies, steps},
+    *,
+};
+
+proptest! {
+    /// Both come to the same, in what they say and in what they remember.
+    #[test]
+    fn the_short_way_is_as_the_long_one(policy in policies(), steps in steps(900), is_clock_set_back in any::<bool>()) {
+        let DisclosurePolicy { rounding_step, bands, significant_digits, .. } = policy;
+        let policy = DisclosurePolicy { rounding_step, bands, significant_digits, ..Default::default() };
+        let mut short = Gate::new(Arc::new(policy), BuiltInType::Int64, GateState::default(), at(0));
+        let mut long = Gate { is_immediate: false, ..short.clone() };
+        let (mut now, last) = (0, steps.len() / 2);
+        for (place, (pause, step)) in steps.into_iter().enumerate() {
+            now += pause;
+            if is_clock_set_back && place == last {
+                now /= 2;
+            }
+            match step {
+                Step::Candidate(value) => prop_assert_eq!(short.on(at(now), value.clone()), long.on(at(now), value)),
+                Step::State(state) => {
+                    let (one, two) = (short.on_state(at(now), &other(), state), long.on_state(at(now), &other(), state));
+                    prop_assert_eq!(one, two);
+                }
+                Step::Wake | Step::Restart => { short.on_time(at(now)); long.on_time(at(now)); }
+            }
+            prop_assert_eq!(short.state(), long.state());
+            prop_assert_eq!((short.due(), short.take_news()), (long.due(), long.take_news()));
+        }
+    }
+}
