@@ -134,8 +134,7 @@ impl Platform {
             Ingest::new(store.clone(), live.clone(), reach.clone(), progress, clock.clone(), resend_after, silence)
                 .await?;
 
-        reach.load_users(&store).await?;
-        let (broker, access, link_config) = open_broker(&config, &reach, started_at).await?;
+        let (broker, access, link_config) = open_broker(&config, &reach, &store, started_at).await?;
         let broker_addresses = reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default();
         let (link, link_handle) =
             Link::new(link_config, Arc::new(StoredSpool::new(store.clone())), Arc::new(ingest_handle.clone()))?;
@@ -252,7 +251,7 @@ pub async fn start_broker_alone(
         broker: crate::config::BrokerConfig { external: None, ..config.broker.clone() },
         ..config.clone()
     };
-    let (broker, _, _) = open_broker(&embedded, &reach, clock.now()).await?;
+    let (broker, _, _) = open_broker(&embedded, &reach, &store, clock.now()).await?;
     if let Some(broker) = broker {
         lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
     }
@@ -260,10 +259,12 @@ pub async fn start_broker_alone(
     Ok(reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
 }
 
-/// Opens the embedded broker, or prepares to use another one.
+/// Opens the embedded broker, or prepares to use another one. The embedded one knows its users from then on: whoever
+/// waits at the door of a broker that starts again must not be refused, since a refused peer stays away for minutes.
 async fn open_broker(
     config: &PlatformConfig,
     reach: &Reach,
+    store: &Store,
     now: DateTime,
 ) -> Result<(Option<Broker>, BrokerAccess, LinkConfig), StartError> {
     // Unique per running instance, so that a broker's log tells them apart.
@@ -289,6 +290,7 @@ async fn open_broker(
         return Ok((None, access, link));
     }
 
+    reach.load_users(store).await?;
     let authority = CertificateAuthority::open(&config.authority_directory(), now.into())?;
     let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
     names.extend(config.broker.host_names.iter().cloned());
@@ -346,6 +348,32 @@ async fn watch_link(mut states: watch::Receiver<LinkState>, application: Applica
         }
         if states.changed().await.is_err() {
             return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use broker::Credentials;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn the_broker_knows_its_users_before_it_accepts_anyone() {
+        drop(rustls::crypto::ring::default_provider().install_default());
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = format!(
+            "data_directory = {:?}\n[broker]\nlisten = \"127.0.0.1:0\"\n[[broker.users]]\nuser_name = \"observer\"\n\
+             password = \"of the broker alone\"\nconsume = []\nproduce = []\n",
+            folder.path()
+        );
+        let config: PlatformConfig = daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
+        let store = Store::open(&config.database_path()).await.expect("a database");
+        let reach = Reach::new(config.broker.users.clone());
+        let (broker, ..) = open_broker(&config, &reach, &store, Clock::system().now()).await.expect("it opens");
+        assert!(broker.is_some(), "it is embedded, and does not run yet");
+        for user in ["observer", PLATFORM_USER] {
+            assert!(reach.users().user(user).is_some(), "{user}");
         }
     }
 }
