@@ -24,6 +24,9 @@ const BATCH_BYTES_MAX: usize = 1 << 20;
 const QUEUE_KEPT_MAX: usize = 8;
 /// Most calls of one script that wait; further ones supersede the newest.
 const WAITING_PER_SCRIPT_MAX: usize = 64;
+/// Once so many calls of all scripts wait, none may have more waiting than its share: what is asked of a worker beyond
+/// its power costs values, but neither memory nor seconds. A worker does as many in about half a second.
+const WAITING_MAX: usize = 32_768;
 
 /// What a worker is to do.
 #[derive(Debug)]
@@ -62,6 +65,8 @@ pub(crate) struct Lane {
     /// Loads and unloads, before any call.
     urgent: VecDeque<Job>,
     waiting: HashMap<ScriptId, VecDeque<Waiting>>,
+    /// How many calls wait, of all scripts.
+    waiting_calls: usize,
     /// Scripts with waiting calls, in turn.
     turn: VecDeque<ScriptId>,
     under_way: Vec<(ScriptId, ScriptCall)>,
@@ -83,6 +88,7 @@ impl Lane {
             is_busy: false,
             urgent: VecDeque::new(),
             waiting: HashMap::new(),
+            waiting_calls: 0,
             turn: VecDeque::new(),
             under_way: Vec::new(),
             scripts: 0,
@@ -106,17 +112,20 @@ impl Lane {
     /// Drops the waiting calls of a script; how many there were.
     pub fn forget(&mut self, script: ScriptId) -> usize {
         self.turn.retain(|other| *other != script);
-        self.waiting.remove(&script).map_or(0, |calls| calls.len())
+        let forgotten = self.waiting.remove(&script).map_or(0, |calls| calls.len());
+        self.waiting_calls -= forgotten;
+        forgotten
     }
 
     /// Queues a call. True if it superseded one that waited.
     pub fn call(&mut self, mut waiting: Waiting) -> bool {
         let script = waiting.call.script;
+        let most = self.waiting_per_script_max();
         let queue = self.waiting.entry(script).or_default();
         if queue.is_empty() {
             self.turn.push_back(script);
         }
-        let superseded = if queue.len() >= WAITING_PER_SCRIPT_MAX { queue.pop_back() } else { None };
+        let superseded = if queue.len() >= most { queue.pop_back() } else { None };
         if let Some(Waiting { call, .. }) = &superseded {
             // What the superseded call would have told of other inputs is told by this one.
             for input in &call.inputs {
@@ -126,7 +135,17 @@ impl Lane {
             }
         }
         queue.push_back(waiting);
+        if superseded.is_none() {
+            self.waiting_calls += 1;
+        }
         superseded.is_some()
+    }
+
+    fn waiting_per_script_max(&self) -> usize {
+        if self.waiting_calls < WAITING_MAX {
+            return WAITING_PER_SCRIPT_MAX;
+        }
+        (WAITING_MAX / self.scripts.max(1)).clamp(1, WAITING_PER_SCRIPT_MAX)
     }
 
     /// Gives the worker its next job if it is idle.
@@ -157,6 +176,7 @@ impl Lane {
             let Some(script) = self.turn.pop_front() else { break };
             let Some(queue) = self.waiting.get_mut(&script) else { continue };
             let Some(Waiting { call, resume }) = queue.pop_front() else { continue };
+            self.waiting_calls -= 1;
             if !queue.is_empty() {
                 self.turn.push_back(script);
             } else if queue.capacity() > QUEUE_KEPT_MAX {
@@ -216,4 +236,56 @@ async fn serve(
         }
     }
     worker.take_down().await;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::iter::repeat_n;
+
+    use script_protocol::CallValue;
+
+    use super::*;
+
+    fn waiting(script: u32) -> Waiting {
+        let call = Call { script: ScriptId(script), value: CallValue::Input(0), inputs: Vec::new() };
+        Waiting { call, resume: ScriptCall::without_value(0) }
+    }
+
+    /// A lane whose worker takes nothing, with so many scripts.
+    fn lane(scripts: u32) -> Lane {
+        let (reports, _) = mpsc::channel(1);
+        let (mut lane, _) = Lane::new(0, Arc::default(), reports, CancellationToken::new());
+        lane.is_busy = true;
+        lane.scripts = scripts as usize;
+        lane
+    }
+
+    /// Offers each script so many calls, in turn; how many superseded another.
+    fn offer(lane: &mut Lane, scripts: u32, calls: usize) -> usize {
+        let in_turn = repeat_n((), calls).flat_map(|()| 0..scripts);
+        in_turn.filter(|script| lane.call(waiting(*script))).count()
+    }
+
+    #[test]
+    fn a_script_has_so_many_calls_waiting_and_what_waits_is_bounded_for_all_together() {
+        let mut few = lane(2);
+        assert_eq!(offer(&mut few, 2, 65), 2, "one each beyond sixty-four");
+        assert_eq!(few.waiting_calls, 128);
+
+        let mut many = lane(2000);
+        assert_eq!(offer(&mut many, 2000, 16), 0, "a burst of each finds room");
+        assert_eq!(offer(&mut many, 2000, 48), 2000 * 64 - WAITING_MAX, "further ones do where all is taken");
+        assert_eq!(many.waiting_calls, WAITING_MAX);
+        assert!(many.waiting.values().all(|queue| queue.len() >= WAITING_MAX / 2000), "none has less than its share");
+    }
+
+    #[test]
+    fn what_waits_is_counted_whatever_becomes_of_it() {
+        let mut lane = lane(3);
+        offer(&mut lane, 3, 20);
+        assert_eq!(lane.forget(ScriptId(1)), 20);
+        assert_eq!(lane.waiting_calls, 40);
+        let Job::Batch(calls) = lane.batch() else { panic!("calls wait") };
+        assert_eq!((calls.len(), lane.waiting_calls), (40, 0));
+    }
 }
