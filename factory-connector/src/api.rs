@@ -13,6 +13,7 @@ mod fields;
 mod inbox;
 mod leaks;
 mod ledger;
+mod mapping_status;
 mod networks;
 mod operator;
 mod policies;
@@ -207,8 +208,9 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(routes!(shadow::start, shadow::status, shadow::end))
         .routes(routes!(shadow::publish))
         .routes(routes!(trials::run))
-        .routes(routes!(trials::status))
-        .routes(routes!(trials::restart))
+        .routes(routes!(mapping_status::status))
+        .routes(routes!(mapping_status::restart))
+        .routes(routes!(mapping_status::survey))
         .routes(routes!(exchange::export))
         .routes(routes!(exchange::import).layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
         .routes(routes!(templates::list))

@@ -12,6 +12,7 @@ mod plans;
 mod routes;
 mod service;
 mod status;
+mod survey;
 mod timers;
 mod trial;
 
@@ -34,6 +35,7 @@ use crate::{
 pub use history::HistoryConfig;
 pub use service::MappingEngine;
 pub use status::{CircuitState, InputStatus, MappingStatus};
+pub use survey::{HealthCounts, MappingHealth, MappingSurvey, SurveyedMapping};
 use trial::Trial;
 
 /// What the engine may use.
@@ -138,7 +140,8 @@ pub struct MappingEngineHandle {
 enum Command {
     Put(Vec<Compiled>, oneshot::Sender<Vec<Result<(), EngineError>>>),
     Remove(MappingId, oneshot::Sender<bool>),
-    Status(Option<MappingId>, oneshot::Sender<Vec<MappingStatus>>),
+    Status(MappingId, oneshot::Sender<Option<MappingStatus>>),
+    Survey(Option<MappingHealth>, usize, oneshot::Sender<MappingSurvey>),
     Reset(MappingId, oneshot::Sender<bool>),
     Recorded(Vec<MappingInput>, oneshot::Sender<Vec<DryRunSample>>),
 }
@@ -200,13 +203,13 @@ impl MappingEngineHandle {
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
-    /// How all mappings are doing.
+    /// How the published mappings are doing: counts of all, and the worst of those with this health, or of all.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
-    pub async fn statuses(&self) -> Result<Vec<MappingStatus>, EngineError> {
+    pub async fn survey(&self, wanted: Option<MappingHealth>, most: usize) -> Result<MappingSurvey, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Status(None, reply)).await?;
+        self.send(Command::Survey(wanted, most, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -216,8 +219,8 @@ impl MappingEngineHandle {
     /// [`EngineError::Stopped`].
     pub async fn status(&self, mapping_id: &MappingId) -> Result<Option<MappingStatus>, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Status(Some(mapping_id.clone()), reply)).await?;
-        Ok(answer.await.map_err(|_| EngineError::Stopped)?.pop())
+        self.send(Command::Status(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
     }
 
     /// Ends the rest of a mapping's scripts, by hand. False if there is no such mapping.

@@ -28,8 +28,8 @@ mod transform;
 pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
 pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
 pub use engine::{
-    Candidate, CircuitState, EngineError, HistoryConfig, InputStatus, MappingEngine, MappingEngineConfig,
-    MappingEngineHandle, MappingStatus, Published, TargetKey,
+    Candidate, CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine, MappingEngineConfig,
+    MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey, Published, SurveyedMapping, TargetKey,
 };
 pub use fault::{Fault, FaultKind, FaultRecord};
 pub use inputs::Inputs;

@@ -101,6 +101,11 @@ impl Transform {
         }
     }
 
+    /// The status of the last candidate.
+    pub fn shown_status(&self) -> Option<StatusCode> {
+        self.shown.status()
+    }
+
     /// The last value of an input and when it came by the local clock.
     pub fn input(&self, index: usize) -> Option<(&DataValue, DateTime)> {
         let slot = self.slots.get(index)?;

@@ -1,9 +1,9 @@
-//! Trying a mapping, and how a published one is doing.
+//! Trying a mapping before it is published.
 
-use asi_model::{DateTime, messages::ValueSource};
+use asi_model::DateTime;
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
-use mapping_engine::{DryRunSample, Mapping, MappingStatus, Trace};
+use mapping_engine::{DryRunSample, Mapping, Trace};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -109,45 +109,4 @@ async fn live_values(api: &Api, mapping: &Mapping) -> Result<Vec<DryRunSample>, 
         samples.extend(read.into_iter().map(|value| DryRunSample { input: input.name.clone(), at, value }));
     }
     Ok(samples)
-}
-
-/// How a field's mapping is doing: last values in and out, counts, faults, time spent.
-#[utoipa::path(get,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = MappingStatus), Problems))]
-pub async fn status(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<MappingStatus>, Problem> {
-    let id = at_work(&api, key(path)).await?;
-    let status = api.engine.status(&id).await.map_err(engine)?;
-    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
-}
-
-/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once.
-#[utoipa::path(post,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = MappingStatus), Problems))]
-pub async fn restart(
-    State(api): State<Api>,
-    who: SignedIn<Principal>,
-    ApiPath(path): ApiPath<FieldPath>,
-) -> Result<Json<MappingStatus>, Problem> {
-    engineer_only(&who)?;
-    let id = at_work(&api, key(path)).await?;
-    api.engine.reset(&id).await.map_err(engine)?;
-    let status = api.engine.status(&id).await.map_err(engine)?;
-    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
-}
-
-async fn at_work(api: &Api, field: asi_model::FieldKey) -> Result<mapping_engine::MappingId, Problem> {
-    let known = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&field)?;
-            field.decision.is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
-        })
-        .await?;
-    known.ok_or_else(|| Problem::not_found("mapping at work for this field"))
 }

@@ -84,6 +84,8 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     assert_eq!(versions[1]["changes"][0]["before"], json!(1.0), "{versions:#?}");
     let status = plant.get(&of("mapping-status")).await;
     assert_eq!(status["faults"], 0);
+    let survey = plant.get("/mappings/survey?limit=0").await;
+    assert_eq!((&survey["counts"]["well"], &survey["items"]), (&json!(1), &json!([])), "{survey:#}");
 }
 
 fn field_versions() -> String {
@@ -154,4 +156,11 @@ async fn a_script_is_checked_published_and_corrected_without_losing_its_count() 
     let trial = plant.post(&format!("{}/trial", field("label")), trial).await;
     let tried = trial["runs"][0]["candidate"]["value"].as_str().and_then(|text| text.strip_prefix("third "));
     assert!(tried.and_then(|count| count.parse::<u64>().ok()) > Some(counted), "{trial:#}");
+
+    plant.map("label", script("(v) => { throw new Error('out of order') }")).await;
+    let fails = |survey: &serde_json::Value| survey["counts"]["failing"] == 1;
+    let survey = plant.until("it is seen to fail", "/mappings/survey?health=FAILING", fails).await;
+    let known = &survey["items"][0]["status"];
+    assert_eq!(known["target"]["fieldName"], "label", "{survey:#}");
+    assert!(known["lastFault"]["message"].as_str().is_some_and(|text| text.contains("out of order")), "{survey:#}");
 }

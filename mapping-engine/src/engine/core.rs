@@ -16,6 +16,7 @@ use super::{
     plans::Plans,
     routes::{Routes, Subscriber},
     status::MappingStatus,
+    survey::{MappingHealth, MappingSurvey},
     timers::Timers,
 };
 use crate::{
@@ -190,14 +191,12 @@ impl Core {
         samples.split_off(samples.len().saturating_sub(most))
     }
 
-    pub fn statuses(&self, id: Option<&MappingId>) -> Vec<MappingStatus> {
-        match id {
-            Some(id) => {
-                let place = self.inventory.place_of(id);
-                place.and_then(|place| self.inventory.get(place)).map(MappingStatus::of).into_iter().collect()
-            }
-            None => self.inventory.iter().map(MappingStatus::of).collect(),
-        }
+    pub fn status(&self, id: &MappingId) -> Option<MappingStatus> {
+        self.inventory.get(self.inventory.place_of(id)?).map(MappingStatus::of)
+    }
+
+    pub fn survey(&self, wanted: Option<MappingHealth>, most: usize) -> MappingSurvey {
+        MappingSurvey::of(&self.inventory, wanted, most)
     }
 
     pub fn reset(&mut self, id: &MappingId) -> bool {

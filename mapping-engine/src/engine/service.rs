@@ -108,7 +108,8 @@ fn obey(core: &mut Core, command: Command) {
     match command {
         Command::Put(compiled, reply) => drop(reply.send(core.put_many(compiled, now()))),
         Command::Remove(id, reply) => drop(reply.send(core.remove(&id))),
-        Command::Status(id, reply) => drop(reply.send(core.statuses(id.as_ref()))),
+        Command::Status(id, reply) => drop(reply.send(core.status(&id))),
+        Command::Survey(wanted, most, reply) => drop(reply.send(core.survey(wanted, most))),
         Command::Reset(id, reply) => drop(reply.send(core.reset(&id))),
         Command::Recorded(inputs, reply) => drop(reply.send(core.recorded(&inputs, SAMPLES_MAX))),
     }

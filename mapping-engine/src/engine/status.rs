@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use asi_model::{DateTime, FieldKey};
+use asi_model::{DataValue, DateTime, FieldKey};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::inventory::{Entry, Script};
+use super::inventory::Entry;
 use crate::{
     dry_run::TracedValue,
     fault::FaultRecord,
@@ -99,9 +99,7 @@ impl MappingStatus {
                 name: input.name.clone(),
                 value: last.map(|(value, _)| TracedValue::of(value)),
                 received_at: last.map(|(_, at)| at),
-                clock_ahead_ms: last.and_then(|(value, at)| {
-                    value.source_timestamp.map(|source| source.unix_millis() - at.unix_millis())
-                }),
+                clock_ahead_ms: last.and_then(|(value, at)| clock_ahead_ms(value, at)),
             }
         });
         Self {
@@ -119,7 +117,7 @@ impl MappingStatus {
             last_yielded_at: entry.last_yielded_at,
             last_candidate: entry.last_yielded_at.and_then(|_| transform.shown()).as_ref().map(TracedValue::of),
             inputs: inputs.collect(),
-            circuit: circuit(&entry.scripts),
+            circuit: entry.circuit(),
         }
     }
 }
@@ -128,11 +126,19 @@ fn micros(duration: Duration) -> u64 {
     u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
-fn circuit(scripts: &[Script]) -> CircuitState {
-    let resting = scripts.iter().filter_map(|script| script.breaker.resting_until()).max();
-    match resting {
-        Some(until) => CircuitState::Resting { until },
-        None if scripts.iter().all(|script| script.breaker.is_closed()) => CircuitState::Closed,
-        None => CircuitState::Trying,
+/// How far a source's clock is ahead of ours, as seen at a value that came then.
+pub(super) fn clock_ahead_ms(value: &DataValue, received_at: DateTime) -> Option<i64> {
+    value.source_timestamp.map(|source| source.unix_millis() - received_at.unix_millis())
+}
+
+impl Entry {
+    /// Whether its scripts are run.
+    pub(super) fn circuit(&self) -> CircuitState {
+        let resting = self.scripts.iter().filter_map(|script| script.breaker.resting_until()).max();
+        match resting {
+            Some(until) => CircuitState::Resting { until },
+            None if self.scripts.iter().all(|script| script.breaker.is_closed()) => CircuitState::Closed,
+            None => CircuitState::Trying,
+        }
     }
 }

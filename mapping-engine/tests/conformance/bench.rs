@@ -10,8 +10,8 @@ use std::{
 
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingId, MappingStatus,
-    Published, ScriptConfig, ScriptEngine, TargetKey,
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingId,
+    MappingStatus, Published, ScriptConfig, ScriptEngine, TargetKey,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -144,6 +144,12 @@ impl Bench {
 
     pub async fn status(&self, id: &str) -> MappingStatus {
         self.handle.status(&mapping_id(id)).await.expect("the engine runs").expect("the mapping is there")
+    }
+
+    pub async fn health(&self, id: &str) -> MappingHealth {
+        let items = self.handle.survey(None, usize::MAX).await.expect("the engine runs").items;
+        let id = mapping_id(id);
+        items.iter().find(|item| item.status.mapping_id == id).expect("the mapping is there").health
     }
 
     pub async fn stop(self) {

@@ -4,7 +4,8 @@ use std::{os::unix::fs::PermissionsExt as _, time::Duration};
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingStatus, Published, Severity, TransformState,
+    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingHealth, MappingStatus, Published, Severity,
+    TransformState,
 };
 
 use super::bench::{Bench, Worker, mapping_id, published, script_mapping};
@@ -59,12 +60,14 @@ pub async fn scripts_rest_and_are_reset_by_hand(worker: &Worker) {
     }
     let status = bench.status("slow").await;
     assert!(matches!(status.circuit, CircuitState::Resting { .. }), "{status:?}");
+    assert_eq!(bench.health("slow").await, MappingHealth::Resting);
     bench.feed("slow", "a", 0_i32).await;
     let resting = bench.until("slow", |status| status.superseded == 1).await;
     assert_eq!(resting.yielded, 3, "a resting script is not run");
     assert!(bench.handle.reset(&mapping_id("slow")).await.expect("the engine runs"));
     assert_eq!(bench.ask("slow", 0_i32).await.value, 1.0.into());
     assert_eq!(bench.status("slow").await.circuit, CircuitState::Closed);
+    assert_eq!(bench.health("slow").await, MappingHealth::Well);
 
     bench.put_script("fatal", &["a"], "Double", FATAL).await;
     bench.ask("fatal", 1_i32).await;

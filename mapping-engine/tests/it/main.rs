@@ -4,3 +4,4 @@
 mod bench;
 mod publishing;
 mod routing;
+mod survey;

@@ -69,9 +69,9 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
     assert_eq!(pointers, ["/inputs/1/name", "/steps/0/divisor"]);
     assert!(put[1].as_ref().is_ok_and(Vec::is_empty), "{put:?}");
     assert_eq!(bench.ask("right", 4_i32).await.value, 4_i32.into());
-    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
+    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 1);
     bench.remove("right").await;
-    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 0);
+    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 0);
     bench.stop().await;
 }
 
@@ -125,7 +125,7 @@ async fn a_mapping_is_replaced_in_place() {
     bench.put(chain("m", &["a"], "Int32", doubled)).await;
     assert_eq!(bench.next("m").await.value.value, 8_i32.into(), "it speaks at once about what is known");
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
-    assert_eq!(bench.handle.statuses().await.expect("runs").len(), 1);
+    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 1);
     bench.stop().await;
 }
 

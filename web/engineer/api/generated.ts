@@ -4489,6 +4489,109 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/mappings/survey": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How all published mappings are doing: how many do how, and the worst of them. */
+        get: {
+            parameters: {
+                query?: {
+                    /** @description Only those that are doing so. */
+                    health?: components["schemas"]["MappingHealth"];
+                    /** @description Up to 500; 50 without it, none with 0. */
+                    limit?: number;
+                };
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["MappingSurvey"];
+                    };
+                };
+                /** @description The request cannot be understood. */
+                400: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Nobody is signed in. */
+                401: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description The role does not allow it, or the CSRF token is wrong. */
+                403: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not exist. */
+                404: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description It does not fit the present state. */
+                409: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+                422: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+                /** @description A part that is needed is not there at the moment. */
+                503: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/problem+json": components["schemas"]["Problem"];
+                    };
+                };
+            };
+        };
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/operation-networks": {
         parameters: {
             query?: never;
@@ -9399,6 +9502,21 @@ export interface components {
              */
             rules: components["schemas"]["DocumentVersion"][];
         };
+        /** @description How many mappings are doing how. */
+        HealthCounts: {
+            /** @description So many `CLOCK_AHEAD`. */
+            clockAhead: number;
+            /** @description So many `DOUBTFUL`. */
+            doubtful: number;
+            /** @description So many `FAILING`. */
+            failing: number;
+            /** @description So many `RESTING`. */
+            resting: number;
+            /** @description So many `WAITING`. */
+            waiting: number;
+            /** @description So many `WELL`. */
+            well: number;
+        };
         /** @description Who we are to a server. */
         Identity: {
             /** @enum {string} */
@@ -9714,6 +9832,11 @@ export interface components {
              */
             version: number;
         };
+        /**
+         * @description How a mapping is doing, in a word; the worst first.
+         * @enum {string}
+         */
+        MappingHealth: "RESTING" | "FAILING" | "WAITING" | "DOUBTFUL" | "CLOCK_AHEAD" | "WELL";
         /** @description A variable of a local server, under the name that expressions and scripts use. */
         MappingInput: {
             /** @description How the variable is monitored: sampling, queue, browse path to find it again, part of an array. */
@@ -9790,6 +9913,13 @@ export interface components {
              * @description Candidates that went out.
              */
             yielded: number;
+        };
+        /** @description The published mappings at work; those on trial are not among them. */
+        MappingSurvey: {
+            /** @description How many are doing how, of all. */
+            counts: components["schemas"]["HealthCounts"];
+            /** @description The worst of those that were asked for; of two that are doing alike, the one with more faults first. */
+            items: components["schemas"]["SurveyedMapping"][];
         };
         /** @description A mapping with gaps. */
         MappingTemplate: {
@@ -11682,6 +11812,13 @@ export interface components {
             /** @description The servers that were looked through. */
             sources: components["schemas"]["SearchedSource"][];
         };
+        /** @description A mapping of a survey. */
+        SurveyedMapping: {
+            /** @description How it is doing, in a word. */
+            health: components["schemas"]["MappingHealth"];
+            /** @description How it is doing. */
+            status: components["schemas"]["MappingStatus"];
+        };
         /** @description How to make a template of a field's mapping. */
         TemplateDraft: {
             /** @description What people call it. */
@@ -12086,6 +12223,7 @@ export const PATHS: readonly string[] = [
   "/api/v1/mapping-templates/{templateId}/fill",
   "/api/v1/mappings/export",
   "/api/v1/mappings/import",
+  "/api/v1/mappings/survey",
   "/api/v1/operation-networks",
   "/api/v1/operation-networks/{operationNetworkId}",
   "/api/v1/operation-networks/{operationNetworkId}/comments",

@@ -70,6 +70,7 @@ export interface Trial {
 
 /** How a mapping is doing. */
 export interface MappingStatus {
+  target: FieldKey
   received: number
   yielded: number
   repeated: number
@@ -85,6 +86,23 @@ export interface MappingStatus {
   inputs: InputStatus[]
   /** Whether its scripts are run: one that does not keep to its budget rests for a while. */
   circuit: { state: 'closed' | 'trying' } | { state: 'resting'; until: string }
+}
+
+export type MappingHealth = 'RESTING' | 'FAILING' | 'WAITING' | 'DOUBTFUL' | 'CLOCK_AHEAD' | 'WELL'
+
+export interface HealthCounts {
+  resting: number
+  failing: number
+  waiting: number
+  doubtful: number
+  clockAhead: number
+  well: number
+}
+
+/** All mappings in use: how many are doing how, and the worst of them. */
+export interface MappingSurvey {
+  counts: HealthCounts
+  items: { health: MappingHealth; status: MappingStatus }[]
 }
 
 /** What went wrong, and where. */

@@ -12,6 +12,7 @@ const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as Field
 const PATH = '/fields/n/turn/progress/made/mapping-status'
 const at = '2026-01-02T03:04:05Z'
 const well: MappingStatus = {
+  target: key,
   received: 1000,
   yielded: 998,
   repeated: 2,

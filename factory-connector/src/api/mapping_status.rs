@@ -1,0 +1,81 @@
+//! How published mappings are doing: one, or all of them with those in trouble first.
+
+use asi_model::{FieldKey, messages::ValueSource};
+use axum::{Json, extract::State};
+use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use mapping_engine::{MappingHealth, MappingId, MappingStatus, MappingSurvey};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::{
+    Api, Principal,
+    accounts::engineer_only,
+    fields::{FieldPath, key},
+    problems::{Problems, engine},
+};
+
+/// Mappings told without being told how many, and at most.
+const SURVEYED_DEFAULT: usize = 50;
+const SURVEYED_MAX: usize = 500;
+
+/// Which of them, and how many.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct SurveyQuery {
+    /// Only those that are doing so.
+    health: Option<MappingHealth>,
+    /// Up to 500; 50 without it, none with 0.
+    limit: Option<usize>,
+}
+
+/// How all published mappings are doing: how many do how, and the worst of them.
+#[utoipa::path(get, path = "/mappings/survey", tag = "mappings", security(("session" = [])), params(SurveyQuery),
+    responses((status = 200, body = MappingSurvey), Problems))]
+pub async fn survey(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<SurveyQuery>,
+) -> Result<Json<MappingSurvey>, Problem> {
+    let most = query.limit.unwrap_or(SURVEYED_DEFAULT).min(SURVEYED_MAX);
+    api.engine.survey(query.health, most).await.map(Json).map_err(engine)
+}
+
+/// How a field's mapping is doing: last values in and out, counts, faults, time spent.
+#[utoipa::path(get,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = MappingStatus), Problems))]
+pub async fn status(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<MappingStatus>, Problem> {
+    let id = at_work(&api, key(path)).await?;
+    let status = api.engine.status(&id).await.map_err(engine)?;
+    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}
+
+/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once.
+#[utoipa::path(post,
+    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
+    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
+    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
+    responses((status = 200, body = MappingStatus), Problems))]
+pub async fn restart(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<MappingStatus>, Problem> {
+    engineer_only(&who)?;
+    let id = at_work(&api, key(path)).await?;
+    api.engine.reset(&id).await.map_err(engine)?;
+    let status = api.engine.status(&id).await.map_err(engine)?;
+    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}
+
+async fn at_work(api: &Api, field: FieldKey) -> Result<MappingId, Problem> {
+    let known = api
+        .desk
+        .read(move |books| {
+            let field = books.field(&field)?;
+            field.decision.is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
+        })
+        .await?;
+    known.ok_or_else(|| Problem::not_found("mapping at work for this field"))
+}

@@ -1,0 +1,131 @@
+//! All mappings looked through: which of them need somebody, the worst first.
+
+use std::cmp::Reverse;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{
+    inventory::{Entry, Inventory},
+    status::{CircuitState, MappingStatus, clock_ahead_ms},
+};
+
+/// A source's clock that is further ahead of ours is worth a word: transport takes no less than no time.
+const CLOCK_AHEAD_MS_MAX: i64 = 60_000;
+
+/// How a mapping is doing, in a word; the worst first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum MappingHealth {
+    /// A script of it did not keep to its budget: it rests, or was let run again and has yet to prove itself.
+    Resting,
+    /// What came last of it was a fault.
+    Failing,
+    /// An input has had no value yet.
+    Waiting,
+    /// Its last value is uncertain or bad, as its inputs are.
+    Doubtful,
+    /// The clock of a source is more than a minute ahead.
+    ClockAhead,
+    /// It does what it shall.
+    Well,
+}
+
+/// How many mappings are doing how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct HealthCounts {
+    /// So many `RESTING`.
+    pub resting: usize,
+    /// So many `FAILING`.
+    pub failing: usize,
+    /// So many `WAITING`.
+    pub waiting: usize,
+    /// So many `DOUBTFUL`.
+    pub doubtful: usize,
+    /// So many `CLOCK_AHEAD`.
+    pub clock_ahead: usize,
+    /// So many `WELL`.
+    pub well: usize,
+}
+
+/// A mapping of a survey.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SurveyedMapping {
+    /// How it is doing, in a word.
+    pub health: MappingHealth,
+    /// How it is doing.
+    pub status: MappingStatus,
+}
+
+/// The published mappings at work; those on trial are not among them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct MappingSurvey {
+    /// How many are doing how, of all.
+    pub counts: HealthCounts,
+    /// The worst of those that were asked for; of two that are doing alike, the one with more faults first.
+    pub items: Vec<SurveyedMapping>,
+}
+
+impl MappingHealth {
+    pub(super) fn of(entry: &Entry) -> Self {
+        let transform = &entry.transform;
+        let inputs = || (0..entry.mapping.inputs.len()).map(|index| transform.input(index));
+        if entry.circuit() != CircuitState::Closed {
+            return Self::Resting;
+        }
+        // A fault that has been told already is not told again: a value that came before it does not make it good.
+        if entry.last_fault.as_ref().is_some_and(|fault| entry.last_yielded_at.is_none_or(|at| fault.at >= at)) {
+            return Self::Failing;
+        }
+        if inputs().any(|input| input.is_none()) {
+            return Self::Waiting;
+        }
+        if transform.shown_status().is_some_and(|status| !status.is_good()) {
+            return Self::Doubtful;
+        }
+        let is_ahead = |(value, at)| clock_ahead_ms(value, at).is_some_and(|ahead| ahead > CLOCK_AHEAD_MS_MAX);
+        if inputs().flatten().any(is_ahead) { Self::ClockAhead } else { Self::Well }
+    }
+}
+
+impl HealthCounts {
+    fn add(&mut self, health: MappingHealth) {
+        *match health {
+            MappingHealth::Resting => &mut self.resting,
+            MappingHealth::Failing => &mut self.failing,
+            MappingHealth::Waiting => &mut self.waiting,
+            MappingHealth::Doubtful => &mut self.doubtful,
+            MappingHealth::ClockAhead => &mut self.clock_ahead,
+            MappingHealth::Well => &mut self.well,
+        } += 1;
+    }
+}
+
+impl MappingSurvey {
+    /// Looks at every mapping once, and copies only what is told.
+    pub(super) fn of(inventory: &Inventory, wanted: Option<MappingHealth>, most: usize) -> Self {
+        let mut counts = HealthCounts::default();
+        let mut found: Vec<(MappingHealth, &Entry)> = Vec::new();
+        for entry in inventory.iter().filter(|entry| !entry.is_shadow) {
+            let health = MappingHealth::of(entry);
+            counts.add(health);
+            if wanted.is_none_or(|wanted| wanted == health) {
+                found.push((health, entry));
+            }
+        }
+        let rank = |(health, entry): &(MappingHealth, &Entry)| (*health, Reverse(entry.faults));
+        if found.len() > most && most > 0 {
+            found.select_nth_unstable_by_key(most - 1, rank);
+        }
+        found.truncate(most);
+        found.sort_unstable_by(|one, other| {
+            let by_name = || one.1.mapping.mapping_id.cmp(&other.1.mapping.mapping_id);
+            rank(one).cmp(&rank(other)).then_with(by_name)
+        });
+        let told = |(health, entry)| SurveyedMapping { health, status: MappingStatus::of(entry) };
+        Self { counts, items: found.into_iter().map(told).collect() }
+    }
+}
