@@ -122,8 +122,8 @@ impl MappingSurvey {
         }
         found.truncate(most);
         found.sort_unstable_by(|one, other| {
-            let by_name = || one.1.mapping.mapping_id.cmp(&other.1.mapping.mapping_id);
-            rank(one).cmp(&rank(other)).then_with(by_name)
+            let by_field = || one.1.mapping.target.cmp(&other.1.mapping.target);
+            rank(one).cmp(&rank(other)).then_with(by_field)
         });
         let told = |(health, entry)| SurveyedMapping { health, status: MappingStatus::of(entry) };
         Self { counts, items: found.into_iter().map(told).collect() }

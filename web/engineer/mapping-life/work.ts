@@ -10,5 +10,7 @@ export function placeOf(fault: MappingFault): string {
 
 /** What a value costs on average; nothing while none came. */
 export function timeForEach({ spentUs, received }: MappingStatus): string | undefined {
-  return received > 0 ? texts.work.microseconds(numberText(Number((spentUs / received).toPrecision(2)))) : undefined
+  if (received === 0) return undefined
+  const us = Number((spentUs / received).toPrecision(2))
+  return us < 1_000 ? texts.work.microseconds(numberText(us)) : texts.work.milliseconds(numberText(us / 1_000))
 }

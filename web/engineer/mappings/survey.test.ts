@@ -20,7 +20,7 @@ function status(fieldName: string, other: Partial<MappingStatus> = {}): MappingS
 
 let survey: MappingSurvey
 const every: { health: MappingHealth; status: MappingStatus }[] = [
-  { health: 'RESTING', status: status('load', { circuit: { state: 'resting', until: at }, faults: 5 }) },
+  { health: 'RESTING', status: status('load', { circuit: { state: 'resting', until: at }, faults: 5, spentUs: 1_660_000 }) },
   { health: 'FAILING', status: status('label', { faults: 3, lastFault: { at, message: 'out of order', step: 1, line: 2, column: 7 } }) },
   { health: 'WAITING', status: status('sum', { inputs: [{ name: 'a', value: { value: 1, status: 0 } }, { name: 'b' }], lastCandidate: null, lastYieldedAt: null, received: 0 }) },
   { health: 'DOUBTFUL', status: status('power', { lastCandidate: { value: 7, status: 0x40000000 } }) },
@@ -52,6 +52,7 @@ describe('all mappings in use', () => {
     expect(places).not.toContain(-1)
     expect(said).toContain('The first 6 of 75 are shown.')
     expect(said).toContain('2.5 µs')
+    expect(said).toContain('170 ms')
   })
 
   it('shows those that are doing so, and offers only what there is', async () => {

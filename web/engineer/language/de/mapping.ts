@@ -140,6 +140,7 @@ export const mapping: typeof English = {
     yielded: 'Weitergegangen',
     spent: 'Zeit für jeden',
     microseconds: (us: string) => `${us} µs`,
+    milliseconds: (ms: string) => `${ms} ms`,
     repeated: 'Wiederholt',
     late: 'Verspätet',
     clockSteps: 'Uhr zurückgestellt',
@@ -159,7 +160,7 @@ export const mapping: typeof English = {
   },
   survey: {
     title: 'Im Betrieb',
-    hint: 'Alle Zuordnungen in Gebrauch; die, die Sie brauchen, kommen zuerst.',
+    hint: 'Alle Zuordnungen in Gebrauch; was nach Ihnen verlangt, steht oben.',
     none: 'Noch ist kein Feld zugeordnet.',
     noneSo: 'Zur Zeit geht es keiner so.',
     how: 'Wie es ihr geht',

@@ -138,6 +138,7 @@ export const mapping = {
     yielded: 'Went on',
     spent: 'Time for each',
     microseconds: (us: string) => `${us} µs`,
+    milliseconds: (ms: string) => `${ms} ms`,
     repeated: 'Repeats',
     late: 'Late',
     clockSteps: 'Clock set back',
