@@ -138,7 +138,6 @@ impl Peer {
     fn source(&self) -> SourceConfig {
         let id = SourceId::new("machine").expect("valid");
         let mut source = SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));
-        source.silence_ms_max = 2000;
         if self.is_protected {
             source.identity = Identity::UserName { user_name: "connector".into(), password: "machine".into() };
         } else {
