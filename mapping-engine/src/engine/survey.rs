@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 
+use asi_model::{DateTime, StatusCode};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -10,7 +11,7 @@ use super::{
     status::{CircuitState, MappingStatus, clock_ahead_ms},
 };
 
-/// A source's clock that is further ahead of ours is worth a word: transport takes no less than no time.
+/// A source's clock that is further ahead of ours is worth a word: no value is measured after it has come.
 const CLOCK_AHEAD_MS_MAX: i64 = 60_000;
 
 /// How a mapping is doing, in a word; the worst first.
@@ -76,14 +77,17 @@ impl MappingHealth {
         if entry.circuit() != CircuitState::Closed {
             return Self::Resting;
         }
-        // A fault that has been told already is not told again: a value that came before it does not make it good.
-        if entry.last_fault.as_ref().is_some_and(|fault| entry.last_yielded_at.is_none_or(|at| fault.at >= at)) {
+        // Values of one batch have one time: of a fault and a candidate at the same time the status says which was last.
+        let is_good = transform.shown_status().is_none_or(StatusCode::is_good);
+        let has_come_last =
+            |at: DateTime| entry.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good);
+        if entry.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
             return Self::Failing;
         }
         if inputs().any(|input| input.is_none()) {
             return Self::Waiting;
         }
-        if transform.shown_status().is_some_and(|status| !status.is_good()) {
+        if !is_good {
             return Self::Doubtful;
         }
         let is_ahead = |(value, at)| clock_ahead_ms(value, at).is_some_and(|ahead| ahead > CLOCK_AHEAD_MS_MAX);
@@ -112,12 +116,12 @@ impl MappingSurvey {
         for entry in inventory.iter().filter(|entry| !entry.is_shadow) {
             let health = MappingHealth::of(entry);
             counts.add(health);
-            if wanted.is_none_or(|wanted| wanted == health) {
+            if most > 0 && wanted.is_none_or(|wanted| wanted == health) {
                 found.push((health, entry));
             }
         }
         let rank = |(health, entry): &(MappingHealth, &Entry)| (*health, Reverse(entry.faults));
-        if found.len() > most && most > 0 {
+        if found.len() > most {
             found.select_nth_unstable_by_key(most - 1, rank);
         }
         found.truncate(most);

@@ -24,8 +24,8 @@ const BATCH_BYTES_MAX: usize = 1 << 20;
 const QUEUE_KEPT_MAX: usize = 8;
 /// Most calls of one script that wait; further ones supersede the newest.
 const WAITING_PER_SCRIPT_MAX: usize = 64;
-/// Once so many calls of all scripts wait, none may have more waiting than its share: what is asked of a worker beyond
-/// its power costs values, but neither memory nor seconds. A worker does as many in about half a second.
+/// Once so many calls of all scripts wait, none gets more waiting than its share: what is asked of a worker beyond its
+/// power costs values, not memory. Of cheap calls a worker does as many in about half a second.
 const WAITING_MAX: usize = 32_768;
 
 /// What a worker is to do.

@@ -80,6 +80,16 @@ async fn what_has_failed_and_works_again_is_well_and_trials_are_not_told() {
     let mut bench = seven().await;
     assert_eq!(bench.ask("failing", "9").await.value, 9.0.into());
     assert_eq!(bench.health("failing").await, MappingHealth::Well);
+    // Both in one batch, at one time: what came last counts.
+    bench.feed_all("well-1", "a", ["x", "2"].map(asi_model::Variant::from)).await;
+    assert_eq!(bench.next("well-1").await.value.status, StatusCode::BAD_DECODING_ERROR);
+    assert_eq!(bench.next("well-1").await.value.value, 2.0.into());
+    assert_eq!(bench.health("well-1").await, MappingHealth::Well);
+    bench.feed_all("well-1", "a", ["3", "x"].map(asi_model::Variant::from)).await;
+    assert_eq!(bench.next("well-1").await.value.value, 3.0.into());
+    bench.next("well-1").await;
+    assert_eq!(bench.health("well-1").await, MappingHealth::Failing);
+
     let mut shadow = chain("often", &["a"], "Double", json!([]));
     shadow.mapping_id = MappingId::new("often.shadow").expect("an id");
     bench.publish(Published { is_shadow: true, ..published(shadow) }).await;

@@ -1,5 +1,8 @@
 /** Mappings: what is suggested for one, its versions, its trials, and templates of many. */
+import type { components } from './generated'
 import type { DataValue, Diagnostic, FieldKey, Mapping } from './types'
+
+type Schemas = components['schemas']
 
 /** A variable that might be meant by a field, with the reasons and the mapping that taking it would make. */
 export interface Suggestion {
@@ -88,16 +91,8 @@ export interface MappingStatus {
   circuit: { state: 'closed' | 'trying' } | { state: 'resting'; until: string }
 }
 
-export type MappingHealth = 'RESTING' | 'FAILING' | 'WAITING' | 'DOUBTFUL' | 'CLOCK_AHEAD' | 'WELL'
-
-export interface HealthCounts {
-  resting: number
-  failing: number
-  waiting: number
-  doubtful: number
-  clockAhead: number
-  well: number
-}
+export type MappingHealth = Schemas['MappingHealth']
+export type HealthCounts = Schemas['HealthCounts']
 
 /** All mappings in use: how many are doing how, and the worst of them. */
 export interface MappingSurvey {
