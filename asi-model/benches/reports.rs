@@ -46,7 +46,10 @@ fn reports(criterion: &mut Criterion) {
     pose.messages[0].representation = FieldRepresentation::DataValue;
     pose.messages[0].fields = (1..=6)
         .map(|axis| {
-            let value = DataValue::good(f64::from(axis) * 12.3, DateTime::from_ticks(131_999_999_994_123_456));
+            let value = DataValue::good(
+                f64::from(axis) * 12.3,
+                DateTime::from_ticks(131_999_999_994_123_456),
+            );
             PayloadField::with(format!("Axis{axis}.ActualPosition"), value)
         })
         .collect();
@@ -69,16 +72,18 @@ fn hostile(criterion: &mut Criterion) {
     let kinds: [(&str, Make); 6] = [
         ("nesting", |bytes| "[".repeat(bytes)),
         ("many members", |bytes| {
-            let members: Vec<String> =
-                (0..bytes / 30).map(|n| format!("\"k{n}\":{{\"Type\":9,\"Body\":\"1\"}}")).collect();
+            let members: Vec<String> = (0..bytes / 30)
+                .map(|n| format!("\"k{n}\":{{\"Type\":9,\"Body\":\"1\"}}"))
+                .collect();
             format!(
                 "{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"DataSetWriterId\":1,\"Payload\":{{{}}}}}]}}",
                 members.join(",")
             )
         }),
         ("bad fields", |bytes| {
-            let members: Vec<String> =
-                (0..bytes / 30).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
+            let members: Vec<String> = (0..bytes / 30)
+                .map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}"))
+                .collect();
             format!(
                 "{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"DataSetWriterId\":1,\"Payload\":{{{}}}}}]}}",
                 members.join(",")
@@ -87,7 +92,10 @@ fn hostile(criterion: &mut Criterion) {
         ("same member", |bytes| format!("{{{}\"a\":1}}", "\"a\":1,".repeat(bytes / 6))),
         ("escapes", |bytes| format!("{{\"{}\":1}}", "\\u00e9".repeat(bytes / 6))),
         ("empty structures", |bytes| {
-            format!("{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}", "{\"UaTypeId\":\"i=884\"},".repeat(bytes / 21))
+            format!(
+                "{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}",
+                "{\"UaTypeId\":\"i=884\"},".repeat(bytes / 21)
+            )
         }),
     ];
     let mut group = criterion.benchmark_group("hostile");
@@ -116,8 +124,9 @@ fn hostile(criterion: &mut Criterion) {
 
 /// A request with so many operations, each depending on the one before, closed to a cycle.
 fn chain(operations: usize) -> String {
-    let list: Vec<String> =
-        (0..operations).map(|n| format!("{{\"operationId\":\"o{n}\",\"operationType\":\"PRODUCTION\"}}")).collect();
+    let list: Vec<String> = (0..operations)
+        .map(|n| format!("{{\"operationId\":\"o{n}\",\"operationType\":\"PRODUCTION\"}}"))
+        .collect();
     let relations: Vec<String> = (0..operations)
         .map(|n| {
             let next = (n + 1) % operations;

@@ -1,16 +1,16 @@
-//! The OPC UA type model of the Activity Status Interface as plain facts: object types with their parts, reference
-//! types and enumerations, with numeric ids that never change.
+//! The OPC UA type model of the Activity Status Interface as plain facts: object types with their
+//! parts, reference types and enumerations, with numeric ids that never change.
 //!
-//! The twin builds its address space from these tables and [`node_set`] writes the NodeSet2 file from them, so that
-//! the two cannot drift apart.
+//! The twin builds its address space from these tables and [`node_set`] writes the NodeSet2 file
+//! from them, so that the two cannot drift apart.
 
 mod nodes;
 mod tables;
 
 pub use nodes::node_set;
 pub use tables::{
-    CONDITION_KIND, ENUMERATIONS, FIELD_PARTS, MAPPING_STATE, OBJECT_TYPES, OPERATION_STATE, REFERENCE_TYPES,
-    RELATION_TYPE, UPDATE_FREQUENCY_UNIT, VALUE_SOURCE,
+    CONDITION_KIND, ENUMERATIONS, FIELD_PARTS, MAPPING_STATE, OBJECT_TYPES, OPERATION_STATE,
+    REFERENCE_TYPES, RELATION_TYPE, UPDATE_FREQUENCY_UNIT, VALUE_SOURCE,
 };
 
 use crate::{
@@ -47,7 +47,8 @@ pub struct ObjectType {
     pub is_abstract: bool,
     /// What it stands for.
     pub description: &'static str,
-    /// Its parts with fixed BrowseNames. The declaration of the n-th (from 1) has the id `id * 100 + n`.
+    /// Its parts with fixed BrowseNames. The declaration of the n-th (from 1) has the id `id * 100
+    /// + n`.
     pub parts: &'static [Part],
 }
 

@@ -34,11 +34,13 @@ pub struct NetworkDifference {
     pub relations: Changes<OperationRelationId>,
     /// Requests, without regard to their fields.
     pub requests: Changes<RequestKey>,
-    /// Every field of the old and the new network with what becomes of it; untouched ones are left out.
+    /// Every field of the old and the new network with what becomes of it; untouched ones are left
+    /// out.
     pub fields: Vec<FieldDifference>,
 }
 
-/// What was added, changed and removed. Added and changed ones are in the new order, removed ones in the old.
+/// What was added, changed and removed. Added and changed ones are in the new order, removed ones
+/// in the old.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Changes<T> {
@@ -91,7 +93,9 @@ pub enum FieldChange {
 }
 
 /// What becomes of a mapping.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingEffect {
     /// It goes on.
@@ -105,7 +109,9 @@ pub enum MappingEffect {
 }
 
 /// What becomes of the engineer's consent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ConsentEffect {
     /// It stands.
@@ -143,9 +149,11 @@ impl ChangeReason {
             Self::Description | Self::ReportName | Self::SlowerCadence | Self::ShorterValidity => {
                 (MappingEffect::Kept, ConsentEffect::Kept)
             }
-            Self::FasterCadence | Self::LongerValidity | Self::Requester | Self::Recipients | Self::Purpose => {
-                (MappingEffect::OfferedAgain, ConsentEffect::BackToPending)
-            }
+            Self::FasterCadence
+            | Self::LongerValidity
+            | Self::Requester
+            | Self::Recipients
+            | Self::Purpose => (MappingEffect::OfferedAgain, ConsentEffect::BackToPending),
             Self::Buffer | Self::Type | Self::Unit | Self::ValueRank | Self::Semantic => {
                 (MappingEffect::Suggested, ConsentEffect::BackToPending)
             }
@@ -176,8 +184,12 @@ pub fn difference(old: &OperationNetwork, new: &OperationNetwork) -> NetworkDiff
             is_same_operation,
         ),
         relations: changes(
-            old.operation_relation_list.iter().map(|relation| (&relation.operation_relation_id, relation)),
-            new.operation_relation_list.iter().map(|relation| (&relation.operation_relation_id, relation)),
+            old.operation_relation_list
+                .iter()
+                .map(|relation| (&relation.operation_relation_id, relation)),
+            new.operation_relation_list
+                .iter()
+                .map(|relation| (&relation.operation_relation_id, relation)),
             |old, new| old == new,
         ),
         requests: request_changes(old, new),
@@ -191,7 +203,8 @@ fn changes<'n, K: Hash + Eq + Clone + 'n, T>(
     is_same: impl Fn(&T, &T) -> bool,
 ) -> Changes<K> {
     let old: Vec<(&K, T)> = old.collect();
-    let by_key: HashMap<&K, usize> = old.iter().enumerate().map(|(index, (key, _))| (*key, index)).collect();
+    let by_key: HashMap<&K, usize> =
+        old.iter().enumerate().map(|(index, (key, _))| (*key, index)).collect();
     let mut changes = Changes::default();
     let mut kept = HashSet::new();
     for (key, value) in new {
@@ -236,9 +249,11 @@ fn request_changes(old: &OperationNetwork, new: &OperationNetwork) -> Changes<Re
             .collect()
     };
     let (old, new) = (keyed(old), keyed(new));
-    changes(old.iter().map(|(key, request)| (key, request)), new.iter().map(|(key, request)| (key, request)), |a, b| {
-        a == b
-    })
+    changes(
+        old.iter().map(|(key, request)| (key, request)),
+        new.iter().map(|(key, request)| (key, request)),
+        |a, b| a == b,
+    )
 }
 
 fn field_differences(old: &OperationNetwork, new: &OperationNetwork) -> Vec<FieldDifference> {
@@ -264,7 +279,11 @@ fn field_differences(old: &OperationNetwork, new: &OperationNetwork) -> Vec<Fiel
             differences.push(FieldDifference {
                 key: key.clone(),
                 change: FieldChange::Changed,
-                mapping: effects.clone().map(|(mapping, _)| mapping).max().unwrap_or(MappingEffect::Kept),
+                mapping: effects
+                    .clone()
+                    .map(|(mapping, _)| mapping)
+                    .max()
+                    .unwrap_or(MappingEffect::Kept),
                 consent: effects.map(|(_, consent)| consent).max().unwrap_or(ConsentEffect::Kept),
                 reasons,
             });
@@ -291,14 +310,20 @@ fn request_reasons(old: &DynamicDataRequest, new: &DynamicDataRequest) -> Vec<Ch
         }
     };
     note(old.description != new.description, ChangeReason::Description);
-    note(old.report_data_format.report_name != new.report_data_format.report_name, ChangeReason::ReportName);
+    note(
+        old.report_data_format.report_name != new.report_data_format.report_name,
+        ChangeReason::ReportName,
+    );
     note(old.requester_id != new.requester_id, ChangeReason::Requester);
-    let recipients = |request: &DynamicDataRequest| request.recipient_list.iter().cloned().collect::<HashSet<_>>();
+    let recipients = |request: &DynamicDataRequest| {
+        request.recipient_list.iter().cloned().collect::<HashSet<_>>()
+    };
     note(recipients(old) != recipients(new), ChangeReason::Recipients);
     note(old.purpose != new.purpose, ChangeReason::Purpose);
     note(old.buffer_id != new.buffer_id, ChangeReason::Buffer);
     // Without a wish of its own, a partner is content with the slowest.
-    let interval = |request: &DynamicDataRequest| request.update_interval().unwrap_or(Duration::MAX);
+    let interval =
+        |request: &DynamicDataRequest| request.update_interval().unwrap_or(Duration::MAX);
     note(interval(new) < interval(old), ChangeReason::FasterCadence);
     note(interval(new) > interval(old), ChangeReason::SlowerCadence);
     let from = |request: &DynamicDataRequest| request.valid_from.unwrap_or(DateTime::MIN);
@@ -340,7 +365,8 @@ mod tests {
 
     fn example() -> Value {
         let message: Value =
-            serde_json::from_str(include_str!("../examples/operation-network.json")).expect("the example is JSON");
+            serde_json::from_str(include_str!("../examples/operation-network.json"))
+                .expect("the example is JSON");
         message["operationNetwork"].clone()
     }
 
@@ -360,16 +386,28 @@ mod tests {
             ("/updateFrequencyUnit", json!("DAY"), Some((M::Kept, C::Kept))),
             ("/updateFrequency", json!(2), Some((M::OfferedAgain, C::BackToPending))),
             ("/validUntil", json!("2019-05-01T00:00:00Z"), Some((M::Kept, C::Kept))),
-            ("/validUntil", json!("2020-05-01T00:00:00Z"), Some((M::OfferedAgain, C::BackToPending))),
+            (
+                "/validUntil",
+                json!("2020-05-01T00:00:00Z"),
+                Some((M::OfferedAgain, C::BackToPending)),
+            ),
             ("/validUntil", Value::Null, Some((M::OfferedAgain, C::BackToPending))),
-            ("/recipientList", json!(["acme-aero", "another"]), Some((M::OfferedAgain, C::BackToPending))),
+            (
+                "/recipientList",
+                json!(["acme-aero", "another"]),
+                Some((M::OfferedAgain, C::BackToPending)),
+            ),
             ("/recipientList", json!(["acme-aero", "acme-aero"]), None),
             ("/purpose", json!("else"), Some((M::OfferedAgain, C::BackToPending))),
             (&format!("{field}/type"), json!(11), Some((M::Suggested, C::BackToPending))),
             (&format!("{field}/unit"), json!("DZN"), Some((M::Suggested, C::BackToPending))),
             (&format!("{field}/unit"), json!("H87"), None),
             (&format!("{field}/valueRank"), json!(1), Some((M::Suggested, C::BackToPending))),
-            (&format!("{field}/semantic"), json!("GOOD_QUANTITY"), Some((M::Suggested, C::BackToPending))),
+            (
+                &format!("{field}/semantic"),
+                json!("GOOD_QUANTITY"),
+                Some((M::Suggested, C::BackToPending)),
+            ),
         ] {
             let mut changed = example();
             let path = format!("{REQUEST}{member}");
@@ -403,10 +441,14 @@ mod tests {
         assert_eq!(found.operations.changed, []);
         assert_eq!(found.relations.changed.len(), 1);
         assert_eq!((found.requests.added.len(), found.requests.removed.len()), (1, 1));
-        let effects: Vec<_> = found.fields.iter().map(|field| (field.change, field.consent)).collect();
+        let effects: Vec<_> =
+            found.fields.iter().map(|field| (field.change, field.consent)).collect();
         assert_eq!(
             effects,
-            [(FieldChange::Added, ConsentEffect::BackToPending), (FieldChange::Removed, ConsentEffect::Removed)]
+            [
+                (FieldChange::Added, ConsentEffect::BackToPending),
+                (FieldChange::Removed, ConsentEffect::Removed)
+            ]
         );
         let back = difference(&new, &old);
         assert_eq!(back.operations.added, found.operations.removed);

@@ -1,5 +1,5 @@
-//! Identifiers. Each is a type of its own, checked where it enters, so that a factory id can never stand where an
-//! operation id belongs.
+//! Identifiers. Each is a type of its own, checked where it enters, so that a factory id can never
+//! stand where an operation id belongs.
 
 use std::{borrow::Borrow, fmt, str::FromStr, sync::Arc};
 
@@ -22,7 +22,8 @@ pub struct InvalidId {
 pub const ID_BYTES_MAX: usize = 256;
 
 fn is_name(text: &str) -> bool {
-    (1..=64).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
+    (1..=64).contains(&text.len())
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
 }
 
 /// True for the two characters that are none, which XML documents cannot carry.
@@ -31,7 +32,8 @@ pub(crate) const fn is_noncharacter(c: char) -> bool {
 }
 
 fn is_network_id(text: &str) -> bool {
-    (1..=ID_BYTES_MAX).contains(&text.len()) && !text.chars().any(|c| c.is_control() || is_noncharacter(c))
+    (1..=ID_BYTES_MAX).contains(&text.len())
+        && !text.chars().any(|c| c.is_control() || is_noncharacter(c))
 }
 
 fn is_field_name(text: &str) -> bool {
@@ -173,8 +175,8 @@ id!(
     InstanceId, "an instance id", "^[A-Za-z0-9_-]{1,64}$", is_name
 );
 id!(
-    /// Where a connector's store is in use. Two processes name the same place only where the operating system lets no
-    /// more than one of them hold the store.
+    /// Where a connector's store is in use. Two processes name the same place only where the
+    /// operating system lets no more than one of them hold the store.
     PlaceId, "a place id", "^[A-Za-z0-9_-]{1,64}$", is_name
 );
 id!(
@@ -189,7 +191,9 @@ impl From<uuid::Uuid> for MessageId {
 }
 
 /// One dynamic data request, addressed through its network and operation.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub struct RequestKey {
     /// The network the request belongs to.
@@ -201,7 +205,9 @@ pub struct RequestKey {
 }
 
 /// One report field, addressed from the network down.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldKey {
     /// The request whose report contains the field.
@@ -221,7 +227,11 @@ impl RequestKey {
 
 impl fmt::Display for RequestKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}/{}", self.operation_network_id, self.operation_id, self.dynamic_data_request_id)
+        write!(
+            f,
+            "{}/{}/{}",
+            self.operation_network_id, self.operation_id, self.dynamic_data_request_id
+        )
     }
 }
 
@@ -237,11 +247,19 @@ mod tests {
 
     #[test]
     fn names_are_checked() {
-        for (text, ok) in [("FOR_MUC", true), ("a-b", true), ("", false), ("a b", false), ("ü", false)] {
+        for (text, ok) in
+            [("FOR_MUC", true), ("a-b", true), ("", false), ("a b", false), ("ü", false)]
+        {
             assert_eq!(FactoryId::new(text).is_ok(), ok, "{text:?}");
         }
         assert!(FactoryId::new("x".repeat(65)).is_err());
-        for (text, ok) in [("progressStatus", true), ("Axis1.Pos", true), ("1st", false), ("", false), ("a/b", false)] {
+        for (text, ok) in [
+            ("progressStatus", true),
+            ("Axis1.Pos", true),
+            ("1st", false),
+            ("", false),
+            ("a/b", false),
+        ] {
             assert_eq!(FieldName::new(text).is_ok(), ok, "{text:?}");
         }
         assert!(OperationId::new("Frame %1/2#3").is_ok());

@@ -1,7 +1,8 @@
-//! Activity Status Interfaces as OPC UA nodes: their readable NodeIds, the nodes of a whole interface, and the way back.
+//! Activity Status Interfaces as OPC UA nodes: their readable NodeIds, the nodes of a whole
+//! interface, and the way back.
 //!
-//! A node set with one interface is accepted in place of the JSON of an `operation-network` message: [`to_json`] says
-//! what the nodes say, and the usual validation judges it.
+//! A node set with one interface is accepted in place of the JSON of an `operation-network`
+//! message: [`to_json`] says what the nodes say, and the usual validation judges it.
 
 mod from_nodes;
 mod nodes;

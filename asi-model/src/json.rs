@@ -1,8 +1,9 @@
 //! JSON as foreign bytes arrive and as ours leave: a bounded reader and a plain writer.
 //!
-//! [`Tape`] reads a text once, without recursion, into one flat list of tokens, so that hostile input costs time and
-//! memory linear in its size and nothing more. It keeps numbers as text (64-bit integers stay exact) and reports
-//! member names that occur twice, which general-purpose readers pass over.
+//! [`Tape`] reads a text once, without recursion, into one flat list of tokens, so that hostile
+//! input costs time and memory linear in its size and nothing more. It keeps numbers as text
+//! (64-bit integers stay exact) and reports member names that occur twice, which general-purpose
+//! readers pass over.
 
 mod escapes;
 mod node;

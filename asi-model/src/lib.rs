@@ -1,6 +1,8 @@
-//! The shared language of Verbund: what partners' tools, factory connectors and the platform say to each other.
+//! The shared language of Verbund: what partners' tools, factory connectors and the platform say to
+//! each other.
 //!
-//! This crate knows *what* is said, never how it travels. It is pure: no I/O, no async, no clock, no randomness.
+//! This crate knows *what* is said, never how it travels. It is pure: no I/O, no async, no clock,
+//! no randomness.
 //!
 //! - [`ids`]: identifiers that cannot be malformed.
 //! - [`values`]: OPC UA built-in values (OPC 10000-6 §5.1) as plain Rust data.

@@ -1,17 +1,19 @@
-//! The messages of the wire contract besides reports: each self-contained, with `messageType` and `messageId`.
+//! The messages of the wire contract besides reports: each self-contained, with `messageType` and
+//! `messageId`.
 
 mod from_factory;
 mod lease;
 mod to_factory;
 
 pub use from_factory::{
-    Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision, DecisionTarget,
-    DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement, MappingState, RateStatement,
-    ValueSource,
+    Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision,
+    DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement,
+    MappingState, RateStatement, ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
 pub use to_factory::{
-    AssetRequest, Comment, OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt,
+    AssetRequest, Comment, OperationNetworkMessage, PlatformMessage, Receipt, Withdraw,
+    WriterReceipt,
 };
 
 /// Largest body of a message to a factory, in bytes after compression.

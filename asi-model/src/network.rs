@@ -1,16 +1,20 @@
 //! Operation networks: who does what, in which order, and what partners want to know about it.
 //!
-//! These are the wire types of `operation-network` and the types the rest of the house works with. Structure is
-//! guaranteed by the types; meaning (unique ids, known relations, no cycles, ...) by the validation.
+//! These are the wire types of `operation-network` and the types the rest of the house works with.
+//! Structure is guaranteed by the types; meaning (unique ids, known relations, no cycles, ...) by
+//! the validation.
 
 mod operation;
 mod relation;
 mod request;
 
 pub use operation::{EquipmentRequirement, Operation, OperationKind, OperationState};
-pub use relation::{ConditionKind, IsoDuration, OperationRelation, RelationCondition, RelationType};
+pub use relation::{
+    ConditionKind, IsoDuration, OperationRelation, RelationCondition, RelationType,
+};
 pub use request::{
-    DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit, VALUE_RANK_SCALAR,
+    DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit,
+    VALUE_RANK_SCALAR,
 };
 
 use schemars::JsonSchema;

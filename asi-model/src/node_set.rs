@@ -1,7 +1,7 @@
 //! Nodes as documents: NodeSet2 XML (OPC 10000-6 Annex F), written and read.
 //!
-//! The reader is bounded and takes what our models need: objects, variables with values, methods and types. Namespace
-//! indexes are resolved, so that a node set in memory knows URIs only.
+//! The reader is bounded and takes what our models need: objects, variables with values, methods
+//! and types. Namespace indexes are resolved, so that a node set in memory knows URIs only.
 
 mod read;
 mod value;

@@ -1,7 +1,9 @@
-//! The OPC UA JSON data encoding (OPC 10000-6 §5.4, deprecated forms in Annex H) of every built-in type, both ways.
+//! The OPC UA JSON data encoding (OPC 10000-6 §5.4, deprecated forms in Annex H) of every built-in
+//! type, both ways.
 //!
-//! Four forms are written ([`DataEncoding`]); all of them are read, told apart by their shape. What deviates from the
-//! standard harmlessly is read with a [`Diagnostic`], unless [`Leniency::Strict`] is asked for.
+//! Four forms are written ([`DataEncoding`]); all of them are read, told apart by their shape. What
+//! deviates from the standard harmlessly is read with a [`Diagnostic`], unless [`Leniency::Strict`]
+//! is asked for.
 
 pub(crate) mod decode;
 mod decode_array;
@@ -80,7 +82,8 @@ pub enum ValueError {
     },
 }
 
-/// Where in a text a value is not what it should be; the pointer is only made when somebody wants to read it.
+/// Where in a text a value is not what it should be; the pointer is only made when somebody wants
+/// to read it.
 #[derive(Debug)]
 pub(crate) struct Mismatch<'t, 'a> {
     pub(crate) node: Node<'t, 'a>,
@@ -98,11 +101,16 @@ impl<'t, 'a> Mismatch<'t, 'a> {
     }
 
     pub(crate) fn into_error(self) -> ValueError {
-        ValueError::Mismatch { pointer: self.node.pointer(), message: self.message.into_owned(), status: self.status }
+        ValueError::Mismatch {
+            pointer: self.node.pointer(),
+            message: self.message.into_owned(),
+            status: self.status,
+        }
     }
 }
 
-/// Bounds on values and messages: 1 MiB, nesting of 100 (OPC 10000-6 §5.1.5), and one token per two bytes at most.
+/// Bounds on values and messages: 1 MiB, nesting of 100 (OPC 10000-6 §5.1.5), and one token per two
+/// bytes at most.
 pub const LIMITS: Limits =
     Limits { bytes_max: crate::messages::REQUEST_BYTES_MAX, depth_max: 100, tokens_max: 400_000 };
 
@@ -136,7 +144,11 @@ pub fn decode_value(
     let mut decoder = Decoder::new(leniency, types, namespaces);
     if let Some(pointer) = tape.duplicates().next() {
         let message = "the member occurs twice".to_owned();
-        return Err(ValueError::Mismatch { pointer, message, status: StatusCode::BAD_DECODING_ERROR });
+        return Err(ValueError::Mismatch {
+            pointer,
+            message,
+            status: StatusCode::BAD_DECODING_ERROR,
+        });
     }
     let value = decoder.value(tape.root(), None).map_err(Mismatch::into_error)?;
     Ok((value, decoder.into_diagnostics()))

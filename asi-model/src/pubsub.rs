@@ -7,10 +7,10 @@ mod message;
 mod meta_data;
 
 pub use message::{
-    DataSetMessage, DataSetMessageKind, FieldRepresentation, MetaDataMessage, MetaDataVersion, NetworkMessage,
-    PayloadField, PubSubMessage, PubSubState, StatusMessage,
+    DataSetMessage, DataSetMessageKind, FieldRepresentation, MetaDataMessage, MetaDataVersion,
+    NetworkMessage, PayloadField, PubSubMessage, PubSubState, StatusMessage,
 };
 pub use meta_data::{
-    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS,
-    PROPERTY_SEMANTIC,
+    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE,
+    PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
 };

@@ -1,9 +1,10 @@
 //! The time frames of a network: earliest and latest times, slack and the critical path.
 //!
-//! One pass forward over the operations in dependency order gives the earliest times, one backward the latest. Planned
-//! times are kept: an operation starts and ends when its plan says so; without a plan it may last as long as it likes.
-//! Maximum gaps bind backwards, so that each of them may need another pass forward. The number of passes is bounded,
-//! each takes time linear in operations and relations.
+//! One pass forward over the operations in dependency order gives the earliest times, one backward
+//! the latest. Planned times are kept: an operation starts and ends when its plan says so; without
+//! a plan it may last as long as it likes. Maximum gaps bind backwards, so that each of them may
+//! need another pass forward. The number of passes is bounded, each takes time linear in operations
+//! and relations.
 
 mod pass;
 
@@ -21,13 +22,15 @@ use crate::{
 pub struct Schedule {
     /// One entry per operation, in the network's order.
     pub operations: Vec<OperationTimes>,
-    /// The operations whose delay delays the whole, in order of time. Empty where nothing is planned.
+    /// The operations whose delay delays the whole, in order of time. Empty where nothing is
+    /// planned.
     pub critical_path: Vec<OperationId>,
     /// Bounds that cannot hold together.
     pub conflicts: Vec<Conflict>,
 }
 
-/// When an operation can take place. Times are absent where neither it nor what it depends on is planned.
+/// When an operation can take place. Times are absent where neither it nor what it depends on is
+/// planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OperationTimes {
@@ -71,8 +74,8 @@ pub enum ConflictPlace {
 }
 
 impl Schedule {
-    /// Computes the time frames. Relations that name unknown operations are left out, and where the relations form a
-    /// cycle, so are the operations on it (the validation reports both).
+    /// Computes the time frames. Relations that name unknown operations are left out, and where the
+    /// relations form a cycle, so are the operations on it (the validation reports both).
     #[must_use]
     pub fn of(network: &OperationNetwork) -> Self {
         pass::Pass::new(network).run()

@@ -47,7 +47,8 @@ pub fn text(schema: &Value) -> String {
 }
 
 fn document<T: JsonSchema>(name: &str) -> Value {
-    let schema: Schema = SchemaGenerator::new(SchemaSettings::draft2020_12()).into_root_schema_for::<T>();
+    let schema: Schema =
+        SchemaGenerator::new(SchemaSettings::draft2020_12()).into_root_schema_for::<T>();
     let mut schema = schema.to_value();
     schema["$id"] = json!(format!("{SCHEMA_BASE}{name}"));
     schema
@@ -94,8 +95,10 @@ mod tests {
     /// `asi schema asi-model/schema` writes them anew.
     #[test]
     fn the_published_schemas_are_fresh() {
-        let mut wanted: Vec<(String, Vec<u8>)> =
-            all().iter().map(|(name, schema)| ((*name).to_owned(), text(schema).into_bytes())).collect();
+        let mut wanted: Vec<(String, Vec<u8>)> = all()
+            .iter()
+            .map(|(name, schema)| ((*name).to_owned(), text(schema).into_bytes()))
+            .collect();
         wanted.sort();
         for ((name, text), (wanted_name, wanted_text)) in files("schema").iter().zip(&wanted) {
             assert_eq!(name, wanted_name);
@@ -106,8 +109,10 @@ mod tests {
 
     #[test]
     fn every_example_validates() {
-        let mut uncovered: Vec<String> =
-            all().iter().map(|(name, _)| name.trim_end_matches(".schema.json").to_owned()).collect();
+        let mut uncovered: Vec<String> = all()
+            .iter()
+            .map(|(name, _)| name.trim_end_matches(".schema.json").to_owned())
+            .collect();
         uncovered.retain(|name| name != "network");
         for (name, bytes) in files("examples").iter().filter(|(name, _)| name.ends_with(".json")) {
             let message_type = name.split('.').next().expect("a name");
@@ -118,7 +123,8 @@ mod tests {
                 .1;
             let validator = jsonschema::draft202012::new(&schema).expect("a valid schema");
             let instance: Value = serde_json::from_slice(bytes).expect("JSON");
-            let errors: Vec<String> = validator.iter_errors(&instance).map(|error| error.to_string()).collect();
+            let errors: Vec<String> =
+                validator.iter_errors(&instance).map(|error| error.to_string()).collect();
             assert_eq!(errors, Vec::<String>::new(), "{name}");
             assert!(
                 !validator.is_valid(&json!({ "messageType": message_type })),
@@ -132,19 +138,26 @@ mod tests {
 
     fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value) {
         match message_type {
-            "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt" | "lease" => {
+            "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt"
+            | "lease" => {
                 let message = validation::parse_any_platform_message(bytes).expect(name);
                 assert_eq!(message.message_type(), message_type);
                 let again = serde_json::to_vec(&message).expect("writable");
                 assert_eq!(validation::parse_any_platform_message(&again).as_ref(), Ok(&message));
                 // serde reads the same from its own text, as the stores do.
-                assert_eq!(serde_json::from_slice::<crate::messages::PlatformMessage>(&again).expect(name), message);
+                assert_eq!(
+                    serde_json::from_slice::<crate::messages::PlatformMessage>(&again).expect(name),
+                    message
+                );
             }
             "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" => {
                 let message = validation::parse_factory_message(bytes).expect(name);
                 let again = serde_json::to_vec(&message).expect("writable");
                 assert_eq!(validation::parse_factory_message(&again).as_ref(), Ok(&message));
-                assert_eq!(serde_json::from_slice::<crate::messages::FactoryMessage>(&again).expect(name), message);
+                assert_eq!(
+                    serde_json::from_slice::<crate::messages::FactoryMessage>(&again).expect(name),
+                    message
+                );
             }
             _ => {
                 let decoded = crate::pubsub::json::decode(bytes).expect(name);
@@ -160,7 +173,9 @@ mod tests {
                 };
                 let again = match &decoded.message {
                     // Indexes are written where the metadata lists the namespaces.
-                    PubSubMessage::MetaData(_) | PubSubMessage::Data(_) | PubSubMessage::Status(_) => {
+                    PubSubMessage::MetaData(_)
+                    | PubSubMessage::Data(_)
+                    | PubSubMessage::Status(_) => {
                         crate::pubsub::json::encode_message(&decoded.message, encoding)
                     }
                     PubSubMessage::Other { .. } => panic!("{name} is of unknown type"),

@@ -1,4 +1,5 @@
-//! The part of a network that concerns one factory: its own operations, and stubs of their neighbours.
+//! The part of a network that concerns one factory: its own operations, and stubs of their
+//! neighbours.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,35 +12,46 @@ use crate::{
 #[must_use]
 pub fn factories(whole: &OperationNetwork) -> Vec<FactoryId> {
     let mut seen = HashSet::new();
-    let owners = whole.operation_list.iter().filter_map(|operation| operation.owning_factory_id.as_ref());
+    let owners =
+        whole.operation_list.iter().filter_map(|operation| operation.owning_factory_id.as_ref());
     owners.filter(|owner| seen.insert(*owner)).cloned().collect()
 }
 
-/// What one factory gets of a whole network: the operations it owns in full, every relation of one of them, and stubs
-/// of the operations that those relations and its inspections name. Document order is kept. A factory without
-/// operations gets an empty part, which is a withdrawal.
+/// What one factory gets of a whole network: the operations it owns in full, every relation of one
+/// of them, and stubs of the operations that those relations and its inspections name. Document
+/// order is kept. A factory without operations gets an empty part, which is a withdrawal.
 #[must_use]
 pub fn factory_part(whole: &OperationNetwork, factory_id: &FactoryId) -> OperationNetwork {
     let own: HashSet<&OperationId> = whole
         .operation_list
         .iter()
-        .filter(|operation| !operation.stub && operation.owning_factory_id.as_ref() == Some(factory_id))
+        .filter(|operation| {
+            !operation.stub && operation.owning_factory_id.as_ref() == Some(factory_id)
+        })
         .map(|operation| &operation.operation_id)
         .collect();
     let concerns = |relation: &&OperationRelation| {
-        own.contains(&relation.predecessor_operation_id) || own.contains(&relation.successor_operation_id)
+        own.contains(&relation.predecessor_operation_id)
+            || own.contains(&relation.successor_operation_id)
     };
-    let relations: Vec<OperationRelation> = whole.operation_relation_list.iter().filter(concerns).cloned().collect();
+    let relations: Vec<OperationRelation> =
+        whole.operation_relation_list.iter().filter(concerns).cloned().collect();
     let mut named: HashSet<&OperationId> = relations
         .iter()
         .flat_map(|relation| [&relation.predecessor_operation_id, &relation.successor_operation_id])
         .collect();
-    named.extend(whole.operation_list.iter().filter(|operation| own.contains(&operation.operation_id)).filter_map(
-        |operation| match &operation.kind {
-            OperationKind::Inspection { inspected_operation_id, .. } => inspected_operation_id.as_ref(),
-            _ => None,
-        },
-    ));
+    named.extend(
+        whole
+            .operation_list
+            .iter()
+            .filter(|operation| own.contains(&operation.operation_id))
+            .filter_map(|operation| match &operation.kind {
+                OperationKind::Inspection { inspected_operation_id, .. } => {
+                    inspected_operation_id.as_ref()
+                }
+                _ => None,
+            }),
+    );
     let operations = whole.operation_list.iter().filter_map(|operation| {
         if own.contains(&operation.operation_id) {
             Some(operation.clone())
@@ -65,7 +77,9 @@ fn stub(operation: &Operation) -> Operation {
             OperationKind::Inspection { .. } => {
                 OperationKind::Inspection { inspected_operation_id: None, characteristic: None }
             }
-            OperationKind::Transportation { .. } => OperationKind::Transportation { origin: None, destination: None },
+            OperationKind::Transportation { .. } => {
+                OperationKind::Transportation { origin: None, destination: None }
+            }
         },
         name: operation.name.clone(),
         description: None,
@@ -80,20 +94,29 @@ fn stub(operation: &Operation) -> Operation {
     }
 }
 
-/// Puts the parts of several factories together again: own operations win over stubs, relations and stubs appear once.
-/// Order is that of first mention.
+/// Puts the parts of several factories together again: own operations win over stubs, relations and
+/// stubs appear once. Order is that of first mention.
 #[must_use]
 pub fn join(parts: &[OperationNetwork]) -> Option<OperationNetwork> {
     let (first, rest) = parts.split_first()?;
     let mut whole = first.clone();
-    let mut operations: HashMap<OperationId, usize> =
-        whole.operation_list.iter().enumerate().map(|(index, o)| (o.operation_id.clone(), index)).collect();
-    let mut relations: HashSet<_> =
-        whole.operation_relation_list.iter().map(|relation| relation.operation_relation_id.clone()).collect();
+    let mut operations: HashMap<OperationId, usize> = whole
+        .operation_list
+        .iter()
+        .enumerate()
+        .map(|(index, o)| (o.operation_id.clone(), index))
+        .collect();
+    let mut relations: HashSet<_> = whole
+        .operation_relation_list
+        .iter()
+        .map(|relation| relation.operation_relation_id.clone())
+        .collect();
     for part in rest {
         for operation in &part.operation_list {
             match operations.get(&operation.operation_id) {
-                Some(&index) if whole.operation_list[index].stub => whole.operation_list[index] = operation.clone(),
+                Some(&index) if whole.operation_list[index].stub => {
+                    whole.operation_list[index] = operation.clone()
+                }
                 Some(_) => {}
                 None => {
                     operations.insert(operation.operation_id.clone(), whole.operation_list.len());
@@ -157,13 +180,19 @@ mod tests {
                 .map(|o| format!("{}{}", o.operation_id, if o.stub { "*" } else { "" }))
                 .collect();
             assert_eq!(found, operations);
-            let found: Vec<&str> =
-                part.operation_relation_list.iter().map(|r| r.operation_relation_id.as_str()).collect();
+            let found: Vec<&str> = part
+                .operation_relation_list
+                .iter()
+                .map(|r| r.operation_relation_id.as_str())
+                .collect();
             assert_eq!(found, relations);
-            assert!(part.operation_list.iter().filter(|o| o.stub).all(|o| o.planned_quantity.is_none()));
+            assert!(
+                part.operation_list.iter().filter(|o| o.stub).all(|o| o.planned_quantity.is_none())
+            );
             assert_eq!(validate_factory_part(&part, &factory_id), []);
         }
-        let parts: Vec<OperationNetwork> = factories(&whole).iter().map(|id| factory_part(&whole, id)).collect();
+        let parts: Vec<OperationNetwork> =
+            factories(&whole).iter().map(|id| factory_part(&whole, id)).collect();
         assert_eq!(join(&parts), Some(whole));
     }
 }

@@ -7,7 +7,8 @@ mod table;
 use std::{collections::HashMap, sync::LazyLock};
 
 use crate::values::{
-    ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, NodeId, Scalar, Server, StructureValue, Variant,
+    ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, NodeId, Scalar, Server,
+    StructureValue, Variant,
 };
 use table::UNITS;
 
@@ -108,7 +109,10 @@ impl EngineeringUnit {
     #[must_use]
     pub fn to_extension_object(&self) -> ExtensionObject {
         let text = |text: &str| {
-            Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText { locale: None, text: Some(text.into()) })))
+            Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText {
+                locale: None,
+                text: Some(text.into()),
+            })))
         };
         let mut structure = StructureValue::default();
         structure.fields.insert("NamespaceUri".into(), UNECE_NAMESPACE_URI.into());
@@ -141,10 +145,17 @@ fn alias_of(name: &str) -> String {
 }
 
 /// Units whose name in the recommendation carries a remark that nobody writes.
-const PLAIN_ALIASES: &[(&str, &str)] =
-    &[("SEC", "SECOND"), ("MIN", "MINUTE"), ("DD", "DEGREE"), ("BAR", "BAR"), ("4H", "MICROMETRE"), ("TNE", "TONNE")];
+const PLAIN_ALIASES: &[(&str, &str)] = &[
+    ("SEC", "SECOND"),
+    ("MIN", "MINUTE"),
+    ("DD", "DEGREE"),
+    ("BAR", "BAR"),
+    ("4H", "MICROMETRE"),
+    ("TNE", "TONNE"),
+];
 
-/// Names beside the code, the symbol and the upper-case name: the paper's, American spellings, plurals, everyday ones.
+/// Names beside the code, the symbol and the upper-case name: the paper's, American spellings,
+/// plurals, everyday ones.
 const ALIASES: &[(&str, &str)] = &[
     ("PIECES", "H87"),
     ("PCS", "H87"),
@@ -204,8 +215,8 @@ static BY_NAME: LazyLock<HashMap<String, usize>> = LazyLock::new(|| {
     names
 });
 
-/// The unit with this UNECE code, name (`PIECE`, `DEGREE_CELSIUS`), alias or symbol (`mm`). Codes and symbols are
-/// case-sensitive; names are written in upper case.
+/// The unit with this UNECE code, name (`PIECE`, `DEGREE_CELSIUS`), alias or symbol (`mm`). Codes
+/// and symbols are case-sensitive; names are written in upper case.
 #[must_use]
 pub fn lookup(code_or_alias: &str) -> Option<EngineeringUnit> {
     BY_NAME.get(code_or_alias).map(|index| UNITS[*index])
@@ -235,11 +246,17 @@ pub struct NotConvertible {
 ///
 /// # Errors
 /// [`NotConvertible`] where the units measure different things, or nothing that a factor relates.
-pub fn convert(value: f64, from: &EngineeringUnit, to: &EngineeringUnit) -> Result<f64, NotConvertible> {
+pub fn convert(
+    value: f64,
+    from: &EngineeringUnit,
+    to: &EngineeringUnit,
+) -> Result<f64, NotConvertible> {
     if from.code == to.code {
         return Ok(value);
     }
-    if from.quantity != to.quantity || matches!(from.quantity, Quantity::Other | Quantity::Packaging) {
+    if from.quantity != to.quantity
+        || matches!(from.quantity, Quantity::Other | Quantity::Packaging)
+    {
         return Err(NotConvertible {
             from: from.code,
             from_quantity: from.quantity,
@@ -258,7 +275,12 @@ mod tests {
     fn codes_are_unique_and_ids_follow_from_them() {
         for (index, unit) in UNITS.iter().enumerate() {
             assert!((2..=3).contains(&unit.code.len()), "{}", unit.code);
-            assert_eq!(UNITS.iter().position(|u| u.code == unit.code), Some(index), "{} twice", unit.code);
+            assert_eq!(
+                UNITS.iter().position(|u| u.code == unit.code),
+                Some(index),
+                "{} twice",
+                unit.code
+            );
             assert_eq!(from_unit_id(unit.unit_id()), Some(*unit));
             assert!(unit.factor > 0.0);
         }
@@ -311,7 +333,10 @@ mod tests {
             let (from, to) = (lookup(from).expect("known"), lookup(to).expect("known"));
             let found = convert(value, &from, &to);
             if from.quantity == to.quantity {
-                assert!((found.expect("same quantity") - expected).abs() < 1e-9 * expected.abs().max(1.0));
+                assert!(
+                    (found.expect("same quantity") - expected).abs()
+                        < 1e-9 * expected.abs().max(1.0)
+                );
             } else {
                 assert!(found.is_err());
             }

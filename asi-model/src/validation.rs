@@ -1,7 +1,8 @@
 //! Checking what others send: structure first, then meaning, all faults at once.
 //!
-//! Every fault has a JSON pointer to what is wrong, a stable [`FaultCode`] and a sentence that a partner can act on.
-//! What is rejected changes nothing; the faults travel back in the acknowledgement.
+//! Every fault has a JSON pointer to what is wrong, a stable [`FaultCode`] and a sentence that a
+//! partner can act on. What is rejected changes nothing; the faults travel back in the
+//! acknowledgement.
 
 mod acyclic;
 mod conditions;
@@ -19,8 +20,8 @@ use crate::{
     instance,
     json::{Limits, Tape},
     messages::{
-        Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, MESSAGE_BYTES_MAX, PlatformMessage,
-        REQUEST_BYTES_MAX,
+        Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, MESSAGE_BYTES_MAX,
+        PlatformMessage, REQUEST_BYTES_MAX,
     },
     network::OperationNetwork,
     node_set,
@@ -28,9 +29,11 @@ use crate::{
 use reader::Reader;
 
 /// Bounds on a message to a factory.
-pub const REQUEST_LIMITS: Limits = Limits { bytes_max: REQUEST_BYTES_MAX, depth_max: 32, tokens_max: 300_000 };
+pub const REQUEST_LIMITS: Limits =
+    Limits { bytes_max: REQUEST_BYTES_MAX, depth_max: 32, tokens_max: 300_000 };
 /// Bounds on a message from a factory.
-pub const MESSAGE_LIMITS: Limits = Limits { bytes_max: MESSAGE_BYTES_MAX, depth_max: 32, tokens_max: 100_000 };
+pub const MESSAGE_LIMITS: Limits =
+    Limits { bytes_max: MESSAGE_BYTES_MAX, depth_max: 32, tokens_max: 100_000 };
 
 /// Most operations of a network.
 pub const OPERATIONS_MAX: usize = 5_000;
@@ -68,8 +71,8 @@ fn told(faults: &[Fault]) -> String {
 }
 
 impl Rejection {
-    /// The acknowledgement that tells the sender. Where the message's own id could not be read, it refers to the id
-    /// that the transport gave it.
+    /// The acknowledgement that tells the sender. Where the message's own id could not be read, it
+    /// refers to the id that the transport gave it.
     #[must_use]
     pub fn into_acknowledgement(
         self,
@@ -89,12 +92,16 @@ impl Rejection {
     }
 }
 
-/// Reads and checks a message from the platform to a factory: JSON, or a NodeSet2 document with an Activity Status
-/// Interface in place of an `operation-network` message (pointers of faults then refer to the JSON it stands for).
+/// Reads and checks a message from the platform to a factory: JSON, or a NodeSet2 document with an
+/// Activity Status Interface in place of an `operation-network` message (pointers of faults then
+/// refer to the JSON it stands for).
 ///
 /// # Errors
 /// [`Rejection`] with all faults.
-pub fn parse_platform_message(bytes: &[u8], expected: &FactoryId) -> Result<PlatformMessage, Rejection> {
+pub fn parse_platform_message(
+    bytes: &[u8],
+    expected: &FactoryId,
+) -> Result<PlatformMessage, Rejection> {
     platform_message(bytes, Some(expected))
 }
 
@@ -106,17 +113,21 @@ pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, Rejec
     platform_message(bytes, None)
 }
 
-fn platform_message(bytes: &[u8], expected: Option<&FactoryId>) -> Result<PlatformMessage, Rejection> {
+fn platform_message(
+    bytes: &[u8],
+    expected: Option<&FactoryId>,
+) -> Result<PlatformMessage, Rejection> {
     let is_xml =
-        bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte)) == Some(&b'<');
+        bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte))
+            == Some(&b'<');
     let json = if is_xml { Some(from_node_set(bytes)?) } else { None };
     parse(json.as_deref().unwrap_or(bytes), REQUEST_LIMITS, |reader, tape| {
         messages::platform_message(reader, tape.root(), expected)
     })
 }
 
-/// The JSON that a NodeSet2 document stands for. Its message id follows from the text, so that a repeated document is
-/// a repeated message.
+/// The JSON that a NodeSet2 document stands for. Its message id follows from the text, so that a
+/// repeated document is a repeated message.
 fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
     let reject = |code: FaultCode, message: String| {
         let mut reader = Reader::default();
@@ -125,15 +136,19 @@ fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
         Rejection { faults, message_id: None, operation_network_id: None, revision: None }
     };
     if bytes.len() > REQUEST_LIMITS.bytes_max {
-        let message = format!("The body has {} bytes; at most {REQUEST_BYTES_MAX} are accepted.", bytes.len());
+        let message = format!(
+            "The body has {} bytes; at most {REQUEST_BYTES_MAX} are accepted.",
+            bytes.len()
+        );
         return Err(reject(FaultCode::TooLarge, message));
     }
-    let node_set = node_set::read(bytes)
-        .map_err(|error| reject(FaultCode::NotNodeSet, format!("The body is no NodeSet2 document: {error}.")))?;
+    let node_set = node_set::read(bytes).map_err(|error| {
+        reject(FaultCode::NotNodeSet, format!("The body is no NodeSet2 document: {error}."))
+    })?;
     // FNV-1a: no secret is at stake, only that the same text has the same id.
-    let hash = bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
     match instance::to_json(&node_set, &format!("nodeset-{hash:016x}")) {
         Some(message) => Ok(message.to_string().into_bytes()),
         None => {
@@ -151,7 +166,8 @@ pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, Rejection> 
     parse(bytes, MESSAGE_LIMITS, |reader, tape| messages::factory_message(reader, tape.root()))
 }
 
-/// Reads and checks a whole network, as partners' tools hand it to the platform. Pointers are relative to it.
+/// Reads and checks a whole network, as partners' tools hand it to the platform. Pointers are
+/// relative to it.
 ///
 /// # Errors
 /// [`Rejection`] with all faults.
@@ -171,7 +187,8 @@ pub fn validate_network(network: &OperationNetwork) -> Vec<Fault> {
     reader.faults.into_list()
 }
 
-/// As [`validate_network`], for the part of one factory: its operations are its own, all others stubs.
+/// As [`validate_network`], for the part of one factory: its operations are its own, all others
+/// stubs.
 #[must_use]
 pub fn validate_factory_part(network: &OperationNetwork, factory_id: &FactoryId) -> Vec<Fault> {
     let mut reader = Reader::default();
@@ -198,7 +215,11 @@ fn parse<T>(
         }
     };
     for pointer in tape.duplicates() {
-        reader.faults.push(pointer, FaultCode::DuplicateMember, "The member occurs twice; keep one.");
+        reader.faults.push(
+            pointer,
+            FaultCode::DuplicateMember,
+            "The member occurs twice; keep one.",
+        );
     }
     let message = read(&mut reader, &tape);
     match message {
@@ -220,7 +241,10 @@ impl Reader {
             faults: self.faults.into_list(),
             message_id: id("messageId").and_then(|id| id.parse().ok()),
             operation_network_id: network_id.and_then(|id| id.parse().ok()),
-            revision: root.get("revision").and_then(|node| node.integer()).filter(|revision| *revision <= REVISION_MAX),
+            revision: root
+                .get("revision")
+                .and_then(|node| node.integer())
+                .filter(|revision| *revision <= REVISION_MAX),
         }
     }
 }

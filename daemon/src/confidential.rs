@@ -5,8 +5,9 @@ use std::fmt;
 use serde::{Deserialize, Deserializer};
 use zeroize::Zeroize;
 
-/// A value that is shown to nobody by accident: no `Display`, no `Serialize`, a redacted `Debug`, and its memory is
-/// overwritten when it is dropped. Reading it takes the word [`Confidential::expose`], which reviewers can search for.
+/// A value that is shown to nobody by accident: no `Display`, no `Serialize`, a redacted `Debug`,
+/// and its memory is overwritten when it is dropped. Reading it takes the word
+/// [`Confidential::expose`], which reviewers can search for.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Confidential<T: Zeroize>(T);
 
@@ -63,7 +64,11 @@ mod tests {
             #[allow(dead_code)]
             password: Confidential<String>,
         }
-        let text = format!("{:?} {:#?}", Confidential::from("canary"), Holder { password: "canary".into() });
+        let text = format!(
+            "{:?} {:#?}",
+            Confidential::from("canary"),
+            Holder { password: "canary".into() }
+        );
         assert!(!text.contains("canary"), "{text}");
     }
 

@@ -1,8 +1,10 @@
-//! Configuration: a TOML file, overridden by environment variables, refused as a whole when anything in it is wrong.
+//! Configuration: a TOML file, overridden by environment variables, refused as a whole when
+//! anything in it is wrong.
 //!
-//! `VERBUND_WEB__LISTEN=0.0.0.0:8080` overrides `listen` in the section `[web]`; levels are parted by two underscores.
-//! Where the wanted type is a text, the variable is taken literally; else it is read as a TOML value (`true`, `12`,
-//! `["a", "b"]`). Unknown keys are refused: a misspelt limit must not silently be the default.
+//! `VERBUND_WEB__LISTEN=0.0.0.0:8080` overrides `listen` in the section `[web]`; levels are parted
+//! by two underscores. Where the wanted type is a text, the variable is taken literally; else it is
+//! read as a TOML value (`true`, `12`, `["a", "b"]`). Unknown keys are refused: a misspelt limit
+//! must not silently be the default.
 
 mod document;
 mod fault;
@@ -25,8 +27,12 @@ const FAULTS_MAX: usize = 50;
 /// Reads the file (if there is one), lays the process's environment over it and parses the result.
 ///
 /// # Errors
-/// [`ConfigurationError`] with every fault that could be found at once: file, line, key, what is wrong, and the remedy.
-pub fn load<T: DeserializeOwned>(path: Option<&Path>, env_prefix: &str) -> Result<T, ConfigurationError> {
+/// [`ConfigurationError`] with every fault that could be found at once: file, line, key, what is
+/// wrong, and the remedy.
+pub fn load<T: DeserializeOwned>(
+    path: Option<&Path>,
+    env_prefix: &str,
+) -> Result<T, ConfigurationError> {
     parse(path, &read(path)?, env_prefix, std::env::vars())
 }
 
@@ -42,7 +48,11 @@ fn read(path: Option<&Path>) -> Result<String, ConfigurationError> {
 }
 
 /// Lays those variables over a document that carry the prefix and address it.
-fn variables_over(document: &mut Document, env_prefix: &str, variables: impl IntoIterator<Item = (String, String)>) {
+fn variables_over(
+    document: &mut Document,
+    env_prefix: &str,
+    variables: impl IntoIterator<Item = (String, String)>,
+) {
     let prefix = format!("{env_prefix}_");
     for (name, value) in variables {
         let Some(rest) = name.strip_prefix(&prefix) else { continue };
@@ -65,8 +75,8 @@ pub fn parse<T: DeserializeOwned>(
     let mut document = Document::parse(path, text, env_prefix)?;
     variables_over(&mut document, env_prefix, variables);
 
-    // Each round finds one fault; what is at fault is taken out and the rest is tried again, so that the user sees
-    // all faults at once and not one per start.
+    // Each round finds one fault; what is at fault is taken out and the rest is tried again, so
+    // that the user sees all faults at once and not one per start.
     let mut faults: Vec<ConfigurationFault> = Vec::new();
     loop {
         let result: Result<T, _> = serde_path_to_error::deserialize(document.value().clone());
@@ -128,8 +138,10 @@ mod tests {
     }
 
     fn check(text: &str, variables: &[(&str, &str)]) -> Result<Example, String> {
-        let variables = variables.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
-        parse(Some(Path::new("example.toml")), text, "VERBUND", variables).map_err(|error| error.to_string())
+        let variables =
+            variables.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
+        parse(Some(Path::new("example.toml")), text, "VERBUND", variables)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -143,7 +155,8 @@ mod tests {
             ("VERBUND_CONFIG", "example.toml"),
             ("PATH", "/bin"),
         ];
-        let example = check("factory_id = \"A\"\n[web]\nlisten = \"127.0.0.1:80\"\n", &variables).expect("valid");
+        let example = check("factory_id = \"A\"\n[web]\nlisten = \"127.0.0.1:80\"\n", &variables)
+            .expect("valid");
         assert_eq!(example.factory_id, "4711", "a number is a text where a text is wanted");
         assert_eq!(example.web.sessions_max, 12);
         assert_eq!(example.web.names, ["a", "b"]);
@@ -154,8 +167,7 @@ mod tests {
 
     #[test]
     fn all_faults_are_named_at_once_with_place_and_remedy() {
-        let text =
-            "factory_id = \"A\"\n\n[web]\nlistn = \"x\"\nlisten = \"nowhere\"\nsessions_max = -1\n\n[sources.press]\n";
+        let text = "factory_id = \"A\"\n\n[web]\nlistn = \"x\"\nlisten = \"nowhere\"\nsessions_max = -1\n\n[sources.press]\n";
         let error = check(text, &[("VERBUND_WEB__NAMES", "a")]).expect_err("faulty");
         for expected in [
             "example.toml:4: web.listn: ",
@@ -184,7 +196,8 @@ mod tests {
 
     #[test]
     fn values_of_variables_are_not_repeated_in_errors() {
-        let error = check("factory_id = \"A\"\n", &[("VERBUND_WEB__SESSIONS_MAX", "canary")]).expect_err("no number");
+        let error = check("factory_id = \"A\"\n", &[("VERBUND_WEB__SESSIONS_MAX", "canary")])
+            .expect_err("no number");
         assert!(!error.contains("canary"), "{error}");
     }
 }

@@ -9,8 +9,8 @@ use std::{
 
 use crate::lifecycle::LifecycleError;
 
-/// Prints an error with all its causes and says with which code the program ends. Who reads the output may stop when it
-/// has seen enough, as `head` does: that is no error.
+/// Prints an error with all its causes and says with which code the program ends. Who reads the
+/// output may stop when it has seen enough, as `head` does: that is no error.
 pub fn after(program: &str, error: &(dyn Error + 'static)) -> ExitCode {
     let of_daemon = causes(error).find_map(|cause| cause.downcast_ref::<LifecycleError>());
     if of_daemon.is_none() && is_reader_gone(error) {

@@ -1,6 +1,7 @@
 //! What both daemons do alike, so that an operator who knows one knows the other.
 //!
-//! - [`configuration`]: TOML files with environment overrides, and errors that say where and how to mend.
+//! - [`configuration`]: TOML files with environment overrides, and errors that say where and how to
+//!   mend.
 //! - [`lifecycle`]: named tasks, one shutdown, and what the failure of a task means.
 //! - [`ending`]: what is said about what went wrong, and the exit code.
 //! - [`telemetry`]: logs and metrics.

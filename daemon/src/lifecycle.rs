@@ -1,8 +1,9 @@
 //! The life of a daemon: named tasks, one orderly end.
 //!
-//! The first SIGINT or SIGTERM asks every task to finish (the *soft* token) and gives them one deadline together; a
-//! second signal, or the deadline, ends the process without waiting. A task that ends before it was asked to says by
-//! its [`Importance`] whether the daemon can live without it.
+//! The first SIGINT or SIGTERM asks every task to finish (the *soft* token) and gives them one
+//! deadline together; a second signal, or the deadline, ends the process without waiting. A task
+//! that ends before it was asked to says by its [`Importance`] whether the daemon can live without
+//! it.
 
 use std::{fmt, future::Future, process::ExitCode, sync::Arc, time::Duration};
 
@@ -103,7 +104,8 @@ impl Lifecycle {
         if self.shutdown.is_cancelled() || importance == Importance::Optional {
             return;
         }
-        let reason = outcome.err().unwrap_or_else(|| "it returned before it was asked to".to_owned());
+        let reason =
+            outcome.err().unwrap_or_else(|| "it returned before it was asked to".to_owned());
         self.failure.lock().get_or_insert(LifecycleError::TaskEnded { task, reason });
         self.shutdown.cancel();
     }
@@ -113,7 +115,8 @@ impl Lifecycle {
         self.shutdown.cancel();
     }
 
-    /// Waits for a signal or the failure of an essential task, then for the tasks, at most `drain_timeout`.
+    /// Waits for a signal or the failure of an essential task, then for the tasks, at most
+    /// `drain_timeout`.
     ///
     /// # Errors
     /// [`LifecycleError`] when the daemon did not end as asked.
@@ -133,10 +136,15 @@ impl Lifecycle {
         if let Some(failure) = self.failure.lock().take() {
             return Err(failure);
         }
-        if is_forced { Err(LifecycleError::Unfinished { count: self.tracker.len() }) } else { Ok(()) }
+        if is_forced {
+            Err(LifecycleError::Unfinished { count: self.tracker.len() })
+        } else {
+            Ok(())
+        }
     }
 
-    /// Waits until every task has ended after [`Self::stop`]; for tests and commands that run a daemon inside.
+    /// Waits until every task has ended after [`Self::stop`]; for tests and commands that run a
+    /// daemon inside.
     pub async fn finished(&self) {
         self.tracker.close();
         self.tracker.wait().await;
@@ -156,7 +164,10 @@ struct Signals {
 
 impl Signals {
     fn new() -> std::io::Result<Self> {
-        Ok(Self { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? })
+        Ok(Self {
+            interrupt: signal(SignalKind::interrupt())?,
+            terminate: signal(SignalKind::terminate())?,
+        })
     }
 
     async fn next(&mut self) -> &'static str {
@@ -194,7 +205,9 @@ mod tests {
     #[tokio::test]
     async fn an_essential_task_takes_the_daemon_with_it() {
         let life = Lifecycle::new();
-        life.spawn("broker", Importance::Essential, async { Err::<(), _>(anyhow::anyhow!("the port is taken")) });
+        life.spawn("broker", Importance::Essential, async {
+            Err::<(), _>(anyhow::anyhow!("the port is taken"))
+        });
         let error = life.run(SOON).await.expect_err("the task failed");
         assert_eq!(error.to_string(), "the task broker ended: the port is taken");
     }

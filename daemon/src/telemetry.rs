@@ -37,7 +37,9 @@ pub enum LogFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum TelemetryError {
     /// The filter's directives are wrong.
-    #[error("the log filter {filter:?} is not understood; use a level as `info` or pairs as `platform=debug,info`")]
+    #[error(
+        "the log filter {filter:?} is not understood; use a level as `info` or pairs as `platform=debug,info`"
+    )]
     ParseFilter {
         /// The filter as given.
         filter: String,
@@ -61,10 +63,15 @@ pub fn install_logs(config: &LogConfig) -> Result<(), TelemetryError> {
         .map_err(|source| TelemetryError::ParseFilter { filter: config.filter.clone(), source })?;
     let layer = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
     let layer = match config.format {
-        LogFormat::Text => layer.with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr())).boxed(),
+        LogFormat::Text => {
+            layer.with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr())).boxed()
+        }
         LogFormat::Json => layer.json().flatten_event(true).boxed(),
     };
-    tracing_subscriber::registry().with(layer.with_filter(filter)).try_init().map_err(TelemetryError::InstallLogs)
+    tracing_subscriber::registry()
+        .with(layer.with_filter(filter))
+        .try_init()
+        .map_err(TelemetryError::InstallLogs)
 }
 
 /// Buckets of every histogram in seconds, from a tenth of a millisecond to a minute.
@@ -78,8 +85,8 @@ const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
 pub struct Metrics(PrometheusHandle);
 
 impl Metrics {
-    /// The recorder of this process, installed at the first call. The `metrics` facade allows one per process, so this
-    /// is the one place with a static.
+    /// The recorder of this process, installed at the first call. The `metrics` facade allows one
+    /// per process, so this is the one place with a static.
     ///
     /// # Errors
     /// [`TelemetryError::InstallMetrics`] when another recorder is installed.
@@ -127,7 +134,11 @@ mod tests {
         let metrics = Metrics::install().expect("the first recorder");
         metrics::counter!("verbund_test_total", "reason" => "why").increment(2);
         assert!(Metrics::install().is_ok(), "a second call gives the same recorder");
-        assert!(metrics.render().contains("verbund_test_total{reason=\"why\"} 2"), "{}", metrics.render());
+        assert!(
+            metrics.render().contains("verbund_test_total{reason=\"why\"} 2"),
+            "{}",
+            metrics.render()
+        );
     }
 
     #[test]

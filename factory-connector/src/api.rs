@@ -276,6 +276,9 @@ mod tests {
             std::fs::write(path, &current).expect("written");
         }
         let committed = std::fs::read_to_string(path).unwrap_or_default();
-        assert!(committed == current, "factory-connector/openapi.json is stale; run this test with UPDATE_OPENAPI=1");
+        assert!(
+            committed == current,
+            "factory-connector/openapi.json is stale; run this test with UPDATE_OPENAPI=1"
+        );
     }
 }

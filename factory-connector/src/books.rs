@@ -1,8 +1,9 @@
 //! The books: everything the connector knows about networks, decisions and values, in memory.
 //!
-//! The books are pure. A method takes an input and the time, changes what is in memory, notes what the store must write
-//! in the same transaction ([`Changes`]) and what is to be done once that is committed ([`Aftermath`]). If the commit
-//! fails, the desk throws the books away and loads them from the store again.
+//! The books are pure. A method takes an input and the time, changes what is in memory, notes what
+//! the store must write in the same transaction ([`Changes`]) and what is to be done once that is
+//! committed ([`Aftermath`]). If the commit fails, the desk throws the books away and loads them
+//! from the store again.
 
 mod aftermath;
 mod decisions;
@@ -94,8 +95,8 @@ pub struct Books {
     pub(crate) dirty_writers: BTreeSet<u16>,
     /// Writers about whose fields something was decided in this transaction, and when.
     pub(crate) changed_writers: BTreeMap<u16, DateTime>,
-    /// Fields whose gate or transform state has to be written, by number; each has a mark of it, so that it stands here
-    /// once.
+    /// Fields whose gate or transform state has to be written, by number; each has a mark of it, so
+    /// that it stands here once.
     pub(crate) dirty_fields: Vec<i64>,
     /// When gates want to be asked again, by the fields' numbers.
     pub(crate) due: BTreeSet<(DateTime, i64)>,
@@ -130,7 +131,12 @@ impl Books {
     ///
     /// # Errors
     /// [`StoreError::Unreadable`] where a stored document cannot be understood.
-    pub fn new(config: BooksConfig, snapshot: Snapshot, is_restored: bool, now: DateTime) -> Result<Self, StoreError> {
+    pub fn new(
+        config: BooksConfig,
+        snapshot: Snapshot,
+        is_restored: bool,
+        now: DateTime,
+    ) -> Result<Self, StoreError> {
         let mut books = Self {
             config,
             networks: BTreeMap::new(),
@@ -185,7 +191,9 @@ impl Books {
         }
         books.watch_after_load(now);
         if is_restored {
-            tracing::warn!("The store was restored, moved or copied; every data set writer begins a new epoch.");
+            tracing::warn!(
+                "The store was restored, moved or copied; every data set writer begins a new epoch."
+            );
             books.changes.are_epochs_begun = true;
             let writers: Vec<u16> = books.writer_of.values().copied().collect();
             for writer in writers {
@@ -238,8 +246,14 @@ impl Books {
     }
 
     /// Queues a control message.
-    pub(crate) fn send(&mut self, message: &FactoryMessage, correlation_id: Option<MessageId>, now: DateTime) {
-        let body = serde_json::to_string(message).expect("messages have text keys and finite numbers");
+    pub(crate) fn send(
+        &mut self,
+        message: &FactoryMessage,
+        correlation_id: Option<MessageId>,
+        now: DateTime,
+    ) {
+        let body =
+            serde_json::to_string(message).expect("messages have text keys and finite numbers");
         let row = ControlRow {
             id: self.next_row(),
             message_id: message.message_id().clone(),
@@ -254,14 +268,21 @@ impl Books {
     }
 
     /// Writes an event into the chains of all recipients.
-    pub(crate) fn record(&mut self, recipients: &[OrganisationId], now: DateTime, report: Option<i64>, event: &Event) {
+    pub(crate) fn record(
+        &mut self,
+        recipients: &[OrganisationId],
+        now: DateTime,
+        report: Option<i64>,
+        event: &Event,
+    ) {
         for recipient in recipients {
             let entry = self.heads.append(recipient, now, event.clone());
             self.changes.ledger.push((entry, report));
         }
     }
 
-    /// Writes what became of reports into the chains of their recipients, neighbouring sequence numbers in one entry.
+    /// Writes what became of reports into the chains of their recipients, neighbouring sequence
+    /// numbers in one entry.
     pub(crate) fn record_outcome(
         &mut self,
         rows: &[WaitingRow],
@@ -282,7 +303,10 @@ impl Books {
                 {
                     range.last_sequence = row.sequence;
                 }
-                _ => ranges.push((range_of(row.data_set_writer_id, row.epoch, row.sequence), &kept.recipients)),
+                _ => ranges.push((
+                    range_of(row.data_set_writer_id, row.epoch, row.sequence),
+                    &kept.recipients,
+                )),
             }
         }
         for (range, recipients) in ranges {

@@ -1,7 +1,9 @@
-//! Which variables the local servers have: listed when somebody asks, and kept while the session lasts.
+//! Which variables the local servers have: listed when somebody asks, and kept while the session
+//! lasts.
 //!
-//! Suggestions and search look through names of whole servers. Walking through an address space takes a server's time,
-//! so it is done once per session and quarter of an hour, whoever asks meanwhile, and never without being asked.
+//! Suggestions and search look through names of whole servers. Walking through an address space
+//! takes a server's time, so it is done once per session and quarter of an hour, whoever asks
+//! meanwhile, and never without being asked.
 
 use std::{
     collections::HashMap,
@@ -75,7 +77,10 @@ impl Catalog {
     #[must_use]
     pub fn new(shop_floor: ShopFloorHandle) -> (Self, CatalogHandle) {
         let (sender, questions) = mpsc::channel(QUESTIONS_MAX);
-        (Self { shop_floor, questions, shelves: HashMap::new() }, CatalogHandle { questions: sender })
+        (
+            Self { shop_floor, questions, shelves: HashMap::new() },
+            CatalogHandle { questions: sender },
+        )
     }
 
     /// Answers until shutdown.
@@ -100,13 +105,17 @@ impl Catalog {
     fn answer(&mut self, source: SourceId, walks: &mut JoinSet<()>) -> Answer {
         let states = self.shop_floor.states();
         self.shelves.retain(|id, _| states.iter().any(|status| status.source_id == *id));
-        let sessions = states.iter().find(|status| status.source_id == source).map_or(0, |status| status.sessions);
+        let sessions = states
+            .iter()
+            .find(|status| status.source_id == source)
+            .map_or(0, |status| status.sessions);
         if let Some(shelf) = self.shelves.get(&source).filter(|shelf| shelf.is_fresh(sessions)) {
             return shelf.answer.clone();
         }
         let (sender, answer) = watch::channel(None);
         walks.spawn(walk(self.shop_floor.clone(), source.clone(), sender));
-        self.shelves.insert(source, Shelf { answer: answer.clone(), begun: Instant::now(), sessions });
+        self.shelves
+            .insert(source, Shelf { answer: answer.clone(), begun: Instant::now(), sessions });
         answer
     }
 }
@@ -123,7 +132,11 @@ impl Shelf {
     }
 }
 
-async fn walk(shop_floor: ShopFloorHandle, source: SourceId, sender: watch::Sender<Option<Listing>>) {
+async fn walk(
+    shop_floor: ShopFloorHandle,
+    source: SourceId,
+    sender: watch::Sender<Option<Listing>>,
+) {
     let walked = timeout(WALK_MAX, shop_floor.variables(&source, NODES_MAX)).await;
     let (list, problem) = match walked {
         Ok(Ok(list)) => (Arc::new(list), None),
@@ -134,7 +147,10 @@ async fn walk(shop_floor: ShopFloorHandle, source: SourceId, sender: watch::Send
             tracing::info!(source.id = %source, error = &error as &dyn std::error::Error, "A server's variables could not be listed.");
             (Arc::default(), Some(error.to_string()))
         }
-        Err(_) => (Arc::default(), Some(format!("the server was not through within {} s", WALK_MAX.as_secs()))),
+        Err(_) => (
+            Arc::default(),
+            Some(format!("the server was not through within {} s", WALK_MAX.as_secs())),
+        ),
     };
     sender.send_replace(Some(Listing { list, listed_at: now(), problem }));
 }

@@ -110,7 +110,9 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
         }
-        command => load(arguments.config.as_deref()).and_then(|config| run_command(command, config)),
+        command => {
+            load(arguments.config.as_deref()).and_then(|config| run_command(command, config))
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -119,12 +121,16 @@ pub fn run(arguments: Arguments) -> ExitCode {
 }
 
 fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> {
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .context("starting the runtime")?;
     runtime.block_on(async {
         match command {
             Command::Run => serve(config).await,
             Command::Enrol { token, platform } => {
-                let factory = enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
+                let factory =
+                    enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }
             Command::Certificate(command) => certificate::run(command, &config).await,
@@ -159,7 +165,10 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
         }
         UsersCommand::Set { user, role } => {
             let mut password = String::new();
-            std::io::stdin().take(4096).read_to_string(&mut password).context("reading the password")?;
+            std::io::stdin()
+                .take(4096)
+                .read_to_string(&mut password)
+                .context("reading the password")?;
             let password = Confidential::from(password.trim_end_matches(['\r', '\n']).to_owned());
             let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };

@@ -1,5 +1,5 @@
-//! The connector's configuration. `factory-connector.example.toml` shows every key with its default; a test keeps the
-//! two alike.
+//! The connector's configuration. `factory-connector.example.toml` shows every key with its
+//! default; a test keeps the two alike.
 
 mod broker;
 
@@ -103,7 +103,8 @@ pub struct TwinSection {
 
 impl Default for TwinSection {
     fn default() -> Self {
-        let TwinConfig { listen, host_names, security, limits, discovery, .. } = TwinConfig::default();
+        let TwinConfig { listen, host_names, security, limits, discovery, .. } =
+            TwinConfig::default();
         Self { listen, host_names, security, limits, discovery }
     }
 }
@@ -190,11 +191,13 @@ mod tests {
     #[test]
     fn the_example_shows_the_defaults() {
         let example: ConnectorConfig =
-            daemon::configuration::parse(None, EXAMPLE, "VERBUND", std::iter::empty()).expect("the example is valid");
+            daemon::configuration::parse(None, EXAMPLE, "VERBUND", std::iter::empty())
+                .expect("the example is valid");
         assert_eq!(format!("{example:?}"), format!("{:?}", ConnectorConfig::default()));
         let with_all = EXAMPLE.replace("#: ", "");
-        let all: ConnectorConfig = daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty())
-            .expect("absent keys are valid");
+        let all: ConnectorConfig =
+            daemon::configuration::parse(None, &with_all, "VERBUND", std::iter::empty())
+                .expect("absent keys are valid");
         assert!(all.web.tls.is_some() && all.admin.password.is_some());
         assert!(all.broker.url.is_some() && all.broker.proxy.is_some());
         assert_eq!(all.broker.faults(), Vec::<String>::new());

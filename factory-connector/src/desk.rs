@@ -1,9 +1,10 @@
 //! The desk: the one task that owns books and store, and so the one place where anything changes.
 //!
-//! Whatever comes - messages of the platform, candidates of the mapping engine, writes of OPC UA clients, decisions of
-//! the engineer, outcomes of the link - is entered in the books; then one transaction holds everything that belongs
-//! together; then the other rooms hear of it. Transactions are grouped: what arrives while one is being written goes
-//! into the next. If one fails, nothing of it happened: the books are read from the store again.
+//! Whatever comes - messages of the platform, candidates of the mapping engine, writes of OPC UA
+//! clients, decisions of the engineer, outcomes of the link - is entered in the books; then one
+//! transaction holds everything that belongs together; then the other rooms hear of it.
+//! Transactions are grouped: what arrives while one is being written goes into the next. If one
+//! fails, nothing of it happened: the books are read from the store again.
 
 mod aftermath;
 mod handle;
@@ -76,7 +77,8 @@ pub struct SpoolLimits {
     pub bytes_max: u64,
     /// Age at which reports are given up, in hours.
     pub age_hours_max: u32,
-    /// Seconds without a receipt after which a report is sent again; doubles with each time, up to an hour.
+    /// Seconds without a receipt after which a report is sent again; doubles with each time, up to
+    /// an hour.
     pub resend_after_s: u32,
 }
 
@@ -128,7 +130,8 @@ pub struct Desk {
     /// The ledger has entries that pages have not heard of, and when they heard last.
     has_ledger_news: bool,
     ledger_told_at: Instant,
-    /// The store was restored, moved or copied, and that every writer has begun a new epoch is not committed yet.
+    /// The store was restored, moved or copied, and that every writer has begun a new epoch is not
+    /// committed yet.
     are_epochs_due: bool,
 }
 
@@ -263,8 +266,12 @@ impl Desk {
         let has_asked = !self.replies.is_empty();
         // Values wait for the publishing interval, and so do answers to those who wrote them.
         let is_time = Instant::now() >= self.next_publish;
-        let is_stale = self.oldest_unwritten.is_some_and(|oldest| oldest.elapsed() >= UNREPORTED_STATE_MAX);
-        (self.books.has_news() && is_time) || self.books.has_urgent_changes() || is_stale || (has_asked && is_time)
+        let is_stale =
+            self.oldest_unwritten.is_some_and(|oldest| oldest.elapsed() >= UNREPORTED_STATE_MAX);
+        (self.books.has_news() && is_time)
+            || self.books.has_urgent_changes()
+            || is_stale
+            || (has_asked && is_time)
     }
 
     /// One transaction with everything in it, and then what follows from it.
@@ -317,7 +324,8 @@ impl Desk {
         let mut snapshot = self.store.load().await?;
         // Keep-alives and what was deleted may be under way: their numbers must not be given again.
         snapshot.last_row = snapshot.last_row.max(self.books.last_row);
-        self.books = Books::new(self.config.books.clone(), snapshot, self.are_epochs_due, self::now())?;
+        self.books =
+            Books::new(self.config.books.clone(), snapshot, self.are_epochs_due, self::now())?;
         Ok(())
     }
 
@@ -325,8 +333,9 @@ impl Desk {
     fn sign_all_ends(&mut self) {
         let factory = &self.config.books.factory_id;
         let ends = self.books.heads.iter();
-        let signed = ends
-            .map(|(recipient, head)| SignedHead::new(factory, recipient.clone(), head.number, head.hash, &self.key));
+        let signed = ends.map(|(recipient, head)| {
+            SignedHead::new(factory, recipient.clone(), head.number, head.hash, &self.key)
+        });
         let signed: Vec<_> = signed.collect();
         self.books.changes.heads.extend(signed);
     }

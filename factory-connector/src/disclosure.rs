@@ -1,8 +1,9 @@
 //! The disclosure gate: the one place where a value becomes something a partner may know.
 //!
-//! Every candidate - from a mapping, from an OPC UA client, from the operator's page - is coarsened in value *and* time
-//! as the engineer's consent says, and only what [`Gate`] has released can reach the reporter, the twin's nodes and the
-//! ledger. The gate is pure: it has no clock and does no I/O, so its promises are stated as properties and tested.
+//! Every candidate - from a mapping, from an OPC UA client, from the operator's page - is coarsened
+//! in value *and* time as the engineer's consent says, and only what [`Gate`] has released can
+//! reach the reporter, the twin's nodes and the ledger. The gate is pure: it has no clock and does
+//! no I/O, so its promises are stated as properties and tested.
 
 mod aggregate;
 mod coarsening;
@@ -22,13 +23,17 @@ mod working_hours;
 
 pub use aggregate::{AggregateFunction, Aggregation, OpenWindow, Sum, WindowAggregate};
 pub use decimal::{Decimal, InvalidStep, RoundingStep};
-pub use documents::{DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, Versioned};
-pub use effects::{Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max};
+pub use documents::{
+    DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, Versioned,
+};
+pub use effects::{
+    Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max,
+};
 pub use faults::PolicyFault;
 pub use gate::{Gate, GateState, Outcome};
 pub use leak::{
-    Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget, leak_summary,
-    leak_warnings,
+    Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget,
+    leak_summary, leak_warnings,
 };
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;

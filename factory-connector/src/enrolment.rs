@@ -28,16 +28,18 @@ struct Answer {
 ///
 /// # Errors
 /// A sentence that says what to do: the platform is not reachable, or refuses the token.
-pub async fn enrol(data_directory: &Path, platform: Option<&str>, token: &str) -> anyhow::Result<FactoryId> {
+pub async fn enrol(
+    data_directory: &Path,
+    platform: Option<&str>,
+    token: &str,
+) -> anyhow::Result<FactoryId> {
     let platform = platform.map_or_else(|| address_in(token), |address| Ok(address.to_owned()))?;
     let url = format!("{}/api/v1/enrolments", platform.trim_end_matches('/'));
     let http = reqwest::Client::builder().timeout(Duration::from_secs(30)).build()?;
-    let answer = http
-        .post(&url)
-        .json(&serde_json::json!({ "token": token }))
-        .send()
-        .await
-        .with_context(|| format!("reaching the platform at {url}; is the address right and the way open?"))?;
+    let answer =
+        http.post(&url).json(&serde_json::json!({ "token": token })).send().await.with_context(
+            || format!("reaching the platform at {url}; is the address right and the way open?"),
+        )?;
     if !answer.status().is_success() {
         let status = answer.status();
         let problem: serde_json::Value = answer.json().await.unwrap_or_default();
@@ -67,7 +69,9 @@ fn address_in(token: &str) -> anyhow::Result<String> {
         .split_once('.')
         .and_then(|(address, _)| URL_SAFE_NO_PAD.decode(address).ok())
         .and_then(|bytes| String::from_utf8(bytes).ok());
-    address.context("the token carries no address of a platform; copy it again, or give --platform URL")
+    address.context(
+        "the token carries no address of a platform; copy it again, or give --platform URL",
+    )
 }
 
 #[cfg(test)]

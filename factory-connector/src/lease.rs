@@ -1,8 +1,9 @@
-//! The lease on the factory's identity: of all running connectors with its credential only the one that the platform has
-//! granted the lease may speak.
+//! The lease on the factory's identity: of all running connectors with its credential only the one
+//! that the platform has granted the lease may speak.
 //!
-//! [`Lease`] decides and does nothing else; [`LeaseKeeper`] carries its decisions out; the [`LeaseGate`] lets what waits
-//! in the spool leave, or not. Values go on being mapped, disclosed, numbered and spooled whatever the gate does.
+//! [`Lease`] decides and does nothing else; [`LeaseKeeper`] carries its decisions out; the
+//! [`LeaseGate`] lets what waits in the spool leave, or not. Values go on being mapped, disclosed,
+//! numbered and spooled whatever the gate does.
 
 mod gate;
 mod keeper;
@@ -21,7 +22,8 @@ use serde::Serialize;
 pub use gate::LeaseGate;
 pub use keeper::{LeaseAnswers, LeaseKeeper, channel};
 
-/// How long the first answer of a connection is waited for before it is asked for again; doubles with each time.
+/// How long the first answer of a connection is waited for before it is asked for again; doubles
+/// with each time.
 const PATIENCE_MIN: Duration = Duration::from_secs(2);
 const PATIENCE_MAX: Duration = Duration::from_secs(60);
 /// How long to wait before asking again after an answer to another connector came here.
@@ -154,7 +156,13 @@ impl Lease {
     }
 
     /// Decides. `id` names a request, should there be one.
-    pub fn on(&mut self, input: Input, id: MessageId, instant: Instant, now: DateTime) -> Vec<Action> {
+    pub fn on(
+        &mut self,
+        input: Input,
+        id: MessageId,
+        instant: Instant,
+        now: DateTime,
+    ) -> Vec<Action> {
         match input {
             Input::Connected => {
                 (self.is_connected, self.is_confirmed) = (true, false);
@@ -165,8 +173,13 @@ impl Lease {
             Input::Disconnected => {
                 (self.is_connected, self.is_confirmed) = (false, false);
                 self.ask_at = None;
-                // Not sooner: a receiver that leaves an address while it is connected may take the place of both away.
-                if self.status.state == LeaseState::Refused { vec![Action::Receive(false)] } else { Vec::new() }
+                // Not sooner: a receiver that leaves an address while it is connected may take the
+                // place of both away.
+                if self.status.state == LeaseState::Refused {
+                    vec![Action::Receive(false)]
+                } else {
+                    Vec::new()
+                }
             }
             Input::Tick => {
                 let is_due = self.is_connected && self.ask_at.is_some_and(|at| at <= instant);
@@ -193,7 +206,8 @@ impl Lease {
         Action::Ask(LeaseRequest { message_id, factory_id, instance_id, place, host, started_at })
     }
 
-    /// An answer to this connector. One to a request of an earlier connection says nothing about this one.
+    /// An answer to this connector. One to a request of an earlier connection says nothing about
+    /// this one.
     fn answered(&mut self, answer: LeaseAnswer, instant: Instant, now: DateTime) -> Vec<Action> {
         if !self.is_connected || !self.asked.contains(&answer.correlation_id) {
             return Vec::new();
@@ -203,13 +217,18 @@ impl Lease {
         match answer.result {
             LeaseResult::Granted => {
                 self.ask_at = Some(instant + pause);
-                let is_open = self.is_confirmed && self.status.lease_number == Some(answer.lease_number);
+                let is_open =
+                    self.is_confirmed && self.status.lease_number == Some(answer.lease_number);
                 self.is_confirmed = true;
                 self.enter(LeaseState::Held, now);
                 self.status.lease_number = Some(answer.lease_number);
                 self.status.holder = None;
                 self.status.contender = answer.contender;
-                if is_open { Vec::new() } else { vec![Action::Receive(true), Action::Open(answer.lease_number)] }
+                if is_open {
+                    Vec::new()
+                } else {
+                    vec![Action::Receive(true), Action::Open(answer.lease_number)]
+                }
             }
             LeaseResult::Refused => {
                 self.ask_at = None;
@@ -225,16 +244,21 @@ impl Lease {
         }
     }
 
-    /// An answer to somebody else. From this place it was to a predecessor of this connector, which is gone; from
-    /// elsewhere it shows that there are two.
+    /// An answer to somebody else. From this place it was to a predecessor of this connector, which
+    /// is gone; from elsewhere it shows that there are two.
     fn overheard(&mut self, answer: LeaseAnswer, instant: Instant, now: DateTime) {
         if answer.place == self.instance.place {
             return;
         }
-        let other = LeaseParty { instance_id: answer.instance_id, host: answer.host, since: now, last_heard_at: now };
+        let other = LeaseParty {
+            instance_id: answer.instance_id,
+            host: answer.host,
+            since: now,
+            last_heard_at: now,
+        };
         self.status.contender = Some(other);
-        // Its answer came here, so ours may have gone there: the platform is there and takes its time for nobody. Not at
-        // once, lest both chase each other's answers.
+        // Its answer came here, so ours may have gone there: the platform is there and takes its
+        // time for nobody. Not at once, lest both chase each other's answers.
         self.patience = PATIENCE_MIN;
         self.ask_at = self.ask_at.map(|at| at.min(instant + OVERHEARD_PAUSE));
     }

@@ -1,6 +1,7 @@
 //! The daemon in each factory.
 //!
-//! - [`books`]: what the connector knows about networks, decisions and values, in memory, as pure functions.
+//! - [`books`]: what the connector knows about networks, decisions and values, in memory, as pure
+//!   functions.
 //! - [`catalog`]: which variables the local servers have.
 //! - [`desk`]: the one task that changes anything: books, one transaction, then the other rooms.
 //! - [`outbox`]: the two ends of the link.

@@ -7,8 +7,8 @@ use std::{collections::BTreeMap, sync::Arc};
 use asi_model::{FactoryId, MessageId};
 use async_trait::async_trait;
 use messaging::{
-    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement, SpoolRow,
-    SpoolStore,
+    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement,
+    SpoolRow, SpoolStore,
     spool::{Fetch, Lane, StoreError},
 };
 use parking_lot::Mutex;
@@ -82,7 +82,16 @@ impl Outbox {
     fn row(&self, message: Message) -> SpoolRow {
         let address = LogicalAddress::FactoryIngress(self.factory_id.clone());
         match message {
-            Message::Control { id, message_id, subject, correlation_id, body, created_at, ttl_ms, attempts } => {
+            Message::Control {
+                id,
+                message_id,
+                subject,
+                correlation_id,
+                body,
+                created_at,
+                ttl_ms,
+                attempts,
+            } => {
                 let mut envelope = Envelope::new(message_id, subject, body);
                 envelope.correlation_id = correlation_id;
                 envelope.creation_time = Some(created_at.into());
@@ -91,7 +100,8 @@ impl Outbox {
             }
             Message::Reports { id, reports, created_at, attempts } => {
                 let message_id = self.message_id(id, &reports);
-                self.departures.fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
+                self.departures
+                    .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
                 let mut body = format!(
                     "{{\"MessageId\":\"{message_id}\",\"MessageType\":\"ua-data\",\"PublisherId\":\"{}\",\"Messages\":[",
                     self.factory_id
@@ -126,7 +136,8 @@ impl Outbox {
 
 #[async_trait]
 impl SpoolStore for Outbox {
-    /// Nothing leaves on a new connection before the platform has confirmed that this connector is the one to speak.
+    /// Nothing leaves on a new connection before the platform has confirmed that this connector is
+    /// the one to speak.
     fn connected(&self) {
         self.gate.close();
     }
@@ -136,11 +147,13 @@ impl SpoolStore for Outbox {
         let mut rows: Vec<SpoolRow> =
             self.reader.fetch(fetch).await?.into_iter().map(|message| self.row(message)).collect();
         if fetch.lane == Lane::Control {
-            rows.extend(self.ephemerals.after(fetch).into_iter().map(|(id, message_id, body)| SpoolRow {
-                id: RowId(id),
-                address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
-                envelope: Envelope::new(message_id, "ua-data", body),
-                attempts: 0,
+            rows.extend(self.ephemerals.after(fetch).into_iter().map(|(id, message_id, body)| {
+                SpoolRow {
+                    id: RowId(id),
+                    address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
+                    envelope: Envelope::new(message_id, "ua-data", body),
+                    attempts: 0,
+                }
             }));
             rows.sort_by_key(|row| row.id);
             rows.truncate(fetch.limit);
@@ -168,7 +181,8 @@ impl SpoolStore for Outbox {
         // What carries no lease asks for one.
         let has_lease = row.envelope.lease.is_none() || row.envelope.lease == self.gate.number();
         let message_id = row.envelope.message_id.as_ref();
-        has_lease && message_id.is_none_or(|message_id| self.departures.may_leave(row.id.0, message_id))
+        has_lease
+            && message_id.is_none_or(|message_id| self.departures.may_leave(row.id.0, message_id))
     }
 
     async fn last_row(&self) -> Result<RowId, StoreError> {
@@ -190,7 +204,11 @@ pub struct PlatformInbox {
 
 #[async_trait]
 impl Inbox for PlatformInbox {
-    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+    async fn receive(
+        &self,
+        address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
         if matches!(address, LogicalAddress::FactoryLeases(_)) {
             self.lease.take(&deliveries);
             return vec![Settlement::Accept; deliveries.len()];

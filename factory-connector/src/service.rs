@@ -58,7 +58,10 @@ pub struct ConnectorHandle {
 ///
 /// # Errors
 /// What keeps it from starting, with the remedy.
-pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Result<ConnectorHandle> {
+pub async fn start(
+    config: ConnectorConfig,
+    lifecycle: &Lifecycle,
+) -> anyhow::Result<ConnectorHandle> {
     let started_at = now();
     let directory = config.data_directory.clone();
     std::fs::create_dir_all(&directory)
@@ -93,14 +96,16 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         Arc::new(StoredUsers(readers.clone())),
     )?;
     let users_changed = Arc::new(tokio::sync::Notify::new());
-    let user_watch = UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
+    let user_watch =
+        UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
     let floor_config = shop_floor::Config::new(
         directory.join("source-pki"),
         "Verbund factory connector",
         &format!("urn:verbund:connector:{factory_id}"),
     );
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
-    let (engine, engine_handle, candidates) = MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
+    let (engine, engine_handle, candidates) =
+        MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let ephemerals = Arc::new(Ephemerals::default());
     let departures = Arc::new(Departures::default());
     let gate = Arc::new(LeaseGate::default());
@@ -121,7 +126,8 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
         Arc::new(outbox),
         Arc::new(PlatformInbox { desk: desk_handle.clone(), lease: lease_answers }),
     )?;
-    let events = EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let events =
+        EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let (keeper, lease_status) = LeaseKeeper::new(
         instance,
         identity.was_lease_held,
@@ -135,7 +141,10 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let sources = stored_sources(&readers).await?;
     let desk = Desk::new(
         DeskConfig {
-            books: BooksConfig { factory_id: factory_id.clone(), encoding: config.reports.encoding },
+            books: BooksConfig {
+                factory_id: factory_id.clone(),
+                encoding: config.reports.encoding,
+            },
             publishing_interval: config.publishing_interval(),
             spool: config.spool,
             retention: config.ledger,
@@ -164,7 +173,8 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     let web_address = web_listener.local_addr()?;
     let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
     let token = shutdown.clone();
-    let (news, link_state, source_states) = (events.clone(), link_handle.state(), floor_handle.watch());
+    let (news, link_state, source_states) =
+        (events.clone(), link_handle.state(), floor_handle.watch());
     lifecycle.spawn("status news", Importance::Essential, async move {
         status_news::tell(news, link_state, source_states, token).await;
         anyhow::Ok(())
@@ -195,9 +205,13 @@ pub async fn start(config: ConnectorConfig, lifecycle: &Lifecycle) -> anyhow::Re
     );
 
     let token = shutdown.clone();
-    lifecycle.spawn("desk", Importance::Essential, async move { desk.run(token).await.map_err(anyhow::Error::from) });
+    lifecycle.spawn("desk", Importance::Essential, async move {
+        desk.run(token).await.map_err(anyhow::Error::from)
+    });
     let token = shutdown.clone();
-    lifecycle.spawn("twin", Importance::Essential, async move { twin.run(token).await.map_err(anyhow::Error::from) });
+    lifecycle.spawn("twin", Importance::Essential, async move {
+        twin.run(token).await.map_err(anyhow::Error::from)
+    });
     let token = shutdown.clone();
     lifecycle.spawn("user watch", Importance::Essential, async move {
         user_watch.run(token).await;
@@ -251,14 +265,19 @@ async fn stored_sources(readers: &sqlx::SqlitePool) -> anyhow::Result<Vec<Source
             json["identity"]["password"] = password.into();
         }
         configs.push(
-            serde_json::from_value(json).with_context(|| format!("reading the stored source {}", row.source_id))?,
+            serde_json::from_value(json)
+                .with_context(|| format!("reading the stored source {}", row.source_id))?,
         );
     }
     Ok(configs)
 }
 
-/// The first start makes an engineer; a made-up password goes into a file that only the owner can read.
-async fn ensure_first_user(connection: &mut sqlx::SqliteConnection, config: &ConnectorConfig) -> anyhow::Result<()> {
+/// The first start makes an engineer; a made-up password goes into a file that only the owner can
+/// read.
+async fn ensure_first_user(
+    connection: &mut sqlx::SqliteConnection,
+    config: &ConnectorConfig,
+) -> anyhow::Result<()> {
     if count_users(connection).await? > 0 {
         return Ok(());
     }
@@ -266,7 +285,8 @@ async fn ensure_first_user(connection: &mut sqlx::SqliteConnection, config: &Con
         Some(password) => (password.clone(), false),
         None => (Confidential::from(random_token()), true),
     };
-    let hash = PasswordHash::of(&password, PasswordPolicy::default()).context("admin.password is refused")?;
+    let hash = PasswordHash::of(&password, PasswordPolicy::default())
+        .context("admin.password is refused")?;
     let user = User {
         user_name: config.admin.user_name.clone(),
         role: Role::Engineer,
@@ -275,7 +295,8 @@ async fn ensure_first_user(connection: &mut sqlx::SqliteConnection, config: &Con
     put_user(connection, &user, now()).await?;
     if is_made_up {
         let file = config.data_directory.join("engineer-password.txt");
-        write_secret(&file, password.expose()).with_context(|| format!("writing {}", file.display()))?;
+        write_secret(&file, password.expose())
+            .with_context(|| format!("writing {}", file.display()))?;
         tracing::warn!(user.name = %user.user_name, file = %file.display(), "The first user was made; its password is in the file. Sign in, then delete the file.");
     }
     Ok(())
@@ -283,6 +304,11 @@ async fn ensure_first_user(connection: &mut sqlx::SqliteConnection, config: &Con
 
 fn write_secret(file: &std::path::Path, secret: &str) -> std::io::Result<()> {
     use std::{io::Write as _, os::unix::fs::OpenOptionsExt as _};
-    let mut file = std::fs::OpenOptions::new().create(true).truncate(true).write(true).mode(0o600).open(file)?;
+    let mut file = std::fs::OpenOptions::new()
+        .create(true)
+        .truncate(true)
+        .write(true)
+        .mode(0o600)
+        .open(file)?;
     writeln!(file, "{secret}")
 }

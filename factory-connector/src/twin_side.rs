@@ -1,5 +1,5 @@
-//! The connector's answers to the twin's two questions: who is this, and may this value become the field's? And the end
-//! of OPC UA sessions whose users changed.
+//! The connector's answers to the twin's two questions: who is this, and may this value become the
+//! field's? And the end of OPC UA sessions whose users changed.
 
 mod user_watch;
 
@@ -38,17 +38,26 @@ impl FieldWriter for DeskWriter {
         }
     }
 
-    async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode {
+    async fn decide(
+        &self,
+        field: &FieldKey,
+        decision: FieldDecision,
+        user: &TwinUser,
+    ) -> StatusCode {
         let (key, by) = (field.clone(), user.name.to_string());
         let decided = self.0.change(move |books, now| {
-            let kept =
-                books.field(&key).map(|field| ((*field.decision.policy).clone(), field.decision.grounds.clone()));
+            let kept = books
+                .field(&key)
+                .map(|field| ((*field.decision.policy).clone(), field.decision.grounds.clone()));
             let (policy, grounds) = kept.unwrap_or_default();
             let verdict = match decision.mapping_state {
                 MappingState::Pending => Verdict::LeavePending,
                 MappingState::Refused => Verdict::Refuse,
-                // An OPC UA client opens a field to OPC UA clients; the policy stays as the page set it.
-                MappingState::Mapped => Verdict::Map { value_source: ValueSource::External, mapping: None, policy },
+                // An OPC UA client opens a field to OPC UA clients; the policy stays as the page
+                // set it.
+                MappingState::Mapped => {
+                    Verdict::Map { value_source: ValueSource::External, mapping: None, policy }
+                }
             };
             let grounds = Grounds { policy_id: grounds.policy_id, ..Grounds::default() };
             books.decide_on(&key, verdict, decision.reason, &by, grounds, now)
@@ -67,7 +76,8 @@ const fn status_of(outcome: Outcome) -> StatusCode {
         }
         Outcome::Disclosed { .. } | Outcome::Unchanged { .. } => StatusCode::GOOD,
         Outcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
-        // It was taken, but nothing of it will ever be seen: the policy withholds the present state.
+        // It was taken, but nothing of it will ever be seen: the policy withholds the present
+        // state.
         Outcome::Suppressed => StatusCode::GOOD_CLAMPED,
     }
 }
@@ -89,7 +99,10 @@ impl Authenticator for StoredUsers {
         let user = match store::user(&self.0, user_name).await {
             Ok(user) => user,
             Err(error) => {
-                tracing::error!(error = &error as &dyn std::error::Error, "A user could not be looked up.");
+                tracing::error!(
+                    error = &error as &dyn std::error::Error,
+                    "A user could not be looked up."
+                );
                 return None;
             }
         };

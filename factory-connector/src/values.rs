@@ -59,11 +59,14 @@ const OVERFLOW: &str = "overflow";
 impl StoredWindow {
     fn new(window: &OpenWindow) -> Self {
         let (exact_sum, sum) = match window.sum {
-            Sum::Exact(sum) => (Some(sum.map_or_else(|| OVERFLOW.to_owned(), |sum| sum.to_string())), None),
+            Sum::Exact(sum) => {
+                (Some(sum.map_or_else(|| OVERFLOW.to_owned(), |sum| sum.to_string())), None)
+            }
             Sum::Float(sum) => (None, Some(sum.to_string())),
         };
-        let scalar =
-            |scalar: &Scalar| raw(&DataValue { value: Variant::Scalar(scalar.clone()), ..DataValue::default() });
+        let scalar = |scalar: &Scalar| {
+            raw(&DataValue { value: Variant::Scalar(scalar.clone()), ..DataValue::default() })
+        };
         Self {
             from: window.from,
             weighed_until: window.weighed_until,
@@ -90,7 +93,9 @@ impl StoredWindow {
             weight: number(&self.weight)?,
             sum: match (&self.exact_sum, &self.sum) {
                 (Some(text), _) if text == OVERFLOW => Sum::Exact(None),
-                (Some(text), _) => Sum::Exact(Some(text.parse::<i128>().map_err(|error| error.to_string())?)),
+                (Some(text), _) => {
+                    Sum::Exact(Some(text.parse::<i128>().map_err(|error| error.to_string())?))
+                }
                 (None, Some(text)) => Sum::Float(number(text)?),
                 (None, None) => Sum::Float(0.0),
             },
@@ -143,7 +148,8 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
 }
 
 fn raw(value: &DataValue) -> Box<RawValue> {
-    RawValue::from_string(text(encode_data_value(value, DataEncoding::Compact105))).expect("the encoder writes JSON")
+    RawValue::from_string(text(encode_data_value(value, DataEncoding::Compact105)))
+        .expect("the encoder writes JSON")
 }
 
 fn text(json: Vec<u8>) -> String {
@@ -151,7 +157,8 @@ fn text(json: Vec<u8>) -> String {
 }
 
 fn data_value_from_json(json: &str) -> Result<DataValue, String> {
-    let (value, _) = decode_value(json.as_bytes(), Leniency::Lenient, &[], &[]).map_err(|error| error.to_string())?;
+    let (value, _) = decode_value(json.as_bytes(), Leniency::Lenient, &[], &[])
+        .map_err(|error| error.to_string())?;
     Ok(value.into_data_value())
 }
 
@@ -183,7 +190,11 @@ impl From<&DataValue> for ShownValue {
 ///
 /// # Errors
 /// A sentence that says what the field needs.
-pub fn typed_value(json: &serde_json::Value, field_type: BuiltInType, at: DateTime) -> Result<DataValue, String> {
+pub fn typed_value(
+    json: &serde_json::Value,
+    field_type: BuiltInType,
+    at: DateTime,
+) -> Result<DataValue, String> {
     // `{"UaType": type, "Value": ...}` is how the compact encoding names the type of a bare value.
     let typed = serde_json::json!({ "UaType": field_type.id(), "Value": json });
     let (value, _) = decode_value(typed.to_string().as_bytes(), Leniency::Lenient, &[], &[])
@@ -205,8 +216,11 @@ mod tests {
         let state = GateState {
             last_released_at: Some(at),
             disclosed: Some(DataValue::good(u64::MAX, at)),
-            waiting: [(at, DataValue::good(2.5_f64, at)), (at, DataValue::status_only(StatusCode::BAD_NO_DATA, None))]
-                .into(),
+            waiting: [
+                (at, DataValue::good(2.5_f64, at)),
+                (at, DataValue::status_only(StatusCode::BAD_NO_DATA, None)),
+            ]
+            .into(),
             ..GateState::default()
         };
         let json = gate_to_json(&state);
@@ -230,7 +244,10 @@ mod tests {
         };
         let state = GateState {
             released: [at].into(),
-            aggregation: Aggregation { held: Some(DataValue::good(7_u64, at)), open: Some(Box::new(window)) },
+            aggregation: Aggregation {
+                held: Some(DataValue::good(7_u64, at)),
+                open: Some(Box::new(window)),
+            },
             is_in_withheld_state: true,
             withheld_by: [("state".parse().expect("a name"), false)].into(),
             ..GateState::default()
@@ -244,7 +261,11 @@ mod tests {
     fn typed_values_are_of_the_fields_type() {
         let at = DateTime::MIN;
         let check = |json: serde_json::Value, field_type, expected: Option<Variant>| {
-            assert_eq!(typed_value(&json, field_type, at).ok().map(|value| value.value), expected, "{json}");
+            assert_eq!(
+                typed_value(&json, field_type, at).ok().map(|value| value.value),
+                expected,
+                "{json}"
+            );
         };
         check(serde_json::json!(7), BuiltInType::UInt64, Some(7_u64.into()));
         check(serde_json::json!("7"), BuiltInType::UInt64, Some(7_u64.into()));

@@ -1,7 +1,8 @@
-//! How many values per second the engine takes from the shop floor's channel to the consumer's, and how much memory a
-//! mapping has. Prints one line of name, value and unit per figure.
+//! How many values per second the engine takes from the shop floor's channel to the consumer's, and
+//! how much memory a mapping has. Prints one line of name, value and unit per figure.
 //!
-//! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` with the same profile before).
+//! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` with the
+//! same profile before).
 
 use std::{
     collections::HashMap,
@@ -12,7 +13,8 @@ use std::{
 
 use asi_model::{DataValue, DateTime};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published, Step, TargetKey,
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published,
+    Step, TargetKey,
 };
 use serde_json::json;
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
@@ -26,7 +28,9 @@ struct Keys(Arc<Mutex<HashMap<String, InputKey>>>);
 impl Inputs for Keys {
     fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError> {
         let mut keys = self.0.lock().expect("nobody panics");
-        keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
+        keys.extend(
+            requests.into_iter().map(|request| (request.node_id.to_string(), request.input)),
+        );
         Ok(())
     }
     fn unmonitor(&self, _: &[InputKey]) {}
@@ -44,24 +48,29 @@ impl Running {
     fn start() -> Self {
         let keys = Keys::default();
         let (changes, for_engine) = mpsc::channel(64);
-        let (engine, handle, candidates) = MappingEngine::new(MappingEngineConfig::default(), keys.clone(), for_engine);
+        let (engine, handle, candidates) =
+            MappingEngine::new(MappingEngineConfig::default(), keys.clone(), for_engine);
         let shutdown = CancellationToken::new();
         tokio::spawn(engine.run(shutdown.clone()));
         Self { handle, keys, changes, candidates, shutdown }
     }
 
     async fn put(&self, count: usize, steps: &serde_json::Value) {
-        let mappings =
-            (0..).map(TargetKey).zip(0..count).map(|(target, index)| Published::new(mapping(index, steps), target));
+        let mappings = (0..)
+            .map(TargetKey)
+            .zip(0..count)
+            .map(|(target, index)| Published::new(mapping(index, steps), target));
         for result in self.handle.put_many(mappings.collect()).await.expect("the engine runs") {
             result.expect("the mapping is fine");
         }
     }
 
-    /// Feeds so many rounds of so many values per mapping, and takes what comes out. The time it took.
+    /// Feeds so many rounds of so many values per mapping, and takes what comes out. The time it
+    /// took.
     async fn feed(&mut self, mappings: usize, per_round: i64, rounds: i64) -> Duration {
-        let keys: Vec<InputKey> =
-            (0..mappings).map(|index| self.keys.0.lock().expect("nobody panics")[&node(index)]).collect();
+        let keys: Vec<InputKey> = (0..mappings)
+            .map(|index| self.keys.0.lock().expect("nobody panics")[&node(index)])
+            .collect();
         let begun = Instant::now();
         for round in 0..rounds {
             let mut batch = Vec::with_capacity(1000);
@@ -71,7 +80,10 @@ impl Running {
                     let time = DateTime::from_unix_micros(1_700_000_000_000_000 + number * 1000);
                     batch.push(InputChange { input: *key, value: DataValue::good(number, time) });
                     if batch.len() == 1000 {
-                        self.changes.send(std::mem::take(&mut batch)).await.expect("the engine runs");
+                        self.changes
+                            .send(std::mem::take(&mut batch))
+                            .await
+                            .expect("the engine runs");
                     }
                 }
             }
@@ -111,8 +123,11 @@ fn resident_kb(process: &str) -> u64 {
 /// The processes that this one started.
 fn children() -> Vec<String> {
     let tasks = fs::read_dir("/proc/self/task").expect("a /proc");
-    let of_task = tasks.flatten().filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
-    of_task.flat_map(|list| list.split_whitespace().map(str::to_owned).collect::<Vec<_>>()).collect()
+    let of_task =
+        tasks.flatten().filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+    of_task
+        .flat_map(|list| list.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+        .collect()
 }
 
 #[allow(clippy::print_stdout)]
@@ -142,7 +157,11 @@ async fn built_in() {
     let took = running.feed(MAPPINGS, 1, rounds).await;
     let values = MAPPINGS as f64 * rounds as f64;
     say("values per second, built-in", values / took.as_secs_f64(), "1/s");
-    say("memory per built-in mapping", (resident_kb("self") - before) as f64 * 1024.0 / MAPPINGS as f64, "B");
+    say(
+        "memory per built-in mapping",
+        (resident_kb("self") - before) as f64 * 1024.0 / MAPPINGS as f64,
+        "B",
+    );
     running.shutdown.cancel();
 }
 
@@ -158,10 +177,18 @@ async fn scripts() {
     let begun = Instant::now();
     running.put(MAPPINGS, &steps).await;
     running.feed(MAPPINGS, 1, 1).await;
-    say("1000 JavaScript mappings put and first values", begun.elapsed().as_secs_f64() * 1000.0, "ms");
+    say(
+        "1000 JavaScript mappings put and first values",
+        begun.elapsed().as_secs_f64() * 1000.0,
+        "ms",
+    );
     let rounds = 10;
     let took = running.feed(MAPPINGS, 32, rounds).await;
-    say("values per second, JavaScript", MAPPINGS as f64 * 32.0 * rounds as f64 / took.as_secs_f64(), "1/s");
+    say(
+        "values per second, JavaScript",
+        MAPPINGS as f64 * 32.0 * rounds as f64 / took.as_secs_f64(),
+        "1/s",
+    );
     let worker: u64 = children().iter().map(|process| resident_kb(process)).sum();
     let engine = resident_kb("self").saturating_sub(before);
     say("memory per JavaScript mapping", (worker + engine) as f64 * 1024.0 / MAPPINGS as f64, "B");

@@ -14,7 +14,8 @@ const CHANGES_MAX: usize = 200;
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingChange {
-    /// JSON pointer into the mapping: of the later version, or of the earlier one where something was taken away.
+    /// JSON pointer into the mapping: of the later version, or of the earlier one where something
+    /// was taken away.
     pub pointer: String,
     /// What was there; absent where it is new.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,11 +27,12 @@ pub struct MappingChange {
     pub after: Option<Json>,
 }
 
-/// What differs from one mapping to another. Inputs and functions that only moved to another place because one was put
-/// in or taken out are not differences.
+/// What differs from one mapping to another. Inputs and functions that only moved to another place
+/// because one was put in or taken out are not differences.
 #[must_use]
 pub fn compare(before: &Mapping, after: &Mapping) -> Vec<MappingChange> {
-    let json = |mapping: &Mapping| serde_json::to_value(mapping).expect("mappings have text keys only");
+    let json =
+        |mapping: &Mapping| serde_json::to_value(mapping).expect("mappings have text keys only");
     let mut changes = Vec::new();
     compare_json(&json(before), &json(after), "", &mut changes);
     changes.truncate(CHANGES_MAX);
@@ -45,7 +47,11 @@ fn compare_json(before: &Json, after: &Json, pointer: &str, changes: &mut Vec<Ma
                 let pointer = format!("{pointer}/{}", escaped(name));
                 match new.get(name) {
                     Some(other) => compare_json(value, other, &pointer, changes),
-                    None => changes.push(MappingChange { pointer, before: Some(value.clone()), after: None }),
+                    None => changes.push(MappingChange {
+                        pointer,
+                        before: Some(value.clone()),
+                        after: None,
+                    }),
                 }
             }
             for (name, value) in new.iter().filter(|(name, _)| !old.contains_key(*name)) {
@@ -62,7 +68,8 @@ fn compare_json(before: &Json, after: &Json, pointer: &str, changes: &mut Vec<Ma
     }
 }
 
-/// Elements that are equal stay; of what lies between, those of the same kind are compared, in order.
+/// Elements that are equal stay; of what lies between, those of the same kind are compared, in
+/// order.
 fn compare_lists(old: &[Json], new: &[Json], pointer: &str, changes: &mut Vec<MappingChange>) {
     let (mut from_old, mut from_new) = (0, 0);
     let kept = common(old, new);
@@ -70,11 +77,17 @@ fn compare_lists(old: &[Json], new: &[Json], pointer: &str, changes: &mut Vec<Ma
         let mut left: Vec<usize> = (from_old..at_old).collect();
         for index in from_new..at_new {
             let Some(element) = new.get(index) else { continue };
-            let partner = left.iter().position(|place| old.get(*place).is_some_and(|was| is_same_kind(was, element)));
+            let partner = left
+                .iter()
+                .position(|place| old.get(*place).is_some_and(|was| is_same_kind(was, element)));
             let pointer = format!("{pointer}/{index}");
             match partner.map(|place| left.remove(place)).and_then(|place| old.get(place)) {
                 Some(was) => compare_json(was, element, &pointer, changes),
-                None => changes.push(MappingChange { pointer, before: None, after: Some(element.clone()) }),
+                None => changes.push(MappingChange {
+                    pointer,
+                    before: None,
+                    after: Some(element.clone()),
+                }),
             }
         }
         changes.extend(left.into_iter().filter_map(|place| {
@@ -98,7 +111,11 @@ fn common(old: &[Json], new: &[Json]) -> Vec<(usize, usize)> {
     let mut lengths = vec![vec![0_usize; new.len() + 1]; old.len() + 1];
     for (i, a) in old.iter().enumerate().rev() {
         for (j, b) in new.iter().enumerate().rev() {
-            lengths[i][j] = if a == b { lengths[i + 1][j + 1] + 1 } else { lengths[i + 1][j].max(lengths[i][j + 1]) };
+            lengths[i][j] = if a == b {
+                lengths[i + 1][j + 1] + 1
+            } else {
+                lengths[i + 1][j].max(lengths[i][j + 1])
+            };
         }
     }
     let (mut i, mut j, mut places) = (0, 0, Vec::new());
@@ -148,8 +165,14 @@ mod tests {
             told(json!([scale(2), deadband]), json!([scale(3), deadband])),
             [("/steps/0/factor".into(), true, true)]
         );
-        assert_eq!(told(json!([scale(2), deadband]), json!([deadband])), [("/steps/0".into(), true, false)]);
-        assert_eq!(told(json!([deadband]), json!([scale(2), deadband])), [("/steps/0".into(), false, true)]);
+        assert_eq!(
+            told(json!([scale(2), deadband]), json!([deadband])),
+            [("/steps/0".into(), true, false)]
+        );
+        assert_eq!(
+            told(json!([deadband]), json!([scale(2), deadband])),
+            [("/steps/0".into(), false, true)]
+        );
         assert_eq!(
             told(json!([scale(2)]), json!([deadband])),
             [("/steps/0".into(), false, true), ("/steps/0".into(), true, false)]

@@ -17,14 +17,25 @@ use crate::{
 /// Converts a scalar, or every element of an array.
 ///
 /// # Errors
-/// [`Fault`] `BadTypeMismatch` where the types have nothing to do with each other, `BadDecodingError` where a text is
-/// not a value of the type, `BadOutOfRange` where a number does not fit.
-pub fn convert(value: &Variant, to: BuiltInType, rounding: Rounding, overflow: Overflow) -> Result<Variant, Fault> {
+/// [`Fault`] `BadTypeMismatch` where the types have nothing to do with each other,
+/// `BadDecodingError` where a text is not a value of the type, `BadOutOfRange` where a number does
+/// not fit.
+pub fn convert(
+    value: &Variant,
+    to: BuiltInType,
+    rounding: Rounding,
+    overflow: Overflow,
+) -> Result<Variant, Fault> {
     match value {
         Variant::Null => Ok(Variant::Null),
-        Variant::Scalar(scalar) => convert_scalar(scalar, to, rounding, overflow).map(Variant::Scalar),
+        Variant::Scalar(scalar) => {
+            convert_scalar(scalar, to, rounding, overflow).map(Variant::Scalar)
+        }
         Variant::Array(array) => {
-            let elements = array.elements.iter().map(|element| convert_scalar(element, to, rounding, overflow));
+            let elements = array
+                .elements
+                .iter()
+                .map(|element| convert_scalar(element, to, rounding, overflow));
             Ok(Variant::Array(Arc::new(Array {
                 element_type: to,
                 elements: elements.collect::<Result<_, _>>()?,
@@ -48,27 +59,52 @@ pub fn convert_scalar(
     if scalar.built_in_type() == to {
         return Ok(scalar.clone());
     }
-    let mismatch = || Fault::type_mismatch(format!("a {} does not convert to {to}", scalar.built_in_type()));
+    let mismatch =
+        || Fault::type_mismatch(format!("a {} does not convert to {to}", scalar.built_in_type()));
     match to {
         T::Boolean => to_boolean(scalar).ok_or_else(mismatch)?.map(Scalar::Boolean),
-        T::Float | T::Double => to_number(scalar).ok_or_else(mismatch)?.and_then(|n| to_real(n, to, overflow)),
-        integer if integer.is_integer() => {
-            to_number(scalar).ok_or_else(mismatch)?.and_then(|n| to_integer(n, to, rounding, overflow))
+        T::Float | T::Double => {
+            to_number(scalar).ok_or_else(mismatch)?.and_then(|n| to_real(n, to, overflow))
         }
-        T::String => to_text(scalar).map(|text| Scalar::String(Some(text.into()))).ok_or_else(mismatch),
-        T::XmlElement => scalar.as_str().map(|text| Scalar::XmlElement(Some(text.into()))).ok_or_else(mismatch),
+        integer if integer.is_integer() => to_number(scalar)
+            .ok_or_else(mismatch)?
+            .and_then(|n| to_integer(n, to, rounding, overflow)),
+        T::String => {
+            to_text(scalar).map(|text| Scalar::String(Some(text.into()))).ok_or_else(mismatch)
+        }
+        T::XmlElement => {
+            scalar.as_str().map(|text| Scalar::XmlElement(Some(text.into()))).ok_or_else(mismatch)
+        }
         T::LocalizedText => to_text(scalar)
-            .map(|text| Scalar::LocalizedText(Box::new(LocalizedText { locale: None, text: Some(text.into()) })))
+            .map(|text| {
+                Scalar::LocalizedText(Box::new(LocalizedText {
+                    locale: None,
+                    text: Some(text.into()),
+                }))
+            })
             .ok_or_else(mismatch),
         T::QualifiedName => scalar
             .as_str()
             .map(|text| {
-                Scalar::QualifiedName(Box::new(QualifiedName { name: Some(text.into()), ..Default::default() }))
+                Scalar::QualifiedName(Box::new(QualifiedName {
+                    name: Some(text.into()),
+                    ..Default::default()
+                }))
             })
             .ok_or_else(mismatch),
         T::DateTime => to_date_time(scalar, overflow).ok_or_else(mismatch)?,
-        T::Guid => parse_text(scalar, to, |text| uuid::Uuid::parse_str(text).ok().map(Scalar::Guid), mismatch),
-        T::NodeId => parse_text(scalar, to, |text| text.parse().ok().map(|id| Scalar::NodeId(Box::new(id))), mismatch),
+        T::Guid => parse_text(
+            scalar,
+            to,
+            |text| uuid::Uuid::parse_str(text).ok().map(Scalar::Guid),
+            mismatch,
+        ),
+        T::NodeId => parse_text(
+            scalar,
+            to,
+            |text| text.parse().ok().map(|id| Scalar::NodeId(Box::new(id))),
+            mismatch,
+        ),
         T::ByteString => parse_text(
             scalar,
             to,
@@ -94,9 +130,10 @@ pub fn convert_exactly(scalar: &Scalar, to: BuiltInType) -> Option<Scalar> {
     convert_scalar(scalar, to, Rounding::Exact, Overflow::Fault).ok()
 }
 
-/// What happens at the end of every chain: the value must be of the target's type, or be one of its values. Numbers
-/// change between numeric types where the value is exactly one of the wanted type (Double to Float rounds); texts and
-/// localized texts change into each other. Everything else takes an explicit function.
+/// What happens at the end of every chain: the value must be of the target's type, or be one of its
+/// values. Numbers change between numeric types where the value is exactly one of the wanted type
+/// (Double to Float rounds); texts and localized texts change into each other. Everything else
+/// takes an explicit function.
 ///
 /// # Errors
 /// [`Fault`] with a sentence that names the function to add.
@@ -106,7 +143,9 @@ pub fn coerce(value: Variant, to: BuiltInType) -> Result<Variant, Fault> {
         return Ok(value);
     }
     if !coerces(from, to) {
-        return Err(Fault::type_mismatch(format!("the chain yields a {from} but the field is a {to}: add a convert")));
+        return Err(Fault::type_mismatch(format!(
+            "the chain yields a {from} but the field is a {to}: add a convert"
+        )));
     }
     convert(&value, to, Rounding::Exact, Overflow::Fault)
 }
@@ -126,18 +165,28 @@ pub fn converts(from: BuiltInType, to: BuiltInType) -> bool {
     use BuiltInType as T;
     let simple = |t: T| t.is_numeric() || matches!(t, T::Boolean | T::String | T::DateTime);
     from == to
-        || (simple(from) && simple(to) && !matches!((from, to), (T::Boolean, T::DateTime) | (T::DateTime, T::Boolean)))
+        || (simple(from)
+            && simple(to)
+            && !matches!((from, to), (T::Boolean, T::DateTime) | (T::DateTime, T::Boolean)))
         || match to {
-            T::String | T::LocalizedText => {
-                !matches!(from, T::ExtensionObject | T::DataValue | T::Variant | T::DiagnosticInfo | T::ExpandedNodeId)
+            T::String | T::LocalizedText => !matches!(
+                from,
+                T::ExtensionObject
+                    | T::DataValue
+                    | T::Variant
+                    | T::DiagnosticInfo
+                    | T::ExpandedNodeId
+            ),
+            T::XmlElement | T::QualifiedName | T::Guid | T::NodeId | T::ByteString => {
+                from == T::String
             }
-            T::XmlElement | T::QualifiedName | T::Guid | T::NodeId | T::ByteString => from == T::String,
             T::StatusCode => from.is_integer(),
             _ => from == T::StatusCode && to.is_integer(),
         }
 }
 
-/// The value as text: numbers in digits, times as RFC 3339, bytes in Base64. `None` for structures and null texts.
+/// The value as text: numbers in digits, times as RFC 3339, bytes in Base64. `None` for structures
+/// and null texts.
 #[must_use]
 pub fn to_text(scalar: &Scalar) -> Option<String> {
     Some(match scalar {
@@ -147,7 +196,9 @@ pub fn to_text(scalar: &Scalar) -> Option<String> {
         Scalar::String(text) | Scalar::XmlElement(text) => text.as_deref()?.to_owned(),
         Scalar::DateTime(v) => v.to_string(),
         Scalar::Guid(v) => v.hyphenated().to_string(),
-        Scalar::ByteString(bytes) => base64::engine::general_purpose::STANDARD.encode(bytes.as_deref()?),
+        Scalar::ByteString(bytes) => {
+            base64::engine::general_purpose::STANDARD.encode(bytes.as_deref()?)
+        }
         Scalar::NodeId(v) => v.to_string(),
         Scalar::StatusCode(v) => v.symbol().map_or_else(|| format!("0x{:08X}", v.0), str::to_owned),
         Scalar::QualifiedName(v) => v.name.as_deref()?.to_owned(),
@@ -156,7 +207,8 @@ pub fn to_text(scalar: &Scalar) -> Option<String> {
     })
 }
 
-/// Whether the value counts as true: `true`, or a number that is not zero. `None` for anything else.
+/// Whether the value counts as true: `true`, or a number that is not zero. `None` for anything
+/// else.
 #[must_use]
 pub fn is_true(scalar: &Scalar) -> Option<bool> {
     match scalar {
@@ -179,9 +231,9 @@ fn to_boolean(scalar: &Scalar) -> Option<Result<bool, Fault>> {
 
 fn to_number(scalar: &Scalar) -> Option<Result<Number, Fault>> {
     match scalar {
-        Scalar::String(Some(text)) => {
-            Some(text.trim().parse().map_err(|_| Fault::decoding("the text is not a number".to_owned())))
-        }
+        Scalar::String(Some(text)) => Some(
+            text.trim().parse().map_err(|_| Fault::decoding("the text is not a number".to_owned())),
+        ),
         Scalar::DateTime(time) => Some(Ok(Number::Integer(time.unix_millis().into()))),
         Scalar::StatusCode(code) => Some(Ok(Number::Integer(code.0.into()))),
         other => Number::of(other).map(Ok),
@@ -190,7 +242,10 @@ fn to_number(scalar: &Scalar) -> Option<Result<Number, Fault>> {
 
 fn to_date_time(scalar: &Scalar, overflow: Overflow) -> Option<Result<Scalar, Fault>> {
     if let Some(text) = scalar.as_str() {
-        let time = text.trim().parse().map_err(|_| Fault::decoding("the text is not an RFC 3339 time".to_owned()));
+        let time = text
+            .trim()
+            .parse()
+            .map_err(|_| Fault::decoding("the text is not an RFC 3339 time".to_owned()));
         return Some(time.map(Scalar::DateTime));
     }
     let number = match scalar {
@@ -227,16 +282,23 @@ fn to_real(number: Number, to: BuiltInType, overflow: Overflow) -> Result<Scalar
     }
     match overflow {
         Overflow::Clamp => Ok(Scalar::Float(if real > 0.0 { f32::MAX } else { f32::MIN })),
-        Overflow::Fault => Err(Fault::out_of_range("the number is beyond the range of Float".to_owned())),
+        Overflow::Fault => {
+            Err(Fault::out_of_range("the number is beyond the range of Float".to_owned()))
+        }
     }
 }
 
 /// A number as one of the integer types.
 ///
 /// # Errors
-/// [`Fault`] `BadOutOfRange` where it is NaN, has a fraction under [`Rounding::Exact`], or lies outside the type under
-/// [`Overflow::Fault`].
-pub fn to_integer(number: Number, to: BuiltInType, rounding: Rounding, overflow: Overflow) -> Result<Scalar, Fault> {
+/// [`Fault`] `BadOutOfRange` where it is NaN, has a fraction under [`Rounding::Exact`], or lies
+/// outside the type under [`Overflow::Fault`].
+pub fn to_integer(
+    number: Number,
+    to: BuiltInType,
+    rounding: Rounding,
+    overflow: Overflow,
+) -> Result<Scalar, Fault> {
     let integer = match number {
         Number::Integer(v) => v,
         Number::Real(v) => round(v, rounding)?,
@@ -248,7 +310,9 @@ pub fn to_integer(number: Number, to: BuiltInType, rounding: Rounding, overflow:
     match overflow {
         Overflow::Clamp => Scalar::from_i128(integer.clamp(low, high), to)
             .ok_or_else(|| Fault::type_mismatch(format!("{to} is not an integer type"))),
-        Overflow::Fault => Err(Fault::out_of_range(format!("the number is outside of {to} ({low} to {high})"))),
+        Overflow::Fault => {
+            Err(Fault::out_of_range(format!("the number is outside of {to} ({low} to {high})")))
+        }
     }
 }
 
@@ -267,7 +331,8 @@ pub fn round(real: f64, rounding: Rounding) -> Result<i128, Fault> {
         Rounding::Up => real.ceil(),
         Rounding::TowardZero => real.trunc(),
         Rounding::Exact if real.is_finite() && real.fract() != 0.0 => {
-            let how = "the number has a fraction but an integer is wanted: add a convert with a rounding";
+            let how =
+                "the number has a fraction but an integer is wanted: add a convert with a rounding";
             return Err(Fault::out_of_range(how.to_owned()));
         }
         Rounding::Exact => real,
@@ -303,7 +368,10 @@ mod tests {
         let from = from.into();
         let converted = convert_scalar(&from, to, Rounding::Nearest, Overflow::Fault).ok();
         assert_eq!(converted, expected, "{from:?} to {to}");
-        assert!(expected.is_none() || converts(from.built_in_type(), to), "{from:?} to {to} is announced");
+        assert!(
+            expected.is_none() || converts(from.built_in_type(), to),
+            "{from:?} to {to} is announced"
+        );
     }
 
     #[test]
@@ -348,7 +416,8 @@ mod tests {
             (f64::INFINITY, T::Int64, Scalar::Int64(i64::MAX)),
             (-1e300, T::Float, Scalar::Float(f32::MIN)),
         ] {
-            let clamped = convert_scalar(&Scalar::Double(value), to, Rounding::Nearest, Overflow::Clamp);
+            let clamped =
+                convert_scalar(&Scalar::Double(value), to, Rounding::Nearest, Overflow::Clamp);
             assert_eq!(clamped.ok(), Some(expected));
         }
     }

@@ -25,7 +25,9 @@ pub struct MappingDiagnostic {
 }
 
 /// How bad a diagnostic is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum Severity {
     /// Good to know.
@@ -75,17 +77,30 @@ pub enum DiagnosticCode {
 impl MappingDiagnostic {
     /// An error at a place.
     #[must_use]
-    pub fn error(pointer: impl Into<String>, code: DiagnosticCode, message: impl Into<String>) -> Self {
+    pub fn error(
+        pointer: impl Into<String>,
+        code: DiagnosticCode,
+        message: impl Into<String>,
+    ) -> Self {
         Self::new(Severity::Error, pointer, code, message)
     }
 
     /// A warning at a place.
     #[must_use]
-    pub fn warning(pointer: impl Into<String>, code: DiagnosticCode, message: impl Into<String>) -> Self {
+    pub fn warning(
+        pointer: impl Into<String>,
+        code: DiagnosticCode,
+        message: impl Into<String>,
+    ) -> Self {
         Self::new(Severity::Warning, pointer, code, message)
     }
 
-    fn new(severity: Severity, pointer: impl Into<String>, code: DiagnosticCode, message: impl Into<String>) -> Self {
+    fn new(
+        severity: Severity,
+        pointer: impl Into<String>,
+        code: DiagnosticCode,
+        message: impl Into<String>,
+    ) -> Self {
         let (pointer, message) = (pointer.into(), message.into());
         Self { severity, pointer, code, message, line: None, column: None }
     }

@@ -93,7 +93,8 @@ pub struct TracedFault {
     pub column: Option<u32>,
 }
 
-/// A value for people: 64-bit integers as text, arrays cut after 256 elements, structures as objects.
+/// A value for people: 64-bit integers as text, arrays cut after 256 elements, structures as
+/// objects.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TracedValue {
@@ -142,7 +143,12 @@ impl TracedValue {
 
 impl From<&Fault> for TracedFault {
     fn from(fault: &Fault) -> Self {
-        Self { kind: fault.kind, message: fault.message.to_string(), line: fault.line, column: fault.column }
+        Self {
+            kind: fault.kind,
+            message: fault.message.to_string(),
+            line: fault.line,
+            column: fault.column,
+        }
     }
 }
 
@@ -160,9 +166,19 @@ impl TraceStep {
         }
     }
 
-    pub(crate) fn failed(trace: Option<&mut Vec<Self>>, step: usize, function: &str, fault: &Fault) {
+    pub(crate) fn failed(
+        trace: Option<&mut Vec<Self>>,
+        step: usize,
+        function: &str,
+        fault: &Fault,
+    ) {
         if let Some(trace) = trace {
-            trace.push(Self { step, function: function.to_owned(), value: None, fault: Some(fault.into()) });
+            trace.push(Self {
+                step,
+                function: function.to_owned(),
+                value: None,
+                fault: Some(fault.into()),
+            });
         }
     }
 }
@@ -173,7 +189,11 @@ fn json_of(value: &Variant, depth: usize) -> Json {
         Variant::Null => Json::Null,
         Variant::Scalar(scalar) => scalar_json(scalar, depth),
         Variant::Array(array) => {
-            let shown = array.elements.iter().take(ELEMENTS_SHOWN_MAX).map(|element| scalar_json(element, depth));
+            let shown = array
+                .elements
+                .iter()
+                .take(ELEMENTS_SHOWN_MAX)
+                .map(|element| scalar_json(element, depth));
             Json::Array(shown.collect())
         }
     }
@@ -188,15 +208,17 @@ fn scalar_json(scalar: &Scalar, depth: usize) -> Json {
         Scalar::Variant(inner) if depth < 16 => json_of(inner, depth + 1),
         Scalar::ExtensionObject(object) if depth < 16 => match &object.body {
             ExtensionBody::Structure(structure) => {
-                let members =
-                    structure.fields.iter().map(|(name, value)| (name.to_string(), json_of(value, depth + 1)));
+                let members = structure
+                    .fields
+                    .iter()
+                    .map(|(name, value)| (name.to_string(), json_of(value, depth + 1)));
                 Json::Object(members.collect())
             }
             _ => Json::Null,
         },
         other => {
-            let is_small =
-                other.as_i128().is_some() && !matches!(other.built_in_type(), BuiltInType::Int64 | BuiltInType::UInt64);
+            let is_small = other.as_i128().is_some()
+                && !matches!(other.built_in_type(), BuiltInType::Int64 | BuiltInType::UInt64);
             match other.as_i128().and_then(|v| i64::try_from(v).ok()).filter(|_| is_small) {
                 Some(v) => Json::from(v),
                 None => convert::to_text(other).map_or(Json::Null, Json::String),

@@ -1,9 +1,9 @@
 //! The engine: inputs in, candidates out.
 //!
-//! One task routes changes to the mappings that use them and runs the chains up to a script or their end; script calls
-//! go to worker processes through [`crate::script::lane`]. It never waits for a consumer while it holds work: what was
-//! made waits in a bounded list, and while that is full no changes are taken, which the shop floor notices and
-//! coalesces.
+//! One task routes changes to the mappings that use them and runs the chains up to a script or
+//! their end; script calls go to worker processes through [`crate::script::lane`]. It never waits
+//! for a consumer while it holds work: what was made waits in a bounded list, and while that is
+//! full no changes are taken, which the shop floor notices and coalesces.
 
 mod core;
 mod history;
@@ -66,7 +66,8 @@ impl Default for MappingEngineConfig {
     }
 }
 
-/// The consumer's own key of the field that a mapping is for; it comes back with each of the mapping's candidates.
+/// The consumer's own key of the field that a mapping is for; it comes back with each of the
+/// mapping's candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct TargetKey(pub i64);
 
@@ -77,8 +78,8 @@ pub struct Candidate {
     pub target: TargetKey,
     /// Value, status and times. Of the field's type, or without value and Bad.
     pub value: DataValue,
-    /// What the functions remember once this value is out; to be committed with it. `None` where nothing is
-    /// remembered, or a later candidate of the same batch carries it.
+    /// What the functions remember once this value is out; to be committed with it. `None` where
+    /// nothing is remembered, or a later candidate of the same batch carries it.
     pub state: Option<TransformState>,
 }
 
@@ -157,12 +158,12 @@ struct Compiled {
 }
 
 impl MappingEngineHandle {
-    /// Publishes mappings, each in place of the one with the same id and with what a former run left. For each what is
-    /// doubtful about it, or why it is not published: [`EngineError::Rejected`] with everything that is wrong, or a
-    /// limit.
+    /// Publishes mappings, each in place of the one with the same id and with what a former run
+    /// left. For each what is doubtful about it, or why it is not published:
+    /// [`EngineError::Rejected`] with everything that is wrong, or a limit.
     ///
-    /// A script is checked by loading it in the background; a fault there shows in the status and as a candidate. Use
-    /// [`Self::check`] to see it before.
+    /// A script is checked by loading it in the background; a fault there shows in the status and
+    /// as a candidate. Use [`Self::check`] to see it before.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
@@ -176,7 +177,14 @@ impl MappingEngineHandle {
             let (plan, diagnostics) = compile(&mapping);
             results.push(match plan {
                 Some(plan) => {
-                    compiled.push(Compiled { mapping, plan: Arc::new(plan), target, state, last, is_shadow });
+                    compiled.push(Compiled {
+                        mapping,
+                        plan: Arc::new(plan),
+                        target,
+                        state,
+                        last,
+                        is_shadow,
+                    });
                     Ok(diagnostics)
                 }
                 None => Err(EngineError::Rejected(diagnostics)),
@@ -203,11 +211,16 @@ impl MappingEngineHandle {
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
-    /// How the published mappings are doing: counts of all, and the worst of those with this health, or of all.
+    /// How the published mappings are doing: counts of all, and the worst of those with this
+    /// health, or of all.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
-    pub async fn survey(&self, wanted: Option<MappingHealth>, most: usize) -> Result<MappingSurvey, EngineError> {
+    pub async fn survey(
+        &self,
+        wanted: Option<MappingHealth>,
+        most: usize,
+    ) -> Result<MappingSurvey, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(Command::Survey(wanted, most, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
@@ -217,7 +230,10 @@ impl MappingEngineHandle {
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
-    pub async fn status(&self, mapping_id: &MappingId) -> Result<Option<MappingStatus>, EngineError> {
+    pub async fn status(
+        &self,
+        mapping_id: &MappingId,
+    ) -> Result<Option<MappingStatus>, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(Command::Status(mapping_id.clone(), reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
@@ -233,7 +249,8 @@ impl MappingEngineHandle {
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
-    /// Everything that is wrong or doubtful about a mapping, its scripts loaded in a worker for trials.
+    /// Everything that is wrong or doubtful about a mapping, its scripts loaded in a worker for
+    /// trials.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
@@ -241,18 +258,23 @@ impl MappingEngineHandle {
         self.dry_run(mapping, Vec::new(), None).await.map(|trace| trace.diagnostics)
     }
 
-    /// The last values of these variables, in the order they came: those that a mapping at work uses are recorded.
+    /// The last values of these variables, in the order they came: those that a mapping at work
+    /// uses are recorded.
     ///
     /// # Errors
     /// [`EngineError::Stopped`].
-    pub async fn recorded(&self, inputs: Vec<MappingInput>) -> Result<Vec<DryRunSample>, EngineError> {
+    pub async fn recorded(
+        &self,
+        inputs: Vec<MappingInput>,
+    ) -> Result<Vec<DryRunSample>, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(Command::Recorded(inputs, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
-    /// Runs a mapping on samples, in a worker for trials, and shows every intermediate value. Nothing is published.
-    /// Its functions start with `state`, where there is one, as if the mapping had run before.
+    /// Runs a mapping on samples, in a worker for trials, and shows every intermediate value.
+    /// Nothing is published. Its functions start with `state`, where there is one, as if the
+    /// mapping had run before.
     ///
     /// # Errors
     /// [`EngineError::TooManySamples`], [`EngineError::Stopped`].
@@ -292,7 +314,8 @@ impl MappingEngine {
         let (trials, for_trials) = mpsc::channel(16);
         let (candidates, consumer) = mpsc::channel(config.waiting_batches_max.max(1));
         let handle = MappingEngineHandle { commands, trials };
-        let engine = Self::assemble(config, Box::new(inputs), changes, for_commands, for_trials, candidates);
+        let engine =
+            Self::assemble(config, Box::new(inputs), changes, for_commands, for_trials, candidates);
         (engine, handle, consumer)
     }
 }

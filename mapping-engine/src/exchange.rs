@@ -1,4 +1,5 @@
-//! Many mappings at once: templates for series of like machines, and files that go out and come back unchanged.
+//! Many mappings at once: templates for series of like machines, and files that go out and come
+//! back unchanged.
 
 mod csv;
 mod file;

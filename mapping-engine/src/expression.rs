@@ -1,8 +1,8 @@
 //! A small expression language, so that most arithmetic needs no script.
 //!
-//! Values are numbers (exact integers or doubles), Booleans and texts. There are no loops and no assignments, so an
-//! expression always ends. Grammar, weakest first: `c ? a : b`, `||`, `&&`, `== != < <= > >=`, `+ -`, `* / // %`,
-//! unary `- + !`, call, literal, name, parentheses.
+//! Values are numbers (exact integers or doubles), Booleans and texts. There are no loops and no
+//! assignments, so an expression always ends. Grammar, weakest first: `c ? a : b`, `||`, `&&`, `==
+//! != < <= > >=`, `+ -`, `* / // %`, unary `- + !`, call, literal, name, parentheses.
 
 mod evaluate;
 mod functions;
@@ -22,7 +22,8 @@ pub const EXPRESSION_BYTES_MAX: usize = 4096;
 /// Deepest nesting.
 pub const EXPRESSION_DEPTH_MAX: usize = 64;
 
-/// Why a text is not an expression, with the column (in characters, from 1) where it stops being one.
+/// Why a text is not an expression, with the column (in characters, from 1) where it stops being
+/// one.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message} (column {column})")]
 pub(crate) struct SyntaxError {
@@ -79,7 +80,8 @@ pub(crate) enum Value {
 
 impl Value {
     pub fn of(value: &Variant) -> Result<Self, Fault> {
-        let not_usable = || Fault::type_mismatch("an expression takes numbers, Booleans, texts and times only");
+        let not_usable =
+            || Fault::type_mismatch("an expression takes numbers, Booleans, texts and times only");
         let Variant::Scalar(scalar) = value else { return Err(not_usable()) };
         match scalar {
             Scalar::Boolean(v) => Ok(Self::Boolean(*v)),
@@ -87,7 +89,9 @@ impl Value {
             Scalar::String(Some(text)) => Ok(Self::Text(text.clone())),
             other => match Number::of(other) {
                 Some(number) => Ok(Self::Number(number)),
-                None => convert::to_text(other).map(|text| Self::Text(text.into())).ok_or_else(not_usable),
+                None => convert::to_text(other)
+                    .map(|text| Self::Text(text.into()))
+                    .ok_or_else(not_usable),
             },
         }
     }
@@ -148,7 +152,9 @@ impl Expr {
         use ResultKind as K;
         match self {
             Self::Literal(Value::Number(_)) | Self::Negate(_) => Some(K::Number),
-            Self::Literal(Value::Boolean(_)) | Self::Not(_) | Self::And(..) | Self::Or(..) => Some(K::Boolean),
+            Self::Literal(Value::Boolean(_)) | Self::Not(_) | Self::And(..) | Self::Or(..) => {
+                Some(K::Boolean)
+            }
             Self::Literal(Value::Text(_)) => Some(K::Text),
             Self::Name(_) => None,
             Self::Binary(Operator::Add, a, b) => match (a.result(), b.result()) {
@@ -157,7 +163,11 @@ impl Expr {
                 _ => None,
             },
             Self::Binary(
-                Operator::Subtract | Operator::Multiply | Operator::Divide | Operator::FloorDivide | Operator::Modulo,
+                Operator::Subtract
+                | Operator::Multiply
+                | Operator::Divide
+                | Operator::FloorDivide
+                | Operator::Modulo,
                 ..,
             ) => Some(K::Number),
             Self::Binary(..) => Some(K::Boolean),
@@ -182,7 +192,8 @@ mod tests {
 
     fn run(text: &str, value: &Variant, inputs: &[Variant]) -> Result<Variant, String> {
         let names = ["a", "b"];
-        let expression = parse(text, &|name| names.iter().position(|n| *n == name)).map_err(|e| e.to_string())?;
+        let expression = parse(text, &|name| names.iter().position(|n| *n == name))
+            .map_err(|e| e.to_string())?;
         let lookup = |name| match name {
             Name::Value => Value::of(value),
             Name::Input(index) => Value::of(&inputs[index]),
@@ -248,9 +259,17 @@ mod tests {
 
     #[test]
     fn wrong_values_are_faults() {
-        for text in
-            ["1 / 0", "1 % 0", "b + 1 > 2", "b * 2", "!1", "1 && true", "number(b)", "a * a * a * a", "sqrt(0-1)"]
-        {
+        for text in [
+            "1 / 0",
+            "1 % 0",
+            "b + 1 > 2",
+            "b * 2",
+            "!1",
+            "1 && true",
+            "number(b)",
+            "a * a * a * a",
+            "sqrt(0-1)",
+        ] {
             let inputs = [Variant::from(u64::MAX), Variant::from("pcs")];
             assert!(run(text, &1_i32.into(), &inputs).is_err(), "{text}");
         }

@@ -7,7 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// A function could not make a value of what it got. The candidate is then without value and has [`Fault::status`].
+/// A function could not make a value of what it got. The candidate is then without value and has
+/// [`Fault::status`].
 ///
 /// The message is for the factory engineer; it may name parameters, never the value itself.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -6,8 +6,8 @@ use shop_floor::{InputKey, MonitorRequest, ShopFloorError, ShopFloorHandle};
 
 /// What the engine asks of the shop floor: to monitor variables under keys, and to stop.
 ///
-/// Both only announce the wish and never wait; values, and the status of a source that is away, arrive as
-/// [`shop_floor::InputChange`]s.
+/// Both only announce the wish and never wait; values, and the status of a source that is away,
+/// arrive as [`shop_floor::InputChange`]s.
 pub trait Inputs: Send + Sync + 'static {
     /// Monitors variables; all or none. A key that is used already is moved.
     ///

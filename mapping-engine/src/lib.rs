@@ -1,8 +1,9 @@
 //! From local variables to the value a requested field may get.
 //!
-//! A [`Mapping`] names inputs, a chain of functions and a target field. The engine takes changes of inputs from the
-//! shop floor, runs the chains - built-in functions in its own task, scripts in worker processes - and yields
-//! *candidates*: values with status and times that the disclosure gate then judges. It ends there.
+//! A [`Mapping`] names inputs, a chain of functions and a target field. The engine takes changes of
+//! inputs from the shop floor, runs the chains - built-in functions in its own task, scripts in
+//! worker processes - and yields *candidates*: values with status and times that the disclosure
+//! gate then judges. It ends there.
 
 pub mod comparison;
 mod convert;
@@ -28,8 +29,9 @@ mod transform;
 pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
 pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
 pub use engine::{
-    Candidate, CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine, MappingEngineConfig,
-    MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey, Published, SurveyedMapping, TargetKey,
+    Candidate, CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine,
+    MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey,
+    Published, SurveyedMapping, TargetKey,
 };
 pub use fault::{Fault, FaultKind, FaultRecord};
 pub use inputs::Inputs;

@@ -1,8 +1,9 @@
-//! What a factory engineer writes down: inputs, a chain of functions, and the field that gets the result.
+//! What a factory engineer writes down: inputs, a chain of functions, and the field that gets the
+//! result.
 //!
-//! A mapping is plain data. It is checked and compiled by the engine, and kept, versioned and published by whoever owns
-//! it. Sources and nodes are named as in the factory; namespaces are URIs, so that a mapping
-//! survives a server whose namespace indexes moved.
+//! A mapping is plain data. It is checked and compiled by the engine, and kept, versioned and
+//! published by whoever owns it. Sources and nodes are named as in the factory; namespaces are
+//! URIs, so that a mapping survives a server whose namespace indexes moved.
 
 mod literal;
 mod schema;
@@ -18,10 +19,10 @@ use utoipa::ToSchema;
 pub use literal::Literal;
 pub use schema::TypeName;
 pub use step::{
-    Aggregate, Bit, BitText, BitTexts, Constant, Convert, Counter, CounterInput, Deadband, Debounce, Edge,
-    EdgeDirection, Enumeration, EnumerationText, Expression, Format, Increment, Lookup, LookupEntry, Merge, MergeRule,
-    OnDecrease, Overflow, Parse, Rate, RatePeriod, Rounding, Scale, Script, Select, Step, Threshold, UnitConversion,
-    Window,
+    Aggregate, Bit, BitText, BitTexts, Constant, Convert, Counter, CounterInput, Deadband,
+    Debounce, Edge, EdgeDirection, Enumeration, EnumerationText, Expression, Format, Increment,
+    Lookup, LookupEntry, Merge, MergeRule, OnDecrease, Overflow, Parse, Rate, RatePeriod, Rounding,
+    Scale, Script, Select, Step, Threshold, UnitConversion, Window,
 };
 
 pub(crate) use schema::FieldKeySchema;
@@ -140,25 +141,32 @@ pub struct MappingInput {
     /// The variable, with its namespace's URI.
     #[schema(value_type = String, example = "nsu=urn:press;s=Cell.Counter")]
     pub node_id: NodeId,
-    /// The variable's built-in type as seen when it was picked; lets a mapping be checked without its server.
+    /// The variable's built-in type as seen when it was picked; lets a mapping be checked without
+    /// its server.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value_type: Option<TypeName>,
     /// The variable's unit as seen when it was picked (UNECE code or alias).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Whether a change of this variable makes the mapping run; `false`: it is only read when another one changes.
+    /// Whether a change of this variable makes the mapping run; `false`: it is only read when
+    /// another one changes.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub triggers: bool,
-    /// How the variable is monitored: sampling, queue, browse path to find it again, part of an array.
+    /// How the variable is monitored: sampling, queue, browse path to find it again, part of an
+    /// array.
     #[serde(default, skip_serializing_if = "is_default_monitoring")]
     #[schemars(with = "serde_json::Value")]
     pub monitor: MonitorOptions,
 }
 
-/// What happens to a value whose source time lies before that of the newest value of the same variable.
+/// What happens to a value whose source time lies before that of the newest value of the same
+/// variable.
 ///
-/// A value is late by at most ten seconds. What lies further back is a source whose clock was set back, and is used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
+/// A value is late by at most ten seconds. What lies further back is a source whose clock was set
+/// back, and is used.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum LateValues {
     /// Counted and left out: the newest value stays the newest.

@@ -1,7 +1,8 @@
-//! Numbers as mappings compute with them: integers stay exact integers, everything else is a double.
+//! Numbers as mappings compute with them: integers stay exact integers, everything else is a
+//! double.
 //!
-//! OPC UA has 64-bit integers of both signs; a detour over `f64` damages them beyond 2^53. So arithmetic is done on
-//! `i128` as long as both sides are integers and the result is one.
+//! OPC UA has 64-bit integers of both signs; a detour over `f64` damages them beyond 2^53. So
+//! arithmetic is done on `i128` as long as both sides are integers and the result is one.
 
 use std::{borrow::Cow, cmp::Ordering, fmt, str::FromStr};
 
@@ -46,7 +47,8 @@ impl Number {
         }
     }
 
-    /// An integer of 64 bits: nearly all are, and computing with 128 is done by software where it is not a sum.
+    /// An integer of 64 bits: nearly all are, and computing with 128 is done by software where it
+    /// is not a sum.
     #[allow(clippy::cast_possible_truncation)]
     const fn small(self) -> Option<i64> {
         match self {
@@ -114,7 +116,8 @@ impl Number {
         }
     }
 
-    /// Quotient: an integer where both sides are and it comes out even, else a double. `None` on division by zero.
+    /// Quotient: an integer where both sides are and it comes out even, else a double. `None` on
+    /// division by zero.
     #[must_use]
     pub fn divided_by(self, other: Self) -> Option<Self> {
         if other.is_zero() {
@@ -123,10 +126,16 @@ impl Number {
         if let (Some(a), Some(b)) = (self.small(), other.small())
             && let (Some(quotient), Some(rest)) = (a.checked_div(b), a.checked_rem(b))
         {
-            return Some(if rest == 0 { quotient.into() } else { Self::Real(self.as_f64() / other.as_f64()) });
+            return Some(if rest == 0 {
+                quotient.into()
+            } else {
+                Self::Real(self.as_f64() / other.as_f64())
+            });
         }
         match (self, other) {
-            (Self::Integer(a), Self::Integer(b)) if a.checked_rem(b) == Some(0) => a.checked_div(b).map(Self::Integer),
+            (Self::Integer(a), Self::Integer(b)) if a.checked_rem(b) == Some(0) => {
+                a.checked_div(b).map(Self::Integer)
+            }
             (a, b) => Some(Self::Real(a.as_f64() / b.as_f64())),
         }
     }
@@ -166,7 +175,11 @@ fn compare_mixed(integer: i128, real: f64) -> Option<Ordering> {
     // The cast saturates, which keeps the order for everything outside i128.
     #[allow(clippy::cast_possible_truncation)]
     let whole = real.floor() as i128;
-    Some(integer.cmp(&whole).then(if real.fract() == 0.0 { Ordering::Equal } else { Ordering::Less }))
+    Some(integer.cmp(&whole).then(if real.fract() == 0.0 {
+        Ordering::Equal
+    } else {
+        Ordering::Less
+    }))
 }
 
 impl fmt::Display for Number {
@@ -186,7 +199,8 @@ pub struct InvalidNumber;
 impl FromStr for Number {
     type Err = InvalidNumber;
 
-    /// Digits with an optional sign are an integer; anything else that `f64` reads and that is finite is a double.
+    /// Digits with an optional sign are an integer; anything else that `f64` reads and that is
+    /// finite is a double.
     fn from_str(text: &str) -> Result<Self, InvalidNumber> {
         if let Ok(integer) = text.parse::<i128>() {
             return Ok(Self::Integer(integer));
@@ -260,7 +274,10 @@ impl JsonSchema for Number {
 impl utoipa::PartialSchema for Number {
     fn schema() -> RefOr<utoipa::openapi::Schema> {
         ObjectBuilder::new()
-            .schema_type(SchemaType::from_iter([utoipa::openapi::Type::Number, utoipa::openapi::Type::String]))
+            .schema_type(SchemaType::from_iter([
+                utoipa::openapi::Type::Number,
+                utoipa::openapi::Type::String,
+            ]))
             .description(Some("A number; integers beyond 2^53 as text."))
             .into()
     }
@@ -284,7 +301,10 @@ mod tests {
         assert_eq!(big.to_scalar(), Scalar::UInt64(u64::MAX));
         assert!(big < Number::Real(18_446_744_073_709_551_616.0));
         assert_eq!(Number::Integer(7).divided_by(Number::Integer(2)), Some(Number::Real(3.5)));
-        assert_eq!(Number::Integer(8).divided_by(Number::Integer(2)).map(|n| n.to_string()), Some("4".into()));
+        assert_eq!(
+            Number::Integer(8).divided_by(Number::Integer(2)).map(|n| n.to_string()),
+            Some("4".into())
+        );
         assert_eq!(Number::ONE.divided_by(Number::Real(0.0)), None);
         assert_eq!(Number::Integer(i128::MAX).plus(Number::ONE), None);
     }

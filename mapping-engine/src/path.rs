@@ -48,7 +48,9 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
         while !rest.is_empty() {
             let inside = rest.strip_prefix('[').and_then(|r| r.split_once(']'));
             let (digits, after) = inside.ok_or("an index looks like [2]")?;
-            parts.push(Part::Index(digits.parse().map_err(|_| "an index is a number from 0, as [2]")?));
+            parts.push(Part::Index(
+                digits.parse().map_err(|_| "an index is a number from 0, as [2]")?,
+            ));
             rest = after;
         }
     }
@@ -62,7 +64,9 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
 pub(crate) fn select(value: &Variant, path: &[Part]) -> Result<Variant, Fault> {
     let mut current = value.clone();
     for part in path {
-        current = part.of(&current).ok_or_else(|| Fault::type_mismatch(format!("there is no {part} in the value")))?;
+        current = part
+            .of(&current)
+            .ok_or_else(|| Fault::type_mismatch(format!("there is no {part} in the value")))?;
     }
     Ok(current)
 }
@@ -124,9 +128,11 @@ mod tests {
             dimensions: None,
         };
         let robot = Variant::Scalar(structure(&[("Axes", Variant::Array(Arc::new(axes)))]));
-        for (path, expected) in
-            [("Axes[1].Position", Some(Variant::from(2.5))), ("Axes[2].Position", None), ("X", None)]
-        {
+        for (path, expected) in [
+            ("Axes[1].Position", Some(Variant::from(2.5))),
+            ("Axes[2].Position", None),
+            ("X", None),
+        ] {
             assert_eq!(select(&robot, &parse(path).expect("valid")).ok(), expected, "{path}");
         }
         for wrong in ["", ".a", "a..b", "a[", "a[x]", "a[1", "a]1["] {

@@ -1,16 +1,22 @@
 //! Status and times along a chain.
 //!
 //! The rules, in one place:
-//! 1. A result has the worst status of the inputs it was made from: Bad before Uncertain before Good; among equals that
-//!    of the first input.
-//! 2. A result has the newest source time of the inputs it was made from, and their newest server time. No function
-//!    makes up a time; a value that passes later (debounce, a window that empties) keeps the time of its sample.
-//! 3. A Bad input is not evaluated: the candidate has no value and the input's status. State stays as it is.
+//! 1. A result has the worst status of the inputs it was made from: Bad before Uncertain before
+//!    Good; among equals that of the first input.
+//! 2. A result has the newest source time of the inputs it was made from, and their newest server
+//!    time. No function makes up a time; a value that passes later (debounce, a window that
+//!    empties) keeps the time of its sample.
+//! 3. A Bad input is not evaluated: the candidate has no value and the input's status. State stays
+//!    as it is.
 //! 4. An Uncertain input is evaluated; its status goes with the result.
-//! 5. An input whose source is away keeps its last value, as Uncertain (UncertainNoCommunicationLastUsableValue).
-//! 6. A function that cannot make a value of what it got yields a candidate without value whose status says why.
-//! 7. `merge` with `newest` and `firstGood` uses the one input it picks; the status of the others does not matter.
-//! 8. Once inputs are better again and the chain has nothing new to say, the last value is shown again.
+//! 5. An input whose source is away keeps its last value, as Uncertain
+//!    (UncertainNoCommunicationLastUsableValue).
+//! 6. A function that cannot make a value of what it got yields a candidate without value whose
+//!    status says why.
+//! 7. `merge` with `newest` and `firstGood` uses the one input it picks; the status of the others
+//!    does not matter.
+//! 8. Once inputs are better again and the chain has nothing new to say, the last value is shown
+//!    again.
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 
@@ -38,7 +44,8 @@ impl Meta {
     /// Rules 1 and 2.
     pub fn combine(&mut self, other: &Self) {
         self.status = worst(self.status, other.status);
-        let newest = |a: (Option<DateTime>, u16), b: (Option<DateTime>, u16)| if b > a { b } else { a };
+        let newest =
+            |a: (Option<DateTime>, u16), b: (Option<DateTime>, u16)| if b > a { b } else { a };
         (self.source_timestamp, self.source_picoseconds) = newest(
             (self.source_timestamp, self.source_picoseconds),
             (other.source_timestamp, other.source_picoseconds),
@@ -99,7 +106,11 @@ mod tests {
     use super::*;
 
     fn meta(status: StatusCode, micros: i64) -> Meta {
-        Meta { status, source_timestamp: Some(DateTime::from_unix_micros(micros)), ..Meta::default() }
+        Meta {
+            status,
+            source_timestamp: Some(DateTime::from_unix_micros(micros)),
+            ..Meta::default()
+        }
     }
 
     #[test]
@@ -107,8 +118,18 @@ mod tests {
         for (a, b, status, micros) in [
             (meta(StatusCode::GOOD, 1), meta(StatusCode::GOOD, 2), StatusCode::GOOD, 2),
             (meta(StatusCode::UNCERTAIN, 3), meta(StatusCode::GOOD, 2), StatusCode::UNCERTAIN, 3),
-            (meta(StatusCode::UNCERTAIN, 1), meta(StatusCode::BAD_TIMEOUT, 2), StatusCode::BAD_TIMEOUT, 2),
-            (meta(StatusCode::BAD_TIMEOUT, 1), meta(StatusCode::BAD_NO_DATA, 1), StatusCode::BAD_TIMEOUT, 1),
+            (
+                meta(StatusCode::UNCERTAIN, 1),
+                meta(StatusCode::BAD_TIMEOUT, 2),
+                StatusCode::BAD_TIMEOUT,
+                2,
+            ),
+            (
+                meta(StatusCode::BAD_TIMEOUT, 1),
+                meta(StatusCode::BAD_NO_DATA, 1),
+                StatusCode::BAD_TIMEOUT,
+                1,
+            ),
         ] {
             let mut combined = a;
             combined.combine(&b);

@@ -1,8 +1,9 @@
 //! Scripts, which run in worker processes.
 //!
-//! A worker is started when the first script needs it, is told what it may use, and is taken down and started anew
-//! when it does not keep to that. [`worker::ScriptWorker`] hides this: callers get a result for every call, and the
-//! fault of a call that took the worker down is that call's fault only.
+//! A worker is started when the first script needs it, is told what it may use, and is taken down
+//! and started anew when it does not keep to that. [`worker::ScriptWorker`] hides this: callers get
+//! a result for every call, and the fault of a call that took the worker down is that call's fault
+//! only.
 
 pub(crate) mod breaker;
 pub(crate) mod config;
@@ -45,8 +46,11 @@ pub(crate) fn fault_of(fault: ScriptFault) -> Fault {
         Kind::Result => (FaultKind::ScriptResult, StatusCode::BAD_TYPE_MISMATCH),
         Kind::NotLoaded => (FaultKind::WorkerUnavailable, StatusCode::BAD_OUT_OF_SERVICE),
     };
-    let message =
-        if fault.name.is_empty() { fault.message } else { format!("{}: {}", fault.name, fault.message).into() };
+    let message = if fault.name.is_empty() {
+        fault.message
+    } else {
+        format!("{}: {}", fault.name, fault.message).into()
+    };
     Fault { status, kind, message, line: fault.line, column: fault.column }
 }
 

@@ -18,8 +18,8 @@ pub(crate) fn check(source: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Variables declared with `let` or `var` outside of any function: what they hold is lost when the worker restarts.
-/// Line and column (from 1) of each, with a sentence.
+/// Variables declared with `let` or `var` outside of any function: what they hold is lost when the
+/// worker restarts. Line and column (from 1) of each, with a sentence.
 pub(crate) fn closure_state(source: &str) -> Vec<(u32, u32, String)> {
     let mut found = Vec::new();
     let mut scanner = Scanner { rest: source, line: 1, column: 1, depth: 0, word: String::new() };
@@ -35,8 +35,8 @@ pub(crate) fn closure_state(source: &str) -> Vec<(u32, u32, String)> {
     found
 }
 
-/// Walks over words outside of brackets, skipping comments and texts. Regular expressions are not told from divisions;
-/// a quote inside one can hide a word, which costs a warning and nothing else.
+/// Walks over words outside of brackets, skipping comments and texts. Regular expressions are not
+/// told from divisions; a quote inside one can hide a word, which costs a warning and nothing else.
 struct Scanner<'a> {
     rest: &'a str,
     line: u32,
@@ -118,14 +118,18 @@ mod tests {
     fn state_outside_of_the_function_is_seen() {
         for (source, expected) in [
             ("let n = 0;\n(value) => ++n", vec![(1, 1)]),
-            ("// let x\nconst k = 2;\n  var m = [];\n(v) => { let inner = v; return inner }", vec![(3, 3)]),
+            (
+                "// let x\nconst k = 2;\n  var m = [];\n(v) => { let inner = v; return inner }",
+                vec![(3, 3)],
+            ),
             ("(value, ctx) => { let n = 1; return n }", vec![]),
             ("'let x'; /* var y */ `let z`; (v) => v", vec![]),
             ("const letter = 1; (v) => v", vec![]),
             ("let", vec![(1, 1)]),
             ("'unterminated", vec![]),
         ] {
-            let found: Vec<_> = closure_state(source).into_iter().map(|(line, column, _)| (line, column)).collect();
+            let found: Vec<_> =
+                closure_state(source).into_iter().map(|(line, column, _)| (line, column)).collect();
             assert_eq!(found, expected, "{source}");
         }
     }

@@ -9,8 +9,9 @@ use utoipa::ToSchema;
 
 use crate::{mapping::Step, number::Number, quality::Meta, stored};
 
-/// What the functions of a mapping remember: returned with each candidate that it belongs to, so that both can be
-/// committed together, and given back when the mapping is put again. Copies are cheap; serialise it when it is stored.
+/// What the functions of a mapping remember: returned with each candidate that it belongs to, so
+/// that both can be committed together, and given back when the mapping is put again. Copies are
+/// cheap; serialise it when it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(transparent)]
 #[schemars(with = "Vec<serde_json::Value>")]
@@ -18,9 +19,10 @@ use crate::{mapping::Step, number::Number, quality::Meta, stored};
 pub struct TransformState(pub(crate) Arc<[StepState]>);
 
 impl TransformState {
-    /// What of this state, left by a mapping with the steps `before`, a mapping with the steps `after` may go on with:
-    /// that of every function which stands in the same place with the same parameters. A script's own state is kept
-    /// as long as there is a script in its place, so that a corrected script goes on counting.
+    /// What of this state, left by a mapping with the steps `before`, a mapping with the steps
+    /// `after` may go on with: that of every function which stands in the same place with the same
+    /// parameters. A script's own state is kept as long as there is a script in its place, so that
+    /// a corrected script goes on counting.
     #[must_use]
     pub fn carried_over(&self, before: &[Step], after: &[Step]) -> Self {
         let is_same = |place: usize| match (before.get(place), after.get(place)) {
@@ -144,8 +146,15 @@ mod tests {
         ));
         let total = StepState::Counter { total: Number::Integer(7), last: None, level: None };
         let script = StepState::Script { state: Some("1".into()) };
-        let state = TransformState::new(vec![total.clone(), StepState::Deadband { passed: None }, script.clone()]);
-        assert_eq!(state.carried_over(&before, &after), TransformState::new(vec![total, StepState::None, script]));
+        let state = TransformState::new(vec![
+            total.clone(),
+            StepState::Deadband { passed: None },
+            script.clone(),
+        ]);
+        assert_eq!(
+            state.carried_over(&before, &after),
+            TransformState::new(vec![total, StepState::None, script])
+        );
         assert_eq!(state.carried_over(&before, &[]), TransformState::new(vec![StepState::None; 3]));
     }
 }

@@ -22,14 +22,18 @@ enum StoredVariant {
     Scalar(Option<Literal>),
 }
 
-/// A variant. Structures are not kept: state that holds one is null after a restart, and filled by the next value.
+/// A variant. Structures are not kept: state that holds one is null after a restart, and filled by
+/// the next value.
 pub(crate) mod variant {
-    use super::{Arc, Array, BuiltInType, Deserialize, Deserializer, Literal, Scalar, Serialize, Serializer};
+    use super::{
+        Arc, Array, BuiltInType, Deserialize, Deserializer, Literal, Scalar, Serialize, Serializer,
+    };
     use super::{StoredVariant, TypeName, Variant};
 
     pub fn serialize<S: Serializer>(value: &Variant, serializer: S) -> Result<S::Ok, S::Error> {
         let is_kept = |built_in: BuiltInType| {
-            built_in.id() <= 17 || matches!(built_in, BuiltInType::StatusCode | BuiltInType::LocalizedText)
+            built_in.id() <= 17
+                || matches!(built_in, BuiltInType::StatusCode | BuiltInType::LocalizedText)
         };
         let stored = match value {
             Variant::Scalar(scalar) if is_kept(scalar.built_in_type()) => {
@@ -83,7 +87,8 @@ pub(crate) mod meta {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Meta, D::Error> {
-        let StoredMeta { status, source_timestamp, server_timestamp } = StoredMeta::deserialize(deserializer)?;
+        let StoredMeta { status, source_timestamp, server_timestamp } =
+            StoredMeta::deserialize(deserializer)?;
         Ok(Meta { status, source_timestamp, server_timestamp, ..Meta::default() })
     }
 }

@@ -1,8 +1,10 @@
-//! Which variable might a requested field mean? Ranked candidates, each with its reasons; a person decides.
+//! Which variable might a requested field mean? Ranked candidates, each with its reasons; a person
+//! decides.
 //!
-//! Pure: callers bring the variables (from browsing), a value of each where they have one, and the factory's earlier
-//! decisions. Each piece of evidence gives points and a sentence; types and units that cannot go together rule a
-//! variable out. The functions that would be needed (convert, unit conversion) are proposed with it.
+//! Pure: callers bring the variables (from browsing), a value of each where they have one, and the
+//! factory's earlier decisions. Each piece of evidence gives points and a sentence; types and units
+//! that cannot go together rule a variable out. The functions that would be needed (convert, unit
+//! conversion) are proposed with it.
 
 mod evidence;
 mod words;
@@ -68,7 +70,8 @@ pub struct KnownVariable {
 }
 
 impl KnownVariable {
-    /// A variable as a list of all of a server's shows it: names and types of what stands above, nothing of its value.
+    /// A variable as a list of all of a server's shows it: names and types of what stands above,
+    /// nothing of its value.
     #[must_use]
     pub fn listed(source_id: &SourceId, variable: &ListedVariable) -> Self {
         let (_, above) = variable.browse_path.0.split_last().unzip();
@@ -184,13 +187,19 @@ pub fn suggest(
         variables.iter().filter_map(|variable| judge(wanted, variable, decisions)).collect();
     // Equal scores in a stable order, so that a page does not jump.
     suggestions.sort_by(|a, b| {
-        b.score.cmp(&a.score).then_with(|| (&a.source_id, &a.node_id).cmp(&(&b.source_id, &b.node_id)))
+        b.score
+            .cmp(&a.score)
+            .then_with(|| (&a.source_id, &a.node_id).cmp(&(&b.source_id, &b.node_id)))
     });
     suggestions.truncate(most);
     suggestions
 }
 
-fn judge(wanted: &WantedField, variable: &KnownVariable, decisions: &[PastDecision]) -> Option<Suggestion> {
+fn judge(
+    wanted: &WantedField,
+    variable: &KnownVariable,
+    decisions: &[PastDecision],
+) -> Option<Suggestion> {
     let steps = steps_needed(wanted, variable)?;
     let mut evidence = Evidence::default();
     evidence.names(wanted, variable);
@@ -210,7 +219,13 @@ fn judge(wanted: &WantedField, variable: &KnownVariable, decisions: &[PastDecisi
     if score < SCORE_MIN {
         return None;
     }
-    let place = variable.path.iter().map(String::as_str).chain([variable.name.as_str()]).collect::<Vec<_>>().join("/");
+    let place = variable
+        .path
+        .iter()
+        .map(String::as_str)
+        .chain([variable.name.as_str()])
+        .collect::<Vec<_>>()
+        .join("/");
     Some(Suggestion {
         source_id: variable.source_id.clone(),
         node_id: variable.node_id.clone(),
@@ -224,10 +239,9 @@ fn judge(wanted: &WantedField, variable: &KnownVariable, decisions: &[PastDecisi
 /// The functions between variable and field; `None` where nothing leads from one to the other.
 fn steps_needed(wanted: &WantedField, variable: &KnownVariable) -> Option<Vec<Step>> {
     let is_scalar = |rank: i32| rank < 0;
-    if variable
-        .value_rank
-        .is_some_and(|rank| rank != -2 && rank != -3 && is_scalar(rank) != is_scalar(wanted.value_rank))
-    {
+    if variable.value_rank.is_some_and(|rank| {
+        rank != -2 && rank != -3 && is_scalar(rank) != is_scalar(wanted.value_rank)
+    }) {
         return None;
     }
     let mut steps = Vec::new();
@@ -236,13 +250,15 @@ fn steps_needed(wanted: &WantedField, variable: &KnownVariable) -> Option<Vec<St
         && from.code != to.code
     {
         unece::convert(0.0, &from, &to).ok()?;
-        let conversion = UnitConversion { from: Some(from.code.to_owned()), to: Some(to.code.to_owned()) };
+        let conversion =
+            UnitConversion { from: Some(from.code.to_owned()), to: Some(to.code.to_owned()) };
         steps.push(conversion.into());
         // A converted number has a fraction in general.
         have = have.filter(|have| have.is_numeric()).map(|_| BuiltInType::Double);
     }
     if let Some(have) = have {
-        let loses = matches!(have, BuiltInType::Float | BuiltInType::Double) && wanted.value_type.is_integer();
+        let loses = matches!(have, BuiltInType::Float | BuiltInType::Double)
+            && wanted.value_type.is_integer();
         if !convert::coerces(have, wanted.value_type) || loses {
             if !convert::converts(have, wanted.value_type) {
                 return None;

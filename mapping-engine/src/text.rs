@@ -43,14 +43,21 @@ impl Template {
         while let Some((c, column)) = chars.next() {
             match c {
                 '{' | '}' if chars.next_if(|(next, _)| *next == c).is_some() => plain.push(c),
-                '}' => return Err(("a closing brace stands alone: write \"}}\"".to_owned(), column)),
+                '}' => {
+                    return Err(("a closing brace stands alone: write \"}}\"".to_owned(), column));
+                }
                 '{' => {
                     let mut inside = String::new();
                     loop {
                         match chars.next() {
                             Some(('}', _)) => break,
                             Some((c, _)) => inside.push(c),
-                            None => return Err(("the placeholder has no closing brace".to_owned(), column)),
+                            None => {
+                                return Err((
+                                    "the placeholder has no closing brace".to_owned(),
+                                    column,
+                                ));
+                            }
                         }
                     }
                     if !plain.is_empty() {
@@ -85,13 +92,16 @@ impl Template {
             match piece {
                 Piece::Text(plain) => text.push_str(plain),
                 Piece::Placeholder { source, zeros, width, decimals } => {
-                    let scalar = lookup(*source)
-                        .ok_or_else(|| Fault::type_mismatch("a placeholder takes a single value, not an array"))?;
+                    let scalar = lookup(*source).ok_or_else(|| {
+                        Fault::type_mismatch("a placeholder takes a single value, not an array")
+                    })?;
                     text.push_str(&show(scalar, *zeros, *width, *decimals)?);
                 }
             }
             if text.len() > TEXT_BYTES_MAX {
-                return Err(Fault::out_of_range(format!("a text has at most {TEXT_BYTES_MAX} bytes")));
+                return Err(Fault::out_of_range(format!(
+                    "a text has at most {TEXT_BYTES_MAX} bytes"
+                )));
             }
         }
         Ok(text)
@@ -104,7 +114,9 @@ fn placeholder(inside: &str, input: &dyn Fn(&str) -> Option<usize>) -> Result<Pi
         "value" | "" => Source::Value,
         name => match input(name) {
             Some(index) => Source::Input(index),
-            None => return Err(format!("\"{name}\" is neither \"value\" nor the name of an input")),
+            None => {
+                return Err(format!("\"{name}\" is neither \"value\" nor the name of an input"));
+            }
         },
     };
     let (width, decimals) = match layout.split_once('.') {
@@ -112,10 +124,9 @@ fn placeholder(inside: &str, input: &dyn Fn(&str) -> Option<usize>) -> Result<Pi
         None => (layout, None),
     };
     let number = |text: &str| {
-        text.parse::<usize>()
-            .ok()
-            .filter(|n| *n <= WIDTH_MAX)
-            .ok_or_else(|| format!("after the colon stand a width and decimals as 06.2, each at most {WIDTH_MAX}"))
+        text.parse::<usize>().ok().filter(|n| *n <= WIDTH_MAX).ok_or_else(|| {
+            format!("after the colon stand a width and decimals as 06.2, each at most {WIDTH_MAX}")
+        })
     };
     Ok(Piece::Placeholder {
         source,
@@ -125,12 +136,20 @@ fn placeholder(inside: &str, input: &dyn Fn(&str) -> Option<usize>) -> Result<Pi
     })
 }
 
-fn show(scalar: &Scalar, zeros: bool, width: usize, decimals: Option<usize>) -> Result<String, Fault> {
+fn show(
+    scalar: &Scalar,
+    zeros: bool,
+    width: usize,
+    decimals: Option<usize>,
+) -> Result<String, Fault> {
     let number = Number::of(scalar).filter(|_| !matches!(scalar, Scalar::Boolean(_)));
     let plain = match (number, decimals) {
         (Some(Number::Real(v)), Some(decimals)) => format!("{v:.decimals$}"),
-        (Some(Number::Integer(v)), Some(decimals)) if decimals > 0 => format!("{v}.{:0decimals$}", 0),
-        _ => convert::to_text(scalar).ok_or_else(|| Fault::type_mismatch("this value has no text form"))?,
+        (Some(Number::Integer(v)), Some(decimals)) if decimals > 0 => {
+            format!("{v}.{:0decimals$}", 0)
+        }
+        _ => convert::to_text(scalar)
+            .ok_or_else(|| Fault::type_mismatch("this value has no text form"))?,
     };
     if number.is_none() {
         return Ok(format!("{plain:<width$}"));
@@ -138,7 +157,8 @@ fn show(scalar: &Scalar, zeros: bool, width: usize, decimals: Option<usize>) -> 
     if !zeros {
         return Ok(format!("{plain:>width$}"));
     }
-    let (sign, digits) = plain.strip_prefix('-').map_or(("", plain.as_str()), |digits| ("-", digits));
+    let (sign, digits) =
+        plain.strip_prefix('-').map_or(("", plain.as_str()), |digits| ("-", digits));
     let width = width.saturating_sub(sign.len());
     Ok(format!("{sign}{digits:0>width$}"))
 }
@@ -188,18 +208,25 @@ impl Pattern {
     /// # Errors
     /// A [`Fault`] where the text does not look so or the value is not of the type.
     pub fn read(&self, text: &str) -> Result<Scalar, Fault> {
-        let part = self.part(text).ok_or_else(|| Fault::decoding("the text does not match the pattern"))?;
+        let part = self
+            .part(text)
+            .ok_or_else(|| Fault::decoding("the text does not match the pattern"))?;
         if let Some(radix) = self.radix {
             let digits = part.trim();
             let digits = match radix {
                 16 => digits.trim_start_matches("0x").trim_start_matches("0X"),
                 _ => digits,
             };
-            let value = i128::from_str_radix(digits, radix)
-                .map_err(|_| Fault::decoding(format!("the text is not an integer of base {radix}")))?;
+            let value = i128::from_str_radix(digits, radix).map_err(|_| {
+                Fault::decoding(format!("the text is not an integer of base {radix}"))
+            })?;
             return to_integer(Number::Integer(value), self.to, Rounding::Exact, Overflow::Fault);
         }
-        let part = if self.decimal_comma { part.replace('.', "").replace(',', ".") } else { part.to_owned() };
+        let part = if self.decimal_comma {
+            part.replace('.', "").replace(',', ".")
+        } else {
+            part.to_owned()
+        };
         let scalar = Scalar::from(part.as_str());
         convert_scalar(&scalar, self.to, Rounding::Exact, Overflow::Fault)
     }
@@ -262,7 +289,9 @@ fn match_prefix(tokens: &[Token], text: &str) -> Option<usize> {
 fn matches_all(tokens: &[Token], text: &str) -> bool {
     match tokens {
         [] => text.is_empty(),
-        [Token::Text(part), rest @ ..] => text.strip_prefix(&**part).is_some_and(|text| matches_all(rest, text)),
+        [Token::Text(part), rest @ ..] => {
+            text.strip_prefix(&**part).is_some_and(|text| matches_all(rest, text))
+        }
         [Token::Any, rest @ ..] => matches_any_tail(rest, text),
     }
 }
@@ -304,13 +333,24 @@ mod tests {
             };
             assert_eq!(template.fill(&lookup).as_deref(), Ok(expected));
         }
-        for (template, column) in [("a {x}", 3), ("}", 1), ("{value", 1), ("{value:zz}", 1), ("{value:999}", 1)] {
-            assert_eq!(Template::parse(template, &input).expect_err(template).1, column, "{template}");
+        for (template, column) in
+            [("a {x}", 3), ("}", 1), ("{value", 1), ("{value:zz}", 1), ("{value:999}", 1)]
+        {
+            assert_eq!(
+                Template::parse(template, &input).expect_err(template).1,
+                column,
+                "{template}"
+            );
         }
     }
 
     fn parse(pattern: Option<&str>, to: BuiltInType) -> Parse {
-        Parse { to: to.into(), pattern: pattern.map(str::to_owned), radix: None, decimal_comma: false }
+        Parse {
+            to: to.into(),
+            pattern: pattern.map(str::to_owned),
+            radix: None,
+            decimal_comma: false,
+        }
     }
 
     #[test]
@@ -330,9 +370,11 @@ mod tests {
             let pattern = Pattern::new(&parse(pattern, to)).expect("valid");
             assert_eq!(pattern.read(text).ok(), expected, "{text}");
         }
-        let comma = Pattern::new(&Parse { decimal_comma: true, ..parse(None, T::Double) }).expect("valid");
+        let comma =
+            Pattern::new(&Parse { decimal_comma: true, ..parse(None, T::Double) }).expect("valid");
         assert_eq!(comma.read("1.234,5").ok(), Some(Scalar::Double(1234.5)));
-        let hex = Pattern::new(&Parse { radix: Some(16), ..parse(None, T::UInt32) }).expect("valid");
+        let hex =
+            Pattern::new(&Parse { radix: Some(16), ..parse(None, T::UInt32) }).expect("valid");
         assert_eq!(hex.read("0xFF").ok(), Some(Scalar::UInt32(255)));
         for wrong in ["no placeholder", "{}{}", "*{}"] {
             assert!(Pattern::new(&parse(Some(wrong), T::Int32)).is_err(), "{wrong}");

@@ -1,8 +1,9 @@
 //! A mapping at work: a state machine without I/O.
 //!
-//! A change of an input enters the chain at the first function that uses that input and runs from there. Each function
-//! passes a value on, holds it back, fails, or - a script - asks for a call whose result comes back through
-//! [`Transform::resume`]. How status and time travel is stated in [`crate::quality`].
+//! A change of an input enters the chain at the first function that uses that input and runs from
+//! there. Each function passes a value on, holds it back, fails, or - a script - asks for a call
+//! whose result comes back through [`Transform::resume`]. How status and time travel is stated in
+//! [`crate::quality`].
 
 mod apply;
 mod compile;
@@ -51,7 +52,8 @@ pub(crate) struct Transform {
     state: TransformState,
     /// The value before each function at which another input than the first enters.
     carried: Vec<(usize, Flow)>,
-    /// The last value that was not Bad, with the status that the functions gave it beyond that of the inputs.
+    /// The last value that was not Bad, with the status that the functions gave it beyond that of
+    /// the inputs.
     last: Option<(DataValue, StatusCode)>,
     shown: Shown,
     /// Per script step, which inputs changed since its last call.
@@ -75,7 +77,9 @@ impl Transform {
             slots: plan.inputs.iter().map(|_| Slot::default()).collect(),
             unsent: plan.script_steps().map(|step| (step, u32::MAX)).collect(),
             carried: Vec::new(),
-            last: last.filter(|value| !value.value.is_null()).map(|value| (value, StatusCode::GOOD)),
+            last: last
+                .filter(|value| !value.value.is_null())
+                .map(|value| (value, StatusCode::GOOD)),
             state: TransformState::new(steps),
             shown,
             plan,
@@ -96,7 +100,9 @@ impl Transform {
     pub fn shown(&self) -> Option<DataValue> {
         match &self.shown {
             Shown::Nothing => None,
-            Shown::Last(status) => self.last.as_ref().map(|(last, _)| DataValue { status: *status, ..last.clone() }),
+            Shown::Last(status) => {
+                self.last.as_ref().map(|(last, _)| DataValue { status: *status, ..last.clone() })
+            }
             Shown::Bad(value) => Some((**value).clone()),
         }
     }
@@ -137,7 +143,8 @@ impl Transform {
         value: DataValue,
         trace: Option<&mut Vec<TraceStep>>,
     ) -> Reaction {
-        let (Some(slot), Some(planned)) = (self.slots.get_mut(input), self.plan.inputs.get(input)) else {
+        let (Some(slot), Some(planned)) = (self.slots.get_mut(input), self.plan.inputs.get(input))
+        else {
             return Reaction::Quiet;
         };
         let Some(entry) = planned.entry else { return Reaction::Quiet };
@@ -146,7 +153,8 @@ impl Transform {
         self.unsent.iter_mut().for_each(|(_, mask)| *mask |= 1 << input);
         match arrival {
             Arrival::Ignored => Reaction::Quiet,
-            // What is already known is not evaluated again, but its source may have been away in between.
+            // What is already known is not evaluated again, but its source may have been away in
+            // between.
             Arrival::Repeated | Arrival::SourceAway if !picked => self.show_again(),
             _ if !triggers => self.show_again(),
             _ => self.enter(entry, input, now, trace),
@@ -155,15 +163,28 @@ impl Transform {
 
     /// When [`Self::on_timer`] wants to be called, by the local clock.
     pub fn due(&self) -> Option<DateTime> {
-        self.state.0.iter().zip(&self.plan.functions).filter_map(|(state, function)| function.due(state)).min()
+        self.state
+            .0
+            .iter()
+            .zip(&self.plan.functions)
+            .filter_map(|(state, function)| function.due(state))
+            .min()
     }
 
     /// Time passed.
     pub fn on_timer(&mut self, now: DateTime, mut trace: Option<&mut Vec<TraceStep>>) -> Reaction {
         let plan = Arc::clone(&self.plan);
-        let is_due = |state: &StepState, function: &Function| function.due(state).is_some_and(|due| due <= now);
-        let step = self.state.0.iter().zip(&plan.functions).position(|(state, function)| is_due(state, function));
-        let Some((step, function)) = step.and_then(|step| Some((step, plan.functions.get(step)?))) else {
+        let is_due = |state: &StepState, function: &Function| {
+            function.due(state).is_some_and(|due| due <= now)
+        };
+        let step = self
+            .state
+            .0
+            .iter()
+            .zip(&plan.functions)
+            .position(|(state, function)| is_due(state, function));
+        let Some((step, function)) = step.and_then(|step| Some((step, plan.functions.get(step)?)))
+        else {
             return Reaction::Quiet;
         };
         let state = &mut Arc::make_mut(&mut self.state.0)[step];
@@ -192,7 +213,8 @@ impl Transform {
         };
         // Whoever keeps the state shares it: it is copied where it changes only.
         if let Some(new) = yielded.state
-            && let Some(StepState::Script { state }) = Arc::make_mut(&mut self.state.0).get_mut(call.step)
+            && let Some(StepState::Script { state }) =
+                Arc::make_mut(&mut self.state.0).get_mut(call.step)
         {
             *state = Some(new);
         }
@@ -206,14 +228,25 @@ impl Transform {
             Some((value, status)) => {
                 meta.status = worst(meta.status, status);
                 let flow = Flow { value, meta };
-                TraceStep::passed(trace.as_deref_mut(), call.step, self.plan.name_of(call.step), &flow);
+                TraceStep::passed(
+                    trace.as_deref_mut(),
+                    call.step,
+                    self.plan.name_of(call.step),
+                    &flow,
+                );
                 self.run(call.step + 1, flow, None, now, trace)
             }
         }
     }
 
     /// Enters the chain because an input changed.
-    fn enter(&mut self, entry: usize, input: usize, now: DateTime, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
+    fn enter(
+        &mut self,
+        entry: usize,
+        input: usize,
+        now: DateTime,
+        trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
         for (slot, planned) in self.slots.iter().zip(&self.plan.inputs) {
             if !planned.is_required {
                 continue;
@@ -229,7 +262,8 @@ impl Transform {
             }
         }
         let is_head = entry == 0;
-        let carried = self.carried.iter().find(|(step, _)| *step == entry).map(|(_, flow)| flow.clone());
+        let carried =
+            self.carried.iter().find(|(step, _)| *step == entry).map(|(_, flow)| flow.clone());
         let flow = match carried {
             Some(flow) => flow,
             None if is_head => match self.slots.first().and_then(Slot::flow) {
@@ -285,11 +319,21 @@ impl Transform {
     }
 
     fn call(&mut self, step: usize, flow: Flow) -> ScriptCall {
-        let mask = self.unsent.iter_mut().find(|(at, _)| *at == step).map_or(0, |(_, mask)| std::mem::take(mask));
+        let mask = self
+            .unsent
+            .iter_mut()
+            .find(|(at, _)| *at == step)
+            .map_or(0, |(_, mask)| std::mem::take(mask));
         let changed = self.slots.iter().enumerate().filter(|(index, _)| mask >> index & 1 == 1);
-        let inputs = changed.filter_map(|(index, slot)| Some((index, slot.flow()?.into_value()))).collect();
+        let inputs =
+            changed.filter_map(|(index, slot)| Some((index, slot.flow()?.into_value()))).collect();
         let mut input_meta = Meta::default();
-        let others = self.slots.iter().zip(&self.plan.inputs).skip(1).filter(|(_, planned)| planned.is_required);
+        let others = self
+            .slots
+            .iter()
+            .zip(&self.plan.inputs)
+            .skip(1)
+            .filter(|(_, planned)| planned.is_required);
         for meta in others.filter_map(|(slot, _)| slot.meta()) {
             input_meta.combine(&meta);
         }
@@ -304,13 +348,16 @@ impl Transform {
             Variant::Scalar(_) => self.plan.target_rank < 1,
             Variant::Array(array) => {
                 let rank = array.dimensions.as_ref().map_or(1, Vec::len);
-                usize::try_from(self.plan.target_rank).is_ok_and(|wanted| wanted == rank || wanted == 0)
+                usize::try_from(self.plan.target_rank)
+                    .is_ok_and(|wanted| wanted == rank || wanted == 0)
             }
         };
         let coerced = if rank_fits {
             convert::coerce(value, self.plan.target_type)
         } else {
-            Err(Fault::type_mismatch("the chain yields an array where the field is a single value, or the reverse"))
+            Err(Fault::type_mismatch(
+                "the chain yields an array where the field is a single value, or the reverse",
+            ))
         };
         match coerced {
             Err(fault) => self.fail(None, fault, meta, trace),
@@ -318,7 +365,11 @@ impl Transform {
             Ok(value) => {
                 let value = meta.with(value);
                 let inputs = self.input_status();
-                let own = if severity(meta.status) > severity(inputs) { meta.status } else { StatusCode::GOOD };
+                let own = if severity(meta.status) > severity(inputs) {
+                    meta.status
+                } else {
+                    StatusCode::GOOD
+                };
                 self.shown = Shown::Last(value.status);
                 self.last = Some((value.clone(), own));
                 Reaction::Candidate(value)
@@ -328,15 +379,19 @@ impl Transform {
 
     /// The worst status among the inputs that count.
     fn input_status(&self) -> StatusCode {
-        let counting = self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
-        counting.filter_map(|(slot, _)| slot.status(self.last.is_some())).fold(StatusCode::GOOD, worst)
+        let counting =
+            self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
+        counting
+            .filter_map(|(slot, _)| slot.status(self.last.is_some()))
+            .fold(StatusCode::GOOD, worst)
     }
 
     /// The chain has nothing new, but the status may have changed since the last candidate.
     fn show_again(&mut self) -> Reaction {
         let inputs = self.input_status();
         if severity(inputs) == 2 {
-            let bad = self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
+            let bad =
+                self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
             return match bad.filter_map(|(slot, _)| slot.bad(self.last.is_some())).next() {
                 Some(bad) if self.shown.status() != Some(bad.status) => self.say_bad(bad),
                 _ => Reaction::Quiet,
@@ -356,7 +411,13 @@ impl Transform {
         Reaction::Candidate(value)
     }
 
-    fn fail(&mut self, step: Option<usize>, fault: Fault, meta: Meta, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
+    fn fail(
+        &mut self,
+        step: Option<usize>,
+        fault: Fault,
+        meta: Meta,
+        trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
         if let Some(step) = step {
             TraceStep::failed(trace, step, self.plan.name_of(step), &fault);
         }

@@ -5,12 +5,14 @@ use std::{fmt, str::FromStr};
 use asi_model::{FactoryId, ToolId};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A place that messages are sent to and received from. Only one side writes it, so the address tells the sender.
+/// A place that messages are sent to and received from. Only one side writes it, so the address
+/// tells the sender.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LogicalAddress {
     /// `factory.<factoryId>.requests`: the platform writes, the factory's connector reads.
     FactoryRequests(FactoryId),
-    /// `factory.<factoryId>.leases`: the platform writes who speaks for the factory, every connector of it reads.
+    /// `factory.<factoryId>.leases`: the platform writes who speaks for the factory, every
+    /// connector of it reads.
     FactoryLeases(FactoryId),
     /// `factory.<factoryId>.ingress`: the factory's connector writes, the platform reads.
     FactoryIngress(FactoryId),
@@ -27,7 +29,9 @@ impl LogicalAddress {
     #[must_use]
     pub const fn factory_id(&self) -> Option<&FactoryId> {
         match self {
-            Self::FactoryRequests(id) | Self::FactoryLeases(id) | Self::FactoryIngress(id) => Some(id),
+            Self::FactoryRequests(id) | Self::FactoryLeases(id) | Self::FactoryIngress(id) => {
+                Some(id)
+            }
             _ => None,
         }
     }
@@ -41,7 +45,8 @@ impl LogicalAddress {
         }
     }
 
-    /// Whether only one consumer gets messages at a time, so that they keep their order whoever connects besides.
+    /// Whether only one consumer gets messages at a time, so that they keep their order whoever
+    /// connects besides.
     #[must_use]
     pub const fn has_single_active_consumer(&self) -> bool {
         !matches!(self, Self::FactoryLeases(_))

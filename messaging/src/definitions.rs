@@ -1,8 +1,9 @@
-//! What an external broker must be told before anybody connects: queues, routing, who may do what, dead letters, limits.
-//! Generated, so that no broker's configuration is written by hand and none can drift from the [profiles](crate::profile).
+//! What an external broker must be told before anybody connects: queues, routing, who may do what,
+//! dead letters, limits. Generated, so that no broker's configuration is written by hand and none
+//! can drift from the [profiles](crate::profile).
 //!
-//! The rights keep factories apart by the broker alone: a factory's user reads its own requests and writes its own
-//! ingress, and can declare nothing.
+//! The rights keep factories apart by the broker alone: a factory's user reads its own requests and
+//! writes its own ingress, and can declare nothing.
 
 mod activemq;
 mod mosquitto;
@@ -50,8 +51,9 @@ impl std::fmt::Debug for Account {
 pub struct QueueLimits {
     /// Most bytes kept; beyond it publishers are refused and keep their messages.
     pub bytes_max: u64,
-    /// A message delivered so often without success is set aside. Some brokers count lost connections, too, so this is
-    /// generous: a connector that is restarted often must not turn sound requests into dead letters.
+    /// A message delivered so often without success is set aside. Some brokers count lost
+    /// connections, too, so this is generous: a connector that is restarted often must not turn
+    /// sound requests into dead letters.
     pub deliveries_max: u32,
 }
 
@@ -78,19 +80,18 @@ impl Plan {
                 LogicalAddress::FactoryIngress(id.clone()),
             ]
         });
-        let tools = self
-            .tools
-            .iter()
-            .flat_map(|(id, _)| [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]);
+        let tools = self.tools.iter().flat_map(|(id, _)| {
+            [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]
+        });
         factories.chain(tools).collect()
     }
 
     /// What each user may do, the platform first.
     fn rights(&self) -> Vec<Rights<'_>> {
-        let (to_platform, from_platform): (Vec<_>, Vec<_>) = self
-            .queues()
-            .into_iter()
-            .partition(|a| matches!(a, LogicalAddress::FactoryIngress(_) | LogicalAddress::ToolRequests(_)));
+        let (to_platform, from_platform): (Vec<_>, Vec<_>) =
+            self.queues().into_iter().partition(|a| {
+                matches!(a, LogicalAddress::FactoryIngress(_) | LogicalAddress::ToolRequests(_))
+            });
         let platform = Rights {
             account: &self.platform,
             consume: to_platform.into_iter().chain([LogicalAddress::DeadLetters]).collect(),
@@ -98,7 +99,10 @@ impl Plan {
         };
         let factories = self.factories.iter().map(|(id, account)| Rights {
             account,
-            consume: vec![LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryLeases(id.clone())],
+            consume: vec![
+                LogicalAddress::FactoryRequests(id.clone()),
+                LogicalAddress::FactoryLeases(id.clone()),
+            ],
             produce: vec![LogicalAddress::FactoryIngress(id.clone())],
         });
         let tools = self.tools.iter().map(|(id, account)| Rights {

@@ -1,5 +1,5 @@
-//! A message as it travels: the body and those headers that every broker can carry. Bodies are self-contained; nothing
-//! depends on a header that a broker may drop.
+//! A message as it travels: the body and those headers that every broker can carry. Bodies are
+//! self-contained; nothing depends on a header that a broker may drop.
 
 use std::{io::Read, time::Duration};
 
@@ -46,7 +46,8 @@ pub struct Envelope {
     pub ttl: Option<Duration>,
     /// Whether it belongs to the backlog after an outage, behind newer messages already sent.
     pub replay: bool,
-    /// The number of the lease under which a factory's connector sends; none where it asks for one, and of all others.
+    /// The number of the lease under which a factory's connector sends; none where it asks for one,
+    /// and of all others.
     pub lease: Option<u64>,
     /// The body as it travels, packed as `content_encoding` says.
     pub body: Bytes,
@@ -102,8 +103,8 @@ impl Envelope {
     pub fn compressed(mut self) -> Self {
         if self.content_encoding.is_none() {
             let mut packed = Vec::with_capacity(self.body.len() / 4 + 64);
-            let read =
-                flate2::read::GzEncoder::new(&self.body[..], flate2::Compression::default()).read_to_end(&mut packed);
+            let read = flate2::read::GzEncoder::new(&self.body[..], flate2::Compression::default())
+                .read_to_end(&mut packed);
             if read.is_ok() && packed.len() < self.body.len() {
                 self.body = packed.into();
                 self.content_encoding = Some(ContentEncoding::Gzip);
@@ -115,7 +116,8 @@ impl Envelope {
     /// The body as the sender wrote it.
     ///
     /// # Errors
-    /// [`BodyError`] when it is damaged or larger than `limit` bytes; at most `limit` bytes are ever unpacked.
+    /// [`BodyError`] when it is damaged or larger than `limit` bytes; at most `limit` bytes are
+    /// ever unpacked.
     pub fn unpacked(&self, limit: usize) -> Result<Bytes, BodyError> {
         let body = match self.content_encoding {
             None => self.body.clone(),

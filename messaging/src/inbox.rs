@@ -1,4 +1,5 @@
-//! What receives. A message is stored before it is settled: the link settles only what [`Inbox::receive`] has answered.
+//! What receives. A message is stored before it is settled: the link settles only what
+//! [`Inbox::receive`] has answered.
 
 use async_trait::async_trait;
 use time::OffsetDateTime;
@@ -54,11 +55,13 @@ pub struct Rejection {
 pub trait Inbox: Send + Sync + 'static {
     /// Takes a batch in the order of its arrival and answers for each delivery, by position.
     ///
-    /// Calls for one address never overlap, so the order of messages is that of the broker. What is missing in the
-    /// answer counts as released. A released message makes the link pause before it goes on with that address, and it
-    /// comes again *behind* those already delivered: a receiver that needs order releases the rest of the batch, too.
+    /// Calls for one address never overlap, so the order of messages is that of the broker. What is
+    /// missing in the answer counts as released. A released message makes the link pause before it
+    /// goes on with that address, and it comes again *behind* those already delivered: a receiver
+    /// that needs order releases the rest of the batch, too.
     ///
-    /// Repeats are normal after every interruption. Discard them by message id in the transaction of their effect and
-    /// accept them.
-    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement>;
+    /// Repeats are normal after every interruption. Discard them by message id in the transaction
+    /// of their effect and accept them.
+    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>)
+    -> Vec<Settlement>;
 }

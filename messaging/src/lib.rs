@@ -5,13 +5,15 @@
 //! - [`address`]: logical addresses; [`profile`]: what they are called on each kind of broker.
 //! - [`definitions`]: what an external broker must be told beforehand, generated.
 //! - [`envelope`]: a message with the headers that every broker can carry.
-//! - [`spool`]: the pure decisions about messages that wait to be sent, and the [`SpoolStore`] that holds them. The SQL
-//!   lives with the owner, in the owner's transaction.
+//! - [`spool`]: the pure decisions about messages that wait to be sent, and the [`SpoolStore`] that
+//!   holds them. The SQL lives with the owner, in the owner's transaction.
 //! - [`inbox`]: what receives; a message is stored there before it is settled.
-//! - [`link`]: connects, sends from the spool, feeds the inbox, reconnects, and says truthfully how it stands.
+//! - [`link`]: connects, sends from the spool, feeds the inbox, reconnects, and says truthfully how
+//!   it stands.
 //!
-//! Delivery is at least once in both directions. Nothing here relies on a broker's deduplication, on link resumption or
-//! on transactions: a receiver discards repeats by message id in the transaction of their effect.
+//! Delivery is at least once in both directions. Nothing here relies on a broker's deduplication,
+//! on link resumption or on transactions: a receiver discards repeats by message id in the
+//! transaction of their effect.
 
 pub mod address;
 pub mod definitions;
@@ -28,8 +30,10 @@ pub use address::{InvalidAddress, LogicalAddress};
 pub use envelope::{BodyError, ContentEncoding, Envelope};
 pub use inbox::{Delivery, Inbox, Rejection, Settlement};
 pub use link::{
-    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, Link, LinkConfig, LinkError, LinkHandle, LinkLimits,
-    LinkPhase, LinkState, Login, Roots, TlsConfig,
+    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, Link, LinkConfig, LinkError,
+    LinkHandle, LinkLimits, LinkPhase, LinkState, Login, Roots, TlsConfig,
 };
 pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
-pub use spool::{Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError};
+pub use spool::{
+    Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+};

@@ -1,4 +1,5 @@
-//! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, tells how it stands.
+//! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, tells
+//! how it stands.
 
 mod backoff;
 mod broker_url;
@@ -16,7 +17,9 @@ use time::OffsetDateTime;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-use crate::{address::LogicalAddress, envelope::Envelope, inbox::Inbox, spool::SpoolStore, transport};
+use crate::{
+    address::LogicalAddress, envelope::Envelope, inbox::Inbox, spool::SpoolStore, transport,
+};
 use shared::Shared;
 use supervisor::Supervisor;
 
@@ -69,7 +72,8 @@ impl Link {
         Ok((Self { supervisor: Supervisor { config, transport, store, inbox, shared } }, handle))
     }
 
-    /// Runs until `shutdown`; then finishes what is in flight within a short time and closes the connection.
+    /// Runs until `shutdown`; then finishes what is in flight within a short time and closes the
+    /// connection.
     pub async fn run(self, shutdown: CancellationToken) {
         self.supervisor.run(shutdown).await;
     }
@@ -92,13 +96,14 @@ impl LinkHandle {
         self.shared.rewind.notify_one();
     }
 
-    /// Tells that the store shows rows that it hid before. They are looked for as after an outage: the newest first.
+    /// Tells that the store shows rows that it hid before. They are looked for as after an outage:
+    /// the newest first.
     pub fn begin_anew(&self) {
         self.shared.anew.notify_one();
     }
 
-    /// Sends a message that is not kept, ahead of what waits. It is lost with the connection, or where the broker rejects it:
-    /// whoever posts it repeats it until it is answered.
+    /// Sends a message that is not kept, ahead of what waits. It is lost with the connection, or
+    /// where the broker rejects it: whoever posts it repeats it until it is answered.
     pub fn post(&self, address: LogicalAddress, envelope: Envelope) {
         self.shared.post(address, envelope);
     }

@@ -1,4 +1,5 @@
-//! What logical addresses are called on each kind of broker. No broker's prefix appears anywhere else.
+//! What logical addresses are called on each kind of broker. No broker's prefix appears anywhere
+//! else.
 
 use std::fmt;
 
@@ -24,8 +25,8 @@ pub struct Terminus {
     pub capability: Option<String>,
 }
 
-/// A text with the placeholder `{address}` (as it is), `{address:percent}` (percent-encoded, RFC 3986) or
-/// `{address:path}` (slashes for dots).
+/// A text with the placeholder `{address}` (as it is), `{address:percent}` (percent-encoded, RFC
+/// 3986) or `{address:path}` (slashes for dots).
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Template(String);
 
@@ -33,7 +34,9 @@ struct Template(String);
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidTemplate {
     /// The same broker address would stand for every logical one.
-    #[error("the template {template:?} contains none of {{address}}, {{address:percent}} and {{address:path}}")]
+    #[error(
+        "the template {template:?} contains none of {{address}}, {{address:percent}} and {{address:path}}"
+    )]
     NoPlaceholder {
         /// The template.
         template: String,
@@ -55,8 +58,8 @@ impl BrokerProfile {
         Self::built_in("embedded", "{address}", "{address}", None)
     }
 
-    /// RabbitMQ 3.x with its AMQP 1.0 plugin. Reads `/amq/queue/<address>`; writes through the topic exchange `verbund`,
-    /// whose routing keys per user keep factories apart.
+    /// RabbitMQ 3.x with its AMQP 1.0 plugin. Reads `/amq/queue/<address>`; writes through the
+    /// topic exchange `verbund`, whose routing keys per user keep factories apart.
     #[must_use]
     pub fn rabbitmq_3() -> Self {
         Self::built_in("rabbitmq-3", "/amq/queue/{address}", "/exchange/verbund/{address}", None)
@@ -65,7 +68,12 @@ impl BrokerProfile {
     /// RabbitMQ 4.x with native AMQP 1.0 and its second address format.
     #[must_use]
     pub fn rabbitmq_4() -> Self {
-        Self::built_in("rabbitmq-4", "/queues/{address:percent}", "/exchanges/verbund/{address:percent}", None)
+        Self::built_in(
+            "rabbitmq-4",
+            "/queues/{address:percent}",
+            "/exchanges/verbund/{address:percent}",
+            None,
+        )
     }
 
     /// ActiveMQ Classic and Artemis (anycast): queues of the same name, asked for by capability.
@@ -233,8 +241,16 @@ mod tests {
         let address: LogicalAddress = "factory.FOR_MUC.ingress".parse().expect("an address");
         for (name, consume, produce) in [
             ("embedded", "factory.FOR_MUC.ingress", "factory.FOR_MUC.ingress"),
-            ("rabbitmq-3", "/amq/queue/factory.FOR_MUC.ingress", "/exchange/verbund/factory.FOR_MUC.ingress"),
-            ("rabbitmq-4", "/queues/factory.FOR_MUC.ingress", "/exchanges/verbund/factory.FOR_MUC.ingress"),
+            (
+                "rabbitmq-3",
+                "/amq/queue/factory.FOR_MUC.ingress",
+                "/exchange/verbund/factory.FOR_MUC.ingress",
+            ),
+            (
+                "rabbitmq-4",
+                "/queues/factory.FOR_MUC.ingress",
+                "/exchanges/verbund/factory.FOR_MUC.ingress",
+            ),
             ("activemq", "factory.FOR_MUC.ingress", "factory.FOR_MUC.ingress"),
             ("mqtt", "verbund/v1/factory/FOR_MUC/ingress", "verbund/v1/factory/FOR_MUC/ingress"),
         ] {
@@ -252,7 +268,9 @@ mod tests {
         let own: BrokerProfile = serde_json::from_str(json).expect("a profile");
         assert_eq!(own.consume(&LogicalAddress::DeadLetters).address, "q/dead-letters");
         assert_eq!(serde_json::to_string(&own).expect("serializes"), json);
-        let error = serde_json::from_str::<BrokerProfile>(r#"{"name":"own","consume":"q","produce":"{address}"}"#);
+        let error = serde_json::from_str::<BrokerProfile>(
+            r#"{"name":"own","consume":"q","produce":"{address}"}"#,
+        );
         assert!(error.expect_err("no placeholder").to_string().contains("{address}"));
         assert!(serde_json::from_str::<BrokerProfile>(r#""kafka""#).is_err());
     }

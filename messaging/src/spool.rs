@@ -1,14 +1,16 @@
-//! Messages that wait to be sent: what must hold of a store of them, and the pure decisions about them.
+//! Messages that wait to be sent: what must hold of a store of them, and the pure decisions about
+//! them.
 //!
 //! Two kinds of owner implement [`SpoolStore`] over their own SQL:
 //!
-//! - The *connector* keeps a report until the platform has receipted it. After the broker accepted it, a row is merely
-//!   *sent*; `receipts` decides which rows may go and which must be sent again.
+//! - The *connector* keeps a report until the platform has receipted it. After the broker accepted
+//!   it, a row is merely *sent*; `receipts` decides which rows may go and which must be sent again.
 //! - The *platform* deletes a row when the broker accepted it.
 //!
-//! A row that waits is in one of two streams. *Control* rows (acknowledgements, decisions, gaps, everything of the
-//! platform) travel strictly in their order. *Report* rows belong to a writer; after an outage the newest row of each
-//! writer travels first, then the backlog in order, marked as replay, while new rows go on to travel live.
+//! A row that waits is in one of two streams. *Control* rows (acknowledgements, decisions, gaps,
+//! everything of the platform) travel strictly in their order. *Report* rows belong to a writer;
+//! after an outage the newest row of each writer travels first, then the backlog in order, marked
+//! as replay, while new rows go on to travel live.
 
 mod coalescing;
 mod expiry;
@@ -36,7 +38,9 @@ pub use rejections::{ATTEMPTS_MAX, RejectionVerdict, after_rejection};
 pub type StoreError = Box<dyn std::error::Error + Send + Sync>;
 
 /// The number of a row, given by the store in the order of insertion and never used again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
 #[serde(transparent)]
 pub struct RowId(pub i64);
 
@@ -64,10 +68,11 @@ pub struct SpoolRow {
 pub enum Lane {
     /// Control rows, oldest first.
     Control,
-    /// Of each writer's report rows within the range the newest one, unless a newer one of the writer has left already:
-    /// this one would come behind it. Oldest first among these.
+    /// Of each writer's report rows within the range the newest one, unless a newer one of the
+    /// writer has left already: this one would come behind it. Oldest first among these.
     Newest,
-    /// Report rows, oldest first. Serves both what is live and what is replayed; the range tells them apart.
+    /// Report rows, oldest first. Serves both what is live and what is replayed; the range tells
+    /// them apart.
     Reports,
 }
 
@@ -98,13 +103,16 @@ pub struct RowOutcome {
 /// The fate of one attempt to send a row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SendOutcome {
-    /// The broker has stored it. The connector marks a report as sent and removes a control row; the platform removes.
+    /// The broker has stored it. The connector marks a report as sent and removes a control row;
+    /// the platform removes.
     Accepted,
     /// The broker rejected it; it stays waiting with one attempt more.
     Rejected(Rejection),
-    /// It will not be sent again by itself: the store sets it aside with the reason, visible to people.
+    /// It will not be sent again by itself: the store sets it aside with the reason, visible to
+    /// people.
     Parked(Rejection),
-    /// Its time to live had passed before it could be sent. The store removes it, announcing the gap where one arises.
+    /// Its time to live had passed before it could be sent. The store removes it, announcing the
+    /// gap where one arises.
     Expired,
 }
 
@@ -125,9 +133,10 @@ pub struct Backlog {
 
 /// The rows that wait to be sent, in their owner's database.
 ///
-/// The link keeps the numbers of rows in flight and filters them, so a store needs no state *in flight*: after a crash
-/// what was in flight is simply still waiting. The owner calls [`LinkHandle::wake`](crate::LinkHandle::wake) after it
-/// committed new rows and [`LinkHandle::rewind`](crate::LinkHandle::rewind) after it made older rows wait again.
+/// The link keeps the numbers of rows in flight and filters them, so a store needs no state *in
+/// flight*: after a crash what was in flight is simply still waiting. The owner calls
+/// [`LinkHandle::wake`](crate::LinkHandle::wake) after it committed new rows and
+/// [`LinkHandle::rewind`](crate::LinkHandle::rewind) after it made older rows wait again.
 #[async_trait]
 pub trait SpoolStore: Send + Sync + 'static {
     /// The waiting rows of a lane within a range, oldest first.
@@ -136,13 +145,15 @@ pub trait SpoolStore: Send + Sync + 'static {
     /// A connection was established; nothing has been fetched for it yet.
     fn connected(&self) {}
 
-    /// Whether a row that was fetched some time ago may still leave, asked right before it is put on the wire. One that
-    /// may not is dropped without an outcome; the store has to rewind where something else stands in its place.
+    /// Whether a row that was fetched some time ago may still leave, asked right before it is put
+    /// on the wire. One that may not is dropped without an outcome; the store has to rewind where
+    /// something else stands in its place.
     fn may_leave(&self, _row: &SpoolRow) -> bool {
         true
     }
 
-    /// Records what became of rows, in one transaction. Rows that are gone meanwhile are passed over.
+    /// Records what became of rows, in one transaction. Rows that are gone meanwhile are passed
+    /// over.
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError>;
 
     /// The greatest row number so far, whatever its state; zero when there was none.
@@ -207,10 +218,12 @@ impl Removal {
     }
 }
 
-/// Joins the rows' sequence numbers into as few gaps as possible, ordered by writer, epoch and sequence.
+/// Joins the rows' sequence numbers into as few gaps as possible, ordered by writer, epoch and
+/// sequence.
 #[must_use]
 pub fn gaps_of(rows: &[ReportRow]) -> Vec<SequenceGap> {
-    let mut keys: Vec<_> = rows.iter().map(|r| (r.data_set_writer_id, r.epoch, r.sequence)).collect();
+    let mut keys: Vec<_> =
+        rows.iter().map(|r| (r.data_set_writer_id, r.epoch, r.sequence)).collect();
     keys.sort_unstable();
     keys.dedup();
     let mut gaps: Vec<SequenceGap> = Vec::new();
@@ -223,9 +236,12 @@ pub fn gaps_of(rows: &[ReportRow]) -> Vec<SequenceGap> {
             {
                 gap.last_sequence = sequence;
             }
-            _ => {
-                gaps.push(SequenceGap { data_set_writer_id, epoch, first_sequence: sequence, last_sequence: sequence })
-            }
+            _ => gaps.push(SequenceGap {
+                data_set_writer_id,
+                epoch,
+                first_sequence: sequence,
+                last_sequence: sequence,
+            }),
         }
     }
     gaps
@@ -255,8 +271,10 @@ mod tests {
     #[test]
     fn neighbours_join_into_one_gap() {
         let rows = [row(1, 7, 3), row(2, 7, 4), row(3, 8, 5), row(4, 7, 6), row(5, 7, 4)];
-        let runs: Vec<_> =
-            gaps_of(&rows).into_iter().map(|g| (g.data_set_writer_id, g.first_sequence, g.last_sequence)).collect();
+        let runs: Vec<_> = gaps_of(&rows)
+            .into_iter()
+            .map(|g| (g.data_set_writer_id, g.first_sequence, g.last_sequence))
+            .collect();
         assert_eq!(runs, [(7, 3, 4), (7, 6, 6), (8, 5, 5)]);
     }
 }

@@ -43,7 +43,11 @@ impl RecordingInbox {
 
 #[async_trait]
 impl Inbox for RecordingInbox {
-    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+    async fn receive(
+        &self,
+        address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
         let delay = *self.delay.lock();
         if !delay.is_zero() {
             tokio::time::sleep(delay).await;

@@ -1,5 +1,5 @@
-//! How messages reach the wire. The seam behind the link: a connection gives lanes to send to and receive from, one per
-//! address; which protocol carries them is this module's business alone.
+//! How messages reach the wire. The seam behind the link: a connection gives lanes to send to and
+//! receive from, one per address; which protocol carries them is this module's business alone.
 
 pub(crate) mod amqp;
 mod dial;
@@ -90,7 +90,8 @@ pub(crate) type OutcomeFuture = BoxFuture<'static, Result<Outcome, LaneFault>>;
 /// A lane to send to one address.
 #[async_trait]
 pub(crate) trait Outgoing: Send {
-    /// Hands a message over; waits while the broker gives no room. What cannot be sent at all is an outcome, too.
+    /// Hands a message over; waits while the broker gives no room. What cannot be sent at all is an
+    /// outcome, too.
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, LaneFault>;
 }
 

@@ -1,9 +1,10 @@
 //! The limits we run the stack with, in one place.
 //!
-//! Defaults of the stack that lose data or bite early, each observed: a publish response over the default message size
-//! is dropped with a log line only (about 10 000 changes); more than 20 queued notification messages drop the oldest;
-//! arrays over 1000 elements do not decode (a notification with more than 1000 changes is such an array); 1000
-//! monitored items per subscription; a sampling interval of 0 becomes 100 ms, and the publishing tick is 100 ms.
+//! Defaults of the stack that lose data or bite early, each observed: a publish response over the
+//! default message size is dropped with a log line only (about 10 000 changes); more than 20 queued
+//! notification messages drop the oldest; arrays over 1000 elements do not decode (a notification
+//! with more than 1000 changes is such an array); 1000 monitored items per subscription; a sampling
+//! interval of 0 becomes 100 ms, and the publishing tick is 100 ms.
 
 use std::time::Duration;
 
@@ -27,8 +28,8 @@ pub const QUEUED_NOTIFICATIONS_MAX: usize = 1000;
 pub const SESSIONS_MAX: usize = 100;
 /// Most subscriptions of one session.
 pub const SUBSCRIPTIONS_PER_SESSION_MAX: usize = 100;
-/// Most monitored items we put into one subscription as a client: split publish responses would be slow, and several
-/// subscriptions spread the work.
+/// Most monitored items we put into one subscription as a client: split publish responses would be
+/// slow, and several subscriptions spread the work.
 pub const ITEMS_PER_SUBSCRIPTION: usize = 5000;
 /// How often our servers look for subscriptions that are due.
 pub const PUBLISHING_TICK: Duration = Duration::from_millis(5);

@@ -1,4 +1,5 @@
-//! What turns a peer's indexes into names that last: its namespace array and, where known, its data types.
+//! What turns a peer's indexes into names that last: its namespace array and, where known, its data
+//! types.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -11,9 +12,11 @@ use opcua::types::{
 /// The URI of namespace 0.
 const UA_NAMESPACE_URI: &str = "http://opcfoundation.org/UA/";
 
-/// The namespace array of one server at one time, and the data types that were read from it under the same indexes.
+/// The namespace array of one server at one time, and the data types that were read from it under
+/// the same indexes.
 ///
-/// A clone is cheap. A server may hand out other indexes after each restart, so a table is valid for one session only.
+/// A clone is cheap. A server may hand out other indexes after each restart, so a table is valid
+/// for one session only.
 #[derive(Debug, Clone)]
 pub struct NamespaceTable {
     inner: Arc<Inner>,
@@ -36,8 +39,8 @@ impl std::fmt::Debug for Inner {
 }
 
 impl NamespaceTable {
-    /// From the URIs in the order of their indexes. The first is taken as namespace 0 whatever it says; where a URI
-    /// stands twice, the lower index is used.
+    /// From the URIs in the order of their indexes. The first is taken as namespace 0 whatever it
+    /// says; where a URI stands twice, the lower index is used.
     pub fn new<I>(uris: I) -> Self
     where
         I: IntoIterator,
@@ -46,7 +49,8 @@ impl NamespaceTable {
         Self::build(uris.into_iter().map(|uri| Arc::from(uri.as_ref())).collect(), None)
     }
 
-    /// From the value of a server's NamespaceArray (`i=2255`); `None` if it is not an array of strings.
+    /// From the value of a server's NamespaceArray (`i=2255`); `None` if it is not an array of
+    /// strings.
     #[must_use]
     pub fn from_namespace_array(value: &Variant) -> Option<Self> {
         let Variant::Array(array) = value else { return None };
@@ -61,7 +65,8 @@ impl NamespaceTable {
         Some(Self::build(uris?, None))
     }
 
-    /// The same table with the data types of that server, so that its structures become named fields and back.
+    /// The same table with the data types of that server, so that its structures become named
+    /// fields and back.
     #[must_use]
     pub fn with_data_types(self, types: Arc<DataTypeTree>) -> Self {
         Self::build(self.uris(), Some(types))
@@ -123,7 +128,8 @@ impl NamespaceTable {
         if let Some(types) = &types {
             loaders.add_type_loader(DynamicTypeLoader::new(Arc::clone(types)));
         }
-        let context = ContextOwned::new(NamespaceMap::new_full(map), loaders, DecodingOptions::default());
+        let context =
+            ContextOwned::new(NamespaceMap::new_full(map), loaders, DecodingOptions::default());
         Self { inner: Arc::new(Inner { namespaces, indexes, types, context }) }
     }
 }

@@ -1,14 +1,15 @@
 //! Data change notifications (OPC 10000-4 §7.25.2) decoded straight into our values.
 //!
-//! The stack decodes each number of a message by itself and each time into a calendar date; here a body is read once, and
-//! numbers and times are taken from it as they are. Whatever is no plain number is left to the stack.
+//! The stack decodes each number of a message by itself and each time into a calendar date; here a
+//! body is read once, and numbers and times are taken from it as they are. Whatever is no plain
+//! number is left to the stack.
 
 use std::{any::Any, io::Read, sync::Arc};
 
 use asi_model::values as model;
 use opcua::types::{
-    self as stack, BinaryDecodable, Context, DynEncodable, EncodingResult, Error, ExpandedNodeId, ExtensionObject,
-    NodeId, ObjectId, TypeLoader, TypeLoaderCollection, TypeLoaderPriority,
+    self as stack, BinaryDecodable, Context, DynEncodable, EncodingResult, Error, ExpandedNodeId,
+    ExtensionObject, NodeId, ObjectId, TypeLoader, TypeLoaderCollection, TypeLoaderPriority,
 };
 
 use crate::{NamespaceTable, values::from_stack};
@@ -53,9 +54,14 @@ impl DataChanges {
         if !notification.inner_is::<stack::DataChangeNotification>() {
             return Err(notification);
         }
-        let decoded: Box<stack::DataChangeNotification> = notification.into_inner_as().expect("it was just seen");
+        let decoded: Box<stack::DataChangeNotification> =
+            notification.into_inner_as().expect("it was just seen");
         let items = decoded.monitored_items.into_iter().flatten();
-        Ok(Self { items: items.map(|item| (item.client_handle, Notified::Other(Box::new(item.value)))).collect() })
+        Ok(Self {
+            items: items
+                .map(|item| (item.client_handle, Notified::Other(Box::new(item.value))))
+                .collect(),
+        })
     }
 
     /// The values; those that cannot be understood are `BadDecodingError` with the times kept.
@@ -93,7 +99,11 @@ impl TypeLoader for DataChangeLoader {
         if node_id.namespace != 0 || node_id.as_u32() != Some(BINARY_ID as u32) {
             return None;
         }
-        Some(read_body(stream, length?).and_then(|body| decode(&body, context)).map(|changes| Box::new(changes) as _))
+        Some(
+            read_body(stream, length?)
+                .and_then(|body| decode(&body, context))
+                .map(|changes| Box::new(changes) as _),
+        )
     }
 
     fn priority(&self) -> TypeLoaderPriority {
@@ -132,16 +142,20 @@ fn decode(mut body: &[u8], context: &Context<'_>) -> EncodingResult<DataChanges>
 fn notified(body: &mut &[u8], context: &Context<'_>) -> EncodingResult<Notified> {
     let whole = *body;
     let [mask] = take(body)?;
-    let Some(value) = (if mask & HAS_VALUE == 0 { Some(model::Variant::Null) } else { number(body)? }) else {
+    let Some(value) =
+        (if mask & HAS_VALUE == 0 { Some(model::Variant::Null) } else { number(body)? })
+    else {
         *body = whole;
         return Ok(Notified::Other(Box::new(stack::DataValue::decode(body, context)?)));
     };
     let has = |bit| mask & bit != 0;
     let status = if has(HAS_STATUS) { u32::from_le_bytes(take(body)?) } else { 0 };
     let source_timestamp = has(HAS_SOURCE_TIMESTAMP).then(|| time(body)).transpose()?;
-    let source_picoseconds = if has(HAS_SOURCE_PICOSECONDS) { u16::from_le_bytes(take(body)?) } else { 0 };
+    let source_picoseconds =
+        if has(HAS_SOURCE_PICOSECONDS) { u16::from_le_bytes(take(body)?) } else { 0 };
     let server_timestamp = has(HAS_SERVER_TIMESTAMP).then(|| time(body)).transpose()?;
-    let server_picoseconds = if has(HAS_SERVER_PICOSECONDS) { u16::from_le_bytes(take(body)?) } else { 0 };
+    let server_picoseconds =
+        if has(HAS_SERVER_PICOSECONDS) { u16::from_le_bytes(take(body)?) } else { 0 };
     Ok(Notified::Number(model::DataValue {
         value,
         status: model::StatusCode(status),
@@ -185,7 +199,11 @@ fn take<const N: usize>(body: &mut &[u8]) -> EncodingResult<[u8; N]> {
 
 /// Decoded only: a client never sends notifications.
 impl DynEncodable for DataChanges {
-    fn encode_binary(&self, _stream: &mut dyn std::io::Write, _context: &Context<'_>) -> EncodingResult<()> {
+    fn encode_binary(
+        &self,
+        _stream: &mut dyn std::io::Write,
+        _context: &Context<'_>,
+    ) -> EncodingResult<()> {
         Err(Error::encoding("received notifications are not sent on"))
     }
 
@@ -229,8 +247,8 @@ impl DynEncodable for DataChanges {
 #[cfg(test)]
 mod tests {
     use opcua::types::{
-        BinaryEncodable as _, ContextOwned, DataChangeNotification, DataValue, DecodingOptions, LocalizedText,
-        MonitoredItemNotification, NamespaceMap, StatusCode, Variant,
+        BinaryEncodable as _, ContextOwned, DataChangeNotification, DataValue, DecodingOptions,
+        LocalizedText, MonitoredItemNotification, NamespaceMap, StatusCode, Variant,
     };
 
     use super::*;
@@ -273,7 +291,11 @@ mod tests {
             good(Variant::from(vec![1_i32, 2, 3])),
             timed(Variant::Empty, 132_000_000_000_000_000),
             DataValue { status: Some(StatusCode::BadNotConnected), ..DataValue::null() },
-            DataValue { source_picoseconds: Some(5), server_picoseconds: Some(6), ..DataValue::null() },
+            DataValue {
+                source_picoseconds: Some(5),
+                server_picoseconds: Some(6),
+                ..DataValue::null()
+            },
             DataValue::null(),
         ]
     }
@@ -281,23 +303,31 @@ mod tests {
     fn notification(values: Vec<DataValue>) -> ExtensionObject {
         let item = |(client_handle, value)| MonitoredItemNotification { client_handle, value };
         let items = (7_u32..).zip(values).map(item).collect();
-        ExtensionObject::new(DataChangeNotification { monitored_items: Some(items), diagnostic_infos: None })
+        ExtensionObject::new(DataChangeNotification {
+            monitored_items: Some(items),
+            diagnostic_infos: None,
+        })
     }
 
     #[test]
     fn values_are_those_that_the_stack_decodes() {
         let context = context();
         let bytes = notification(values()).encode_to_vec(&context.context());
-        let decoded = ExtensionObject::decode(&mut bytes.as_slice(), &context.context()).expect("decoded");
+        let decoded =
+            ExtensionObject::decode(&mut bytes.as_slice(), &context.context()).expect("decoded");
         let namespaces = NamespaceTable::new(["http://opcfoundation.org/UA/"]);
         let found = DataChanges::take(decoded).expect("data changes").into_values(&namespaces);
 
         let plain = ContextOwned::new_default(NamespaceMap::new(), DecodingOptions::test());
-        let decoded = ExtensionObject::decode(&mut bytes.as_slice(), &plain.context()).expect("decoded");
-        let taken = DataChanges::take(decoded.clone()).expect("data changes").into_values(&namespaces);
+        let decoded =
+            ExtensionObject::decode(&mut bytes.as_slice(), &plain.context()).expect("decoded");
+        let taken =
+            DataChanges::take(decoded.clone()).expect("data changes").into_values(&namespaces);
         let expected = decoded.into_inner_as::<DataChangeNotification>().expect("the stack's own");
         let expected = expected.monitored_items.into_iter().flatten();
-        let expected: Vec<_> = expected.map(|item| (item.client_handle, from_stack(item.value, &namespaces))).collect();
+        let expected: Vec<_> = expected
+            .map(|item| (item.client_handle, from_stack(item.value, &namespaces)))
+            .collect();
         assert_eq!(found, expected);
         assert_eq!(taken, expected, "whoever decoded them");
         assert_eq!(found.len(), values().len());
@@ -321,7 +351,8 @@ mod tests {
     fn lengths_are_not_believed() {
         let context = context();
         let too_many = i32::MAX.to_le_bytes();
-        let problem = decode(&too_many, &context.context()).expect_err("more than an array may have");
+        let problem =
+            decode(&too_many, &context.context()).expect_err("more than an array may have");
         assert_eq!(problem.status(), StatusCode::BadEncodingLimitsExceeded);
         assert_eq!(decode(&(-1_i32).to_le_bytes(), &context.context()).expect("none").items, []);
         assert!(read_body(&mut std::io::empty(), usize::MAX >> 1).is_err());
@@ -330,7 +361,10 @@ mod tests {
     #[test]
     fn other_notifications_are_left_alone() {
         let other = ExtensionObject::new(stack::StatusChangeNotification::default());
-        assert!(DataChanges::take(other).is_err_and(|other| other.inner_is::<stack::StatusChangeNotification>()));
+        assert!(
+            DataChanges::take(other)
+                .is_err_and(|other| other.inner_is::<stack::StatusChangeNotification>())
+        );
         assert!(DataChanges::take(ExtensionObject::null()).is_err());
     }
 }

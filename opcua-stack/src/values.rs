@@ -1,7 +1,8 @@
 //! [`asi_model::values`] to the stack's values and back.
 //!
-//! Nothing is lost on the way in: a structure whose definition is known becomes named fields, any other keeps its bytes
-//! under the id it came with. On the way out an unknown namespace is an error, never a wrong index.
+//! Nothing is lost on the way in: a structure whose definition is known becomes named fields, any
+//! other keeps its bytes under the id it came with. On the way out an unknown namespace is an
+//! error, never a wrong index.
 
 mod from_stack;
 mod ids;
@@ -10,9 +11,9 @@ mod to_stack;
 
 pub use from_stack::{from_stack, variant_from_stack};
 pub use ids::{
-    expanded_node_id_from_stack, expanded_node_id_to_stack, localized_text_from_stack, localized_text_to_stack,
-    node_id_from_stack, node_id_to_stack, qualified_name_from_stack, qualified_name_to_stack, status_from_stack,
-    status_to_stack, time_from_stack, time_to_stack,
+    expanded_node_id_from_stack, expanded_node_id_to_stack, localized_text_from_stack,
+    localized_text_to_stack, node_id_from_stack, node_id_to_stack, qualified_name_from_stack,
+    qualified_name_to_stack, status_from_stack, status_to_stack, time_from_stack, time_to_stack,
 };
 pub use to_stack::{to_stack, variant_to_stack};
 
@@ -50,7 +51,9 @@ pub enum ConversionError {
         reason: String,
     },
     /// A body in JSON, which OPC UA Binary cannot carry.
-    #[error("a structure of the data type {type_id} is known as JSON only and cannot be sent in OPC UA Binary")]
+    #[error(
+        "a structure of the data type {type_id} is known as JSON only and cannot be sent in OPC UA Binary"
+    )]
     JsonBody {
         /// The data type.
         type_id: String,

@@ -1,5 +1,5 @@
-//! How many reports per second ingest stores, from bytes to the commit. `cargo run --release -p platform --example
-//! ingest_rate [reports per message] [messages per batch] [batches]`.
+//! How many reports per second ingest stores, from bytes to the commit. `cargo run --release -p
+//! platform --example ingest_rate [reports per message] [messages per batch] [batches]`.
 
 use std::{io::Write, sync::Arc, time::Instant};
 
@@ -22,7 +22,8 @@ use tokio_util::sync::CancellationToken;
 #[tokio::main]
 async fn main() -> anyhow::Result<()> {
     let mut numbers = std::env::args().skip(1).map(|argument| argument.parse::<u32>());
-    let mut number = |default: u32| numbers.next().transpose().map(|given| given.unwrap_or(default));
+    let mut number =
+        |default: u32| numbers.next().transpose().map(|given| given.unwrap_or(default));
     let (reports, messages, batches) = (number(10)?, number(100)?, number(100)?);
 
     let folder = tempfile::tempdir()?;
@@ -32,21 +33,34 @@ async fn main() -> anyhow::Result<()> {
     let live = LiveLog::new(1_000, 1);
     let (_board, progress) = ProgressBoard::new(store.clone(), live.clone());
     let wait = std::time::Duration::from_secs(60);
-    let (ingest, handle) =
-        Ingest::new(store.clone(), live, Reach::new(Vec::new()), progress, Clock::system(), wait, wait).await?;
+    let (ingest, handle) = Ingest::new(
+        store.clone(),
+        live,
+        Reach::new(Vec::new()),
+        progress,
+        Clock::system(),
+        wait,
+        wait,
+    )
+    .await?;
     let shutdown = CancellationToken::new();
     let running = tokio::spawn(ingest.run(shutdown.clone()));
 
     let address = Arc::new(LogicalAddress::FactoryIngress("F".parse()?));
     let all: Vec<Vec<Delivery>> = (0..batches)
-        .map(|batch| (0..messages).map(|index| message(batch * messages + index, reports)).collect())
+        .map(|batch| {
+            (0..messages).map(|index| message(batch * messages + index, reports)).collect()
+        })
         .collect::<anyhow::Result<_>>()?;
     let bytes: usize = all.iter().flatten().map(|delivery| delivery.envelope.body.len()).sum();
 
     let started = Instant::now();
     for batch in all {
         let settlements = handle.receive(&address, batch).await;
-        anyhow::ensure!(settlements.iter().all(|settlement| *settlement == Settlement::Accept), "not all were stored");
+        anyhow::ensure!(
+            settlements.iter().all(|settlement| *settlement == Settlement::Accept),
+            "not all were stored"
+        );
     }
     let seconds = started.elapsed().as_secs_f64();
     let count = f64::from(reports * messages * batches);
@@ -65,7 +79,8 @@ async fn main() -> anyhow::Result<()> {
 async fn set_up(store: &Store) -> anyhow::Result<()> {
     let now = DateTime::from_unix_micros(0);
     let mut work = store.begin().await?;
-    let organisation = Organisation { organisation_id: "o".parse()?, name: "o".into(), created_at: now };
+    let organisation =
+        Organisation { organisation_id: "o".parse()?, name: "o".into(), created_at: now };
     work.organisations().add(&organisation).await?;
     work.factories().add(&"F".parse()?, &"o".parse()?, "F", now).await?;
     let collaboration = Collaboration {
@@ -76,15 +91,19 @@ async fn set_up(store: &Store) -> anyhow::Result<()> {
         factories: vec!["F".parse()?],
     };
     work.collaborations().add(&collaboration).await?;
-    let network = serde_json::from_value(serde_json::json!({ "operationNetworkId": "net", "operationList": [
+    let network = serde_json::from_value(
+        serde_json::json!({ "operationNetworkId": "net", "operationList": [
         { "operationId": "op", "operationType": "PRODUCTION", "owningFactoryId": "F", "dynamicDataRequestList": [
             { "dynamicDataRequestId": "req", "requesterId": "o", "recipientList": ["o"], "purpose": "to measure",
               "reportDataFormat": { "reportName": "r", "reportFieldList": [
-                { "name": "count", "type": 9 }, { "name": "state", "type": 12 }, { "name": "power", "type": 11 } ] } } ] } ] }))?;
+                { "name": "count", "type": 9 }, { "name": "state", "type": 12 }, { "name": "power", "type": 11 } ] } } ] } ] }),
+    )?;
     let user = User { user_name: "u".into(), role: Role::Administrator, organisation_id: None };
     let author = Author::user(&Principal { user }, now);
     let change = PutNetwork { collaboration_id: "c".parse()?, network, expected_revision: None };
-    put(&mut work, change, &author, std::time::Duration::from_secs(60)).await.context("putting the network")?;
+    put(&mut work, change, &author, std::time::Duration::from_secs(60))
+        .await
+        .context("putting the network")?;
     Ok(work.commit().await?)
 }
 

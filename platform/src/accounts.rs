@@ -21,9 +21,12 @@ impl Principal {
     #[must_use]
     pub fn scope(&self) -> Scope {
         match (self.user.role, &self.user.organisation_id) {
-            (Role::Administrator, organisation) => Scope::Administration { looking_for: organisation.clone() },
+            (Role::Administrator, organisation) => {
+                Scope::Administration { looking_for: organisation.clone() }
+            }
             (_, Some(organisation)) => Scope::Organisation(organisation.clone()),
-            // A user of no organisation who runs nothing sees nothing: no organisation has such an id.
+            // A user of no organisation who runs nothing sees nothing: no organisation has such an
+            // id.
             (_, None) => Scope::Nothing,
         }
     }

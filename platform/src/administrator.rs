@@ -1,4 +1,5 @@
-//! The first administrator: there is always somebody who can sign in, and never with a password that others know.
+//! The first administrator: there is always somebody who can sign in, and never with a password
+//! that others know.
 
 use std::path::PathBuf;
 
@@ -34,12 +35,16 @@ pub fn password_path(config: &PlatformConfig) -> PathBuf {
     config.data_directory.join("admin-password.txt")
 }
 
-/// Makes the configured administrator where it differs from the one stored, or one with a made-up password where there
-/// is no user at all.
+/// Makes the configured administrator where it differs from the one stored, or one with a made-up
+/// password where there is no user at all.
 ///
 /// # Errors
 /// [`AdministratorError`].
-pub async fn ensure(store: &Store, config: &PlatformConfig, now: DateTime) -> Result<(), AdministratorError> {
+pub async fn ensure(
+    store: &Store,
+    config: &PlatformConfig,
+    now: DateTime,
+) -> Result<(), AdministratorError> {
     let admin = &config.admin;
     let (count, known) = {
         let mut work = store.read().await?;
@@ -51,7 +56,8 @@ pub async fn ensure(store: &Store, config: &PlatformConfig, now: DateTime) -> Re
         organisation_id: admin.organisation_id.clone(),
     };
     let password = match (&admin.password, count) {
-        // The configured password is the one in force; storing it anew would end everybody's sessions for nothing.
+        // The configured password is the one in force; storing it anew would end everybody's
+        // sessions for nothing.
         (Some(password), _) => {
             if known.is_some_and(|(stored, hash)| stored == user && hash.is_of(password)) {
                 return Ok(());
@@ -86,7 +92,8 @@ pub async fn put(
     let hash = PasswordHash::of(password, PasswordPolicy::default())?;
     let mut work = store.begin().await?;
     if let Some(id) = &user.organisation_id {
-        let organisation = Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
+        let organisation =
+            Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
         work.organisations().add(&organisation).await?;
     }
     work.users().put(user, &hash, now).await?;

@@ -1,7 +1,7 @@
 //! The HTTP side: `/api/v1` described by OpenAPI, the partners' pages, health.
 //!
-//! Handlers extract, authorise, call and map; they contain no SQL and no business decisions. What a viewer has no part
-//! in is "not found".
+//! Handlers extract, authorise, call and map; they contain no SQL and no business decisions. What a
+//! viewer has no part in is "not found".
 
 mod administrator_only;
 mod collaborations;
@@ -67,7 +67,12 @@ pub fn router(application: &Application, has_tls: bool) -> Router {
 /// The description of the whole API.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    web::api::described(Description::openapi(), operations(), env!("CARGO_PKG_VERSION"), "verbund_platform")
+    web::api::described(
+        Description::openapi(),
+        operations(),
+        env!("CARGO_PKG_VERSION"),
+        "verbund_platform",
+    )
 }
 
 fn operations() -> Operations<Application> {

@@ -11,8 +11,8 @@ use messaging::BrokerProfile;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    accounts::StoredAccounts, clock::Clock, config::PlatformConfig, ingest::IngestHandle, live::LiveLog, reach::Reach,
-    store::Store,
+    accounts::StoredAccounts, clock::Clock, config::PlatformConfig, ingest::IngestHandle,
+    live::LiveLog, reach::Reach, store::Store,
 };
 
 /// How connectors and tools reach the broker; told when they get their credentials.

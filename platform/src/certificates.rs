@@ -1,5 +1,5 @@
-//! The platform's own certificate authority: signs the embedded broker's certificate, so that connectors can trust it
-//! by the one root that enrolment hands them.
+//! The platform's own certificate authority: signs the embedded broker's certificate, so that
+//! connectors can trust it by the one root that enrolment hands them.
 
 use std::{
     io::Write,
@@ -9,8 +9,8 @@ use std::{
 
 use bytes::Bytes;
 use rcgen::{
-    BasicConstraints, CertificateParams, DistinguishedName, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
-    KeyUsagePurpose,
+    BasicConstraints, CertificateParams, DistinguishedName, DnType, ExtendedKeyUsagePurpose, IsCa,
+    Issuer, KeyPair, KeyUsagePurpose,
 };
 use time::{Duration, OffsetDateTime};
 
@@ -70,14 +70,17 @@ impl CertificateAuthority {
         let (root_path, key_path) = (folder.join("root.pem"), folder.join("root.key"));
         let made = |action| move |source| CertificateError::Make { action, source };
         if !key_path.exists() || !root_path.exists() {
-            std::fs::create_dir_all(folder).map_err(|source| CertificateError::File { path: folder.into(), source })?;
+            std::fs::create_dir_all(folder)
+                .map_err(|source| CertificateError::File { path: folder.into(), source })?;
             let key = KeyPair::generate().map_err(made("make the authority's key"))?;
-            let root = root_params(now).self_signed(&key).map_err(made("make the root certificate"))?;
+            let root =
+                root_params(now).self_signed(&key).map_err(made("make the root certificate"))?;
             write(&key_path, key.serialize_pem().as_bytes(), 0o600)?;
             write(&root_path, root.pem().as_bytes(), 0o644)?;
         }
         let read = |path: &Path| {
-            std::fs::read_to_string(path).map_err(|source| CertificateError::File { path: path.into(), source })
+            std::fs::read_to_string(path)
+                .map_err(|source| CertificateError::File { path: path.into(), source })
         };
         let key = KeyPair::from_pem(&read(&key_path)?).map_err(made("read the authority's key"))?;
         // An issuer is its name and key; both are always the same ones.
@@ -94,7 +97,11 @@ impl CertificateAuthority {
     ///
     /// # Errors
     /// [`CertificateError::Make`], as for a name that is none.
-    pub fn issue(&self, names: &[String], now: OffsetDateTime) -> Result<IssuedCertificate, CertificateError> {
+    pub fn issue(
+        &self,
+        names: &[String],
+        now: OffsetDateTime,
+    ) -> Result<IssuedCertificate, CertificateError> {
         let made = |action| move |source| CertificateError::Make { action, source };
         let key = KeyPair::generate().map_err(made("make a server's key"))?;
         let mut params = CertificateParams::new(names).map_err(made("name a server"))?;
@@ -104,7 +111,8 @@ impl CertificateAuthority {
         params.key_usages = vec![KeyUsagePurpose::DigitalSignature];
         params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth];
         params.use_authority_key_identifier_extension = true;
-        let certificate = params.signed_by(&key, &self.issuer).map_err(made("sign a server's certificate"))?;
+        let certificate =
+            params.signed_by(&key, &self.issuer).map_err(made("sign a server's certificate"))?;
         Ok(IssuedCertificate {
             certificates_pem: certificate.pem().into_bytes().into(),
             key_pem: key.serialize_pem().into_bytes().into(),
@@ -131,8 +139,13 @@ fn name(common_name: &str) -> DistinguishedName {
 /// Writes a new file with these permissions from its first byte on.
 pub(crate) fn write(path: &Path, content: &[u8], mode: u32) -> Result<(), CertificateError> {
     let failed = |source| CertificateError::File { path: path.into(), source };
-    let mut file =
-        std::fs::OpenOptions::new().write(true).create(true).truncate(true).mode(mode).open(path).map_err(failed)?;
+    let mut file = std::fs::OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .mode(mode)
+        .open(path)
+        .map_err(failed)?;
     file.write_all(content).and_then(|()| file.sync_all()).map_err(failed)
 }
 
@@ -153,18 +166,26 @@ mod tests {
     fn a_reopened_authority_vouches_with_the_same_root() {
         let folder = tempfile::tempdir().expect("a folder");
         let now = OffsetDateTime::now_utc();
-        let root = CertificateAuthority::open(folder.path(), now).expect("made").root_pem().to_owned();
-        let authority = CertificateAuthority::open(folder.path(), now + Duration::days(1)).expect("reopened");
+        let root =
+            CertificateAuthority::open(folder.path(), now).expect("made").root_pem().to_owned();
+        let authority =
+            CertificateAuthority::open(folder.path(), now + Duration::days(1)).expect("reopened");
         assert_eq!(authority.root_pem(), root);
 
-        let issued = authority.issue(&["localhost".into(), "127.0.0.1".into()], now).expect("issued");
+        let issued =
+            authority.issue(&["localhost".into(), "127.0.0.1".into()], now).expect("issued");
         let mut roots = RootCertStore::empty();
-        roots.add(CertificateDer::from_pem_slice(root.as_bytes()).expect("a certificate")).expect("a root");
+        roots
+            .add(CertificateDer::from_pem_slice(root.as_bytes()).expect("a certificate"))
+            .expect("a root");
         let provider = Arc::new(rustls::crypto::ring::default_provider());
-        let verifier =
-            WebPkiServerVerifier::builder_with_provider(Arc::new(roots), provider).build().expect("a verifier");
+        let verifier = WebPkiServerVerifier::builder_with_provider(Arc::new(roots), provider)
+            .build()
+            .expect("a verifier");
         let leaf = CertificateDer::from_pem_slice(&issued.certificates_pem).expect("a certificate");
-        for (name, is_right) in [("localhost", true), ("127.0.0.1", true), ("elsewhere.example", false)] {
+        for (name, is_right) in
+            [("localhost", true), ("127.0.0.1", true), ("elsewhere.example", false)]
+        {
             let name = ServerName::try_from(name).expect("a name");
             let verified = verifier.verify_server_cert(&leaf, &[], &name, &[], UnixTime::now());
             assert_eq!(verified.is_ok(), is_right, "{name:?}");
@@ -176,7 +197,10 @@ mod tests {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().expect("a folder");
         CertificateAuthority::open(folder.path(), OffsetDateTime::now_utc()).expect("made");
-        let mode = std::fs::metadata(folder.path().join("root.key")).expect("it exists").permissions().mode();
+        let mode = std::fs::metadata(folder.path().join("root.key"))
+            .expect("it exists")
+            .permissions()
+            .mode();
         assert_eq!(mode & 0o777, 0o600);
     }
 }

@@ -120,7 +120,9 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
         }
-        command => load(arguments.config.as_deref()).and_then(|config| run_command(command, config)),
+        command => {
+            load(arguments.config.as_deref()).and_then(|config| run_command(command, config))
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -129,7 +131,10 @@ pub fn run(arguments: Arguments) -> ExitCode {
 }
 
 fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .context("starting the runtime")?;
     runtime.block_on(async {
         match command {
             Command::Serve => serve::serve(config).await,
@@ -141,7 +146,9 @@ fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
             Command::Factory(FactoryCommand::Add { factory, organisation, name }) => {
                 administration::add_factory(&config, &factory, &organisation, name).await
             }
-            Command::Factory(FactoryCommand::Token { factory }) => administration::print_token(&config, &factory).await,
+            Command::Factory(FactoryCommand::Token { factory }) => {
+                administration::print_token(&config, &factory).await
+            }
             Command::User(UserCommand::Set(user)) => {
                 administration::set_user(&config, user.user, user.role, user.organisation).await
             }

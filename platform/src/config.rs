@@ -1,4 +1,5 @@
-//! The platform's configuration. `platform.example.toml` shows every key with its default; a test keeps the two alike.
+//! The platform's configuration. `platform.example.toml` shows every key with its default; a test
+//! keeps the two alike.
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -63,7 +64,8 @@ pub struct WebConfig {
     pub listen: SocketAddr,
     /// How browsers and connectors reach us; part of enrolment tokens.
     pub public_url: Option<String>,
-    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks TLS.
+    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
+    /// TLS.
     pub tls: Option<TlsFiles>,
 }
 
@@ -134,7 +136,8 @@ fn patterns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<AddressPat
 pub struct ExternalBrokerConfig {
     /// Its addresses; the next one is tried when one fails.
     pub urls: Vec<BrokerUrl>,
-    /// What logical addresses are called there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own templates.
+    /// What logical addresses are called there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own
+    /// templates.
     pub profile: BrokerProfile,
     /// The platform's user there.
     pub user_name: String,
@@ -143,7 +146,8 @@ pub struct ExternalBrokerConfig {
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
     pub root_certificates: Option<PathBuf>,
-    /// The accounts that its administration has made for connectors and tools; enrolment hands them out.
+    /// The accounts that its administration has made for connectors and tools; enrolment hands them
+    /// out.
     #[serde(default)]
     pub accounts: Vec<ExternalAccountConfig>,
 }
@@ -164,8 +168,8 @@ pub struct ExternalAccountConfig {
 pub struct AdminConfig {
     /// The name to sign in with.
     pub user_name: String,
-    /// The password. Where it is absent and there is no user yet, one is made up and written to a file in the data
-    /// directory that only the platform's user can read.
+    /// The password. Where it is absent and there is no user yet, one is made up and written to a
+    /// file in the data directory that only the platform's user can read.
     pub password: Option<Confidential<String>>,
     /// The organisation the administrator also looks for, if any.
     pub organisation_id: Option<OrganisationId>,
@@ -195,7 +199,8 @@ impl Default for ReceiptConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PartConfig {
-    /// Time after which an unanswered part is sent again, in milliseconds; doubles with each time, up to an hour.
+    /// Time after which an unanswered part is sent again, in milliseconds; doubles with each time,
+    /// up to an hour.
     pub resend_after_ms: u64,
 }
 
@@ -209,8 +214,8 @@ impl Default for PartConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LeaseConfig {
-    /// Time without a sign of a connector after which its successor on another machine gets its lease, in milliseconds.
-    /// Connectors renew in a third of it.
+    /// Time without a sign of a connector after which its successor on another machine gets its
+    /// lease, in milliseconds. Connectors renew in a third of it.
     pub silence_ms: u64,
 }
 
@@ -260,7 +265,10 @@ impl PlatformConfig {
                 );
             }
         }
-        if self.web.tls.is_none() && !self.web.listen.ip().is_loopback() && self.web.public_url.is_none() {
+        if self.web.tls.is_none()
+            && !self.web.listen.ip().is_loopback()
+            && self.web.public_url.is_none()
+        {
             faults.push(
                 "web.listen: pages on other than loopback need web.tls, or web.public_url when a proxy speaks TLS"
                     .to_owned(),
@@ -269,12 +277,17 @@ impl PlatformConfig {
         for account in self.broker.external.iter().flat_map(|external| &external.accounts) {
             if account.password.expose().len() < 16 {
                 let name = &account.user_name;
-                faults.push(format!("broker.external.accounts: the password of {name} needs at least 16 characters"));
+                faults.push(format!(
+                    "broker.external.accounts: the password of {name} needs at least 16 characters"
+                ));
             }
         }
         for user in &self.broker.users {
             if user.password.expose().len() < 16 {
-                faults.push(format!("broker.users: the password of {} needs at least 16 characters", user.user_name));
+                faults.push(format!(
+                    "broker.users: the password of {} needs at least 16 characters",
+                    user.user_name
+                ));
             }
         }
         if self.broker.external.as_ref().is_some_and(|external| external.urls.is_empty()) {
@@ -293,7 +306,10 @@ impl PlatformConfig {
     #[must_use]
     pub fn external_password(&self, user_name: &str) -> Option<&Confidential<String>> {
         let accounts = &self.broker.external.as_ref()?.accounts;
-        accounts.iter().find(|account| account.user_name == user_name).map(|account| &account.password)
+        accounts
+            .iter()
+            .find(|account| account.user_name == user_name)
+            .map(|account| &account.password)
     }
 
     /// Time between receipts.
@@ -349,15 +365,22 @@ mod tests {
             .collect();
         let config = parse(&shown);
         assert_eq!(config.faults(), Vec::<String>::new());
-        assert!(config.broker.external.is_some() && !config.broker.users.is_empty() && config.web.tls.is_some());
+        assert!(
+            config.broker.external.is_some()
+                && !config.broker.users.is_empty()
+                && config.web.tls.is_some()
+        );
     }
 
     #[test]
     fn unsafe_settings_are_named() {
-        let config = parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");
+        let config =
+            parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");
         let faults = config.faults();
         assert_eq!(faults.len(), 2, "{faults:?}");
-        assert!(faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen"));
+        assert!(
+            faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen")
+        );
     }
 
     #[test]

@@ -65,8 +65,9 @@ pub enum EnrolmentError {
     Store(#[from] StoreError),
 }
 
-/// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that enrolling anew rotates
-/// without an interruption. With another broker the configured account is handed out.
+/// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that
+/// enrolling anew rotates without an interruption. With another broker the configured account is
+/// handed out.
 ///
 /// # Errors
 /// [`EnrolmentError`]; then the token is as unused as before.
@@ -78,7 +79,11 @@ pub async fn enrol(
 ) -> Result<(FactoryId, NewCredential), EnrolmentError> {
     let secret = token.expose().rsplit('.').next().unwrap_or_default();
     let mut work = store.begin().await?;
-    let factory = work.credentials().use_token(&hash(secret), now).await?.ok_or(EnrolmentError::TokenRefused)?;
+    let factory = work
+        .credentials()
+        .use_token(&hash(secret), now)
+        .await?
+        .ok_or(EnrolmentError::TokenRefused)?;
     let credential = credential(&mut work, config, Holder::Factory(factory.clone()), now).await?;
     work.factories().enrolled(&factory, now).await?;
     work.commit().await?;
@@ -109,13 +114,18 @@ async fn credential(
 ) -> Result<NewCredential, EnrolmentError> {
     if config.broker.external.is_some() {
         let user_name = holder.user_name();
-        let password = config.external_password(&user_name).ok_or(EnrolmentError::NoAccount { user_name })?;
+        let password =
+            config.external_password(&user_name).ok_or(EnrolmentError::NoAccount { user_name })?;
         return Ok(NewCredential { holder, secret: password.clone() });
     }
     Ok(add_credential(work, holder, now).await?)
 }
 
-async fn add_credential(work: &mut Work, holder: Holder, now: DateTime) -> Result<NewCredential, StoreError> {
+async fn add_credential(
+    work: &mut Work,
+    holder: Holder,
+    now: DateTime,
+) -> Result<NewCredential, StoreError> {
     let secret = random_token();
     let credential = BrokerCredential { holder: holder.clone(), secret_hash: hash(&secret) };
     work.credentials().add(&credential, now).await?;

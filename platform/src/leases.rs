@@ -1,10 +1,12 @@
-//! Who speaks for a factory. Of all running connectors with its credential one holds the lease; the others are refused,
-//! and everybody concerned is told. Pure: the time and what was heard are arguments.
+//! Who speaks for a factory. Of all running connectors with its credential one holds the lease; the
+//! others are refused, and everybody concerned is told. Pure: the time and what was heard are
+//! arguments.
 //!
-//! A connector says *where* its store is in use (its place), and no two living processes can say the same place. So who
-//! asks from the holder's place has come after it, as after a crash, and goes on at once. Who asks from elsewhere may be
-//! the holder's successor on another machine or a copy beside it. It gets the lease when the holder has fallen silent -
-//! but never any more once the holder was heard *after* it had asked: then there are two, and people have to decide.
+//! A connector says *where* its store is in use (its place), and no two living processes can say
+//! the same place. So who asks from the holder's place has come after it, as after a crash, and
+//! goes on at once. Who asks from elsewhere may be the holder's successor on another machine or a
+//! copy beside it. It gets the lease when the holder has fallen silent - but never any more once
+//! the holder was heard *after* it had asked: then there are two, and people have to decide.
 
 use asi_model::{
     DateTime, FactoryId, InstanceId, PlaceId,
@@ -42,7 +44,8 @@ pub struct Party {
     /// When it asked last.
     #[schema(value_type = String, format = DateTime)]
     pub last_heard_at: DateTime,
-    /// The holder was heard after it had asked: both run. It gets the lease from an administrator only.
+    /// The holder was heard after it had asked: both run. It gets the lease from an administrator
+    /// only.
     #[serde(default)]
     pub is_second: bool,
 }
@@ -95,9 +98,15 @@ impl Party {
 }
 
 impl FactoryLease {
-    /// Decides about a request. `is_silent`: nothing was heard of the holder for the time that makes it count as gone.
+    /// Decides about a request. `is_silent`: nothing was heard of the holder for the time that
+    /// makes it count as gone.
     #[must_use]
-    pub fn ask(before: Option<Self>, request: &LeaseRequest, is_silent: bool, now: DateTime) -> (Self, Verdict) {
+    pub fn ask(
+        before: Option<Self>,
+        request: &LeaseRequest,
+        is_silent: bool,
+        now: DateTime,
+    ) -> (Self, Verdict) {
         let Some(mut lease) = before else {
             let holder = Party::asking(request, now, now);
             return (Self { number: 1, holder, contenders: Vec::new() }, Verdict::Passed);
@@ -138,7 +147,13 @@ impl FactoryLease {
 
     /// The answer to a request. `silence`: after how long the holder counts as gone.
     #[must_use]
-    pub fn answer(&self, request: &LeaseRequest, verdict: Verdict, silence: Duration, now: DateTime) -> NewOutgoing {
+    pub fn answer(
+        &self,
+        request: &LeaseRequest,
+        verdict: Verdict,
+        silence: Duration,
+        now: DateTime,
+    ) -> NewOutgoing {
         let is_second = self.contenders.first().is_some_and(|contender| contender.is_second);
         let (result, ask_again) = match verdict {
             Verdict::Renewed | Verdict::Passed => (LeaseResult::Granted, silence / 3),
@@ -146,7 +161,10 @@ impl FactoryLease {
             Verdict::Refused { .. } => (LeaseResult::Refused, silence / 6),
         };
         let is_granted = result == LeaseResult::Granted;
-        let contender = self.contenders.first().filter(|contender| now.since(contender.last_heard_at) < TOLD_FOR);
+        let contender = self
+            .contenders
+            .first()
+            .filter(|contender| now.since(contender.last_heard_at) < TOLD_FOR);
         let message_id = new_message_id();
         let message = PlatformMessage::Lease(Lease {
             message_id: message_id.clone(),
@@ -212,12 +230,14 @@ mod tests {
         }
     }
 
-    /// Asks one after the other: instance, place, whether the holder is silent; and what the answers are.
+    /// Asks one after the other: instance, place, whether the holder is silent; and what the
+    /// answers are.
     fn play(asked: &[(&str, &str, bool)]) -> (FactoryLease, Vec<Verdict>) {
         let mut lease = None;
         let mut verdicts = Vec::new();
         for (second, (instance, place, is_silent)) in (1..).zip(asked) {
-            let (after, verdict) = FactoryLease::ask(lease, &request(instance, place), *is_silent, at(second));
+            let (after, verdict) =
+                FactoryLease::ask(lease, &request(instance, place), *is_silent, at(second));
             lease = Some(after);
             verdicts.push(verdict);
         }
@@ -230,7 +250,8 @@ mod tests {
 
     #[test]
     fn who_comes_after_at_the_same_place_goes_on_at_once() {
-        let (lease, verdicts) = play(&[("a1", "here", false), ("a2", "here", false), ("a3", "here", true)]);
+        let (lease, verdicts) =
+            play(&[("a1", "here", false), ("a2", "here", false), ("a3", "here", true)]);
         assert_eq!(verdicts, [Verdict::Passed, Verdict::Renewed, Verdict::Renewed]);
         assert_eq!((lease.number, lease.holder.since), (1, at(1)));
         assert_eq!(lease.holder.instance_id.as_str(), "a3");
@@ -246,17 +267,27 @@ mod tests {
             ("b2", "there", true),
         ];
         let (lease, verdicts) = play(&asked);
-        assert_eq!(verdicts, [Verdict::Passed, refused(true), Verdict::Renewed, refused(false), refused(false)]);
+        assert_eq!(
+            verdicts,
+            [Verdict::Passed, refused(true), Verdict::Renewed, refused(false), refused(false)]
+        );
         assert_eq!((lease.number, lease.holder.instance_id.as_str()), (1, "a"));
         let contender = &lease.contenders[0];
-        assert_eq!((contender.instance_id.as_str(), contender.since, contender.is_second), ("b2", at(2), true));
+        assert_eq!(
+            (contender.instance_id.as_str(), contender.since, contender.is_second),
+            ("b2", at(2), true)
+        );
     }
 
     #[test]
     fn a_successor_elsewhere_gets_it_when_the_holder_has_fallen_silent() {
-        let (lease, verdicts) = play(&[("a", "here", false), ("b", "there", false), ("b", "there", true)]);
+        let (lease, verdicts) =
+            play(&[("a", "here", false), ("b", "there", false), ("b", "there", true)]);
         assert_eq!(verdicts, [Verdict::Passed, refused(true), Verdict::Passed]);
-        assert_eq!((lease.number, lease.holder.instance_id.as_str(), lease.contenders.len()), (2, "b", 0));
+        assert_eq!(
+            (lease.number, lease.holder.instance_id.as_str(), lease.contenders.len()),
+            (2, "b", 0)
+        );
         // What was forgotten elsewhere stays refused, whoever else comes.
         let asked = [
             ("a", "here", false),
@@ -275,25 +306,38 @@ mod tests {
         let (lease, _) = play(&[("a", "here", false), ("b", "there", false)]);
         assert_eq!(lease.clone().handed_over(&"nobody".parse().expect("valid"), at(3)), None);
         let lease = lease.handed_over(&"b".parse().expect("valid"), at(3)).expect("b was refused");
-        assert_eq!((lease.number, lease.holder.instance_id.as_str(), lease.holder.since), (2, "b", at(3)));
+        assert_eq!(
+            (lease.number, lease.holder.instance_id.as_str(), lease.holder.since),
+            (2, "b", at(3))
+        );
         let (lease, verdict) = FactoryLease::ask(Some(lease), &request("a", "here"), true, at(4));
         assert_eq!((verdict, lease.number), (refused(false), 2));
     }
 
     #[test]
     fn both_are_told_of_each_other() {
-        let told = |lease: &FactoryLease, request: &LeaseRequest, verdict, seconds| -> serde_json::Value {
-            let message = lease.answer(request, verdict, SILENCE, at(seconds));
-            serde_json::from_slice(&message.body).expect("JSON")
-        };
+        let told =
+            |lease: &FactoryLease, request: &LeaseRequest, verdict, seconds| -> serde_json::Value {
+                let message = lease.answer(request, verdict, SILENCE, at(seconds));
+                serde_json::from_slice(&message.body).expect("JSON")
+            };
         let (lease, verdicts) = play(&[("a", "here", false), ("b", "there", false)]);
         let refusal = told(&lease, &request("b", "there"), verdicts[1], 2);
-        assert_eq!((&refusal["result"], &refusal["holder"]["host"]), (&"REFUSED".into(), &"host of here".into()));
+        assert_eq!(
+            (&refusal["result"], &refusal["holder"]["host"]),
+            (&"REFUSED".into(), &"host of here".into())
+        );
         assert_eq!(refusal["askAgainMs"], 5_000, "whether there are two is not known yet");
         let (lease, verdict) = FactoryLease::ask(Some(lease), &request("a", "here"), false, at(3));
         let grant = told(&lease, &request("a", "here"), verdict, 3);
-        assert_eq!((&grant["result"], &grant["contender"]["host"]), (&"GRANTED".into(), &"host of there".into()));
-        assert_eq!((&grant["holder"], &grant["askAgainMs"]), (&serde_json::Value::Null, &10_000.into()));
+        assert_eq!(
+            (&grant["result"], &grant["contender"]["host"]),
+            (&"GRANTED".into(), &"host of there".into())
+        );
+        assert_eq!(
+            (&grant["holder"], &grant["askAgainMs"]),
+            (&serde_json::Value::Null, &10_000.into())
+        );
         let later = told(&lease, &request("a", "here"), verdict, 3600);
         assert_eq!(later["contender"], serde_json::Value::Null, "it has not asked for long");
     }
@@ -302,8 +346,12 @@ mod tests {
     fn what_is_remembered_has_a_bound() {
         let mut asked = vec![("a".to_owned(), "here".to_owned())];
         asked.extend((0..20).map(|number| (format!("c{number}"), format!("place{number}"))));
-        let asked: Vec<_> = asked.iter().map(|(instance, place)| (&**instance, &**place, false)).collect();
+        let asked: Vec<_> =
+            asked.iter().map(|(instance, place)| (&**instance, &**place, false)).collect();
         let (lease, _) = play(&asked);
-        assert_eq!((lease.contenders.len(), lease.contenders[0].instance_id.as_str()), (CONTENDERS_MAX, "c19"));
+        assert_eq!(
+            (lease.contenders.len(), lease.contenders[0].instance_id.as_str()),
+            (CONTENDERS_MAX, "c19")
+        );
     }
 }

@@ -1,9 +1,11 @@
-//! The cloud services of Verbund: organisations agree on operation networks here, factories get their parts, reports
-//! come in, and partners see them as they happen.
+//! The cloud services of Verbund: organisations agree on operation networks here, factories get
+//! their parts, reports come in, and partners see them as they happen.
 //!
 //! - [`config`]: what an operator sets. [`service`]: everything opened and started from it.
-//! - [`store`]: the database, one repository per noun; [`accounts`], [`administrator`]: who may sign in.
-//! - [`networks`]: changing networks and sending parts. [`ingest`]: what factories and tools send, each message once.
+//! - [`store`]: the database, one repository per noun; [`accounts`], [`administrator`]: who may
+//!   sign in.
+//! - [`networks`]: changing networks and sending parts. [`ingest`]: what factories and tools send,
+//!   each message once.
 //! - [`leases`] (pure): which of a factory's running connectors speaks for it.
 //! - [`progress`] (pure), [`progress_board`], [`live`]: how operations stand, and telling it.
 //! - [`receipts`], [`retention`], [`outgoing`]: what is told to connectors, forgotten, sent.

@@ -1,6 +1,8 @@
 //! Live news for pages, told after the commit of what they tell, and only to whom it may concern.
 
-use asi_model::{DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey, messages::Fault};
+use asi_model::{
+    DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey, messages::Fault,
+};
 use daemon::web::events::EventLog;
 use serde::Serialize;
 
@@ -134,15 +136,17 @@ impl LiveEvent {
     /// The event for an audience.
     #[must_use]
     pub const fn to(self, audience: Vec<OrganisationId>) -> News {
-        let is_structure =
-            matches!(self, Self::Part { .. } | Self::Factory { .. } | Self::Network { .. } | Self::Comment { .. });
+        let is_structure = matches!(
+            self,
+            Self::Part { .. } | Self::Factory { .. } | Self::Network { .. } | Self::Comment { .. }
+        );
         News { event: self, audience, is_structure }
     }
 }
 
 impl News {
-    /// Name and JSON of the event, if somebody who looks for `organisation` (or, without one, as administrator) may
-    /// know of it.
+    /// Name and JSON of the event, if somebody who looks for `organisation` (or, without one, as
+    /// administrator) may know of it.
     #[must_use]
     pub fn shown_to(
         &self,

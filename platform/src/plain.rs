@@ -1,8 +1,8 @@
 //! Values as the API shows them: plain JSON, with quality beside it.
 //!
-//! 64-bit integers are texts, as inside OPC UA payloads, so that no reader loses digits; the rest of the numbers are
-//! numbers, what JSON has no number for (NaN, infinities) are texts. Structures and other rare types keep their OPC UA
-//! JSON form.
+//! 64-bit integers are texts, as inside OPC UA payloads, so that no reader loses digits; the rest
+//! of the numbers are numbers, what JSON has no number for (NaN, infinities) are texts. Structures
+//! and other rare types keep their OPC UA JSON form.
 
 use asi_model::{
     DataValue, Scalar, Variant,
@@ -16,7 +16,9 @@ pub fn plain(variant: &Variant) -> Value {
     match variant {
         Variant::Null => Value::Null,
         Variant::Scalar(value) => scalar(value),
-        Variant::Array(array) if array.dimensions.is_none() => array.elements.iter().map(scalar).collect(),
+        Variant::Array(array) if array.dimensions.is_none() => {
+            array.elements.iter().map(scalar).collect()
+        }
         Variant::Array(array) => json!({
             "dimensions": array.dimensions,
             "elements": array.elements.iter().map(scalar).collect::<Vec<_>>(),
@@ -35,7 +37,8 @@ fn scalar(value: &Scalar) -> Value {
         Scalar::UInt32(v) => json!(v),
         Scalar::Int64(v) => json!(v.to_string()),
         Scalar::UInt64(v) => json!(v.to_string()),
-        // The shortest text of an f32 is what people mean by it; as f64 it would show digits nobody measured.
+        // The shortest text of an f32 is what people mean by it; as f64 it would show digits nobody
+        // measured.
         Scalar::Float(v) => number(v.to_string().parse().unwrap_or_else(|_| f64::from(*v))),
         Scalar::Double(v) => number(*v),
         Scalar::String(v) | Scalar::XmlElement(v) => json!(v.as_deref()),
@@ -91,7 +94,11 @@ mod tests {
     #[test]
     fn values_are_plain() {
         let array = |elements: Vec<Scalar>| {
-            Variant::Array(Arc::new(Array { element_type: BuiltInType::Int16, elements, dimensions: None }))
+            Variant::Array(Arc::new(Array {
+                element_type: BuiltInType::Int16,
+                elements,
+                dimensions: None,
+            }))
         };
         for (value, expected) in [
             (Variant::Null, json!(null)),
@@ -109,9 +116,12 @@ mod tests {
 
     #[test]
     fn numbers_are_found_again() {
-        for (value, expected) in
-            [(json!("12"), Some(12.0)), (json!(1.5), Some(1.5)), (json!("NaN"), None), (json!([]), None)]
-        {
+        for (value, expected) in [
+            (json!("12"), Some(12.0)),
+            (json!(1.5), Some(1.5)),
+            (json!("NaN"), None),
+            (json!([]), None),
+        ] {
             assert_eq!(as_number(&value), expected, "{value}");
         }
     }

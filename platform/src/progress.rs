@@ -55,7 +55,8 @@ pub struct OperationProgress {
     pub last_report_at: Option<DateTime>,
 }
 
-/// How each operation stands, in the order of the network. `fields` are those that the viewer may see.
+/// How each operation stands, in the order of the network. `fields` are those that the viewer may
+/// see.
 #[must_use]
 pub fn progress(network: &OperationNetwork, fields: &[FieldRow]) -> Vec<OperationProgress> {
     network.operation_list.iter().map(|operation| of_operation(operation, fields)).collect()
@@ -73,7 +74,8 @@ pub fn of_operation(operation: &Operation, fields: &[FieldRow]) -> OperationProg
         Some((quantity? / planned * 100.0).clamp(0.0, 100.0))
     };
     let percent_complete = newest.number(&Semantic::PercentComplete).or_else(from_quantities);
-    let (actual_start, actual_end) = (newest.time(&Semantic::ActualStart), newest.time(&Semantic::ActualEnd));
+    let (actual_start, actual_end) =
+        (newest.time(&Semantic::ActualStart), newest.time(&Semantic::ActualEnd));
     let reported_state = newest.state();
     let inferred_state = || {
         if actual_end.is_some() {
@@ -126,9 +128,13 @@ impl Newest<'_> {
                 .operation
                 .dynamic_data_request_list
                 .iter()
-                .filter(|request| request.dynamic_data_request_id == row.key.request.dynamic_data_request_id)
+                .filter(|request| {
+                    request.dynamic_data_request_id == row.key.request.dynamic_data_request_id
+                })
                 .flat_map(|request| &request.report_data_format.report_field_list)
-                .find(|field| field.name == row.key.field_name && field.semantic.as_ref() == Some(semantic));
+                .find(|field| {
+                    field.name == row.key.field_name && field.semantic.as_ref() == Some(semantic)
+                });
             let Some(field) = asked else { continue };
             let age = |value: &CurrentValue| (value.source_timestamp, value.received_at);
             if !current.status.is_bad() && best.is_none_or(|(value, _)| age(value) < age(current)) {
@@ -146,7 +152,9 @@ impl Newest<'_> {
     fn quantity(&self, semantic: &Semantic) -> Option<f64> {
         let (current, unit) = self.find(semantic)?;
         let number = as_number(&current.value)?;
-        let units = unit.and_then(units::lookup).zip(self.operation.quantity_unit.as_deref().and_then(units::lookup));
+        let units = unit
+            .and_then(units::lookup)
+            .zip(self.operation.quantity_unit.as_deref().and_then(units::lookup));
         match units {
             Some((from, to)) => units::convert(number, &from, &to).ok(),
             None => Some(number),
@@ -159,7 +167,9 @@ impl Newest<'_> {
 
     fn state(&self) -> Option<OperationState> {
         match &self.find(&Semantic::OperationState)?.0.value {
-            Value::String(text) => OperationState::from_name(text).or_else(|| by_index(text.parse().ok()?)),
+            Value::String(text) => {
+                OperationState::from_name(text).or_else(|| by_index(text.parse().ok()?))
+            }
             Value::Number(number) => by_index(number.as_u64()?),
             _ => None,
         }
@@ -225,7 +235,10 @@ mod tests {
             { "name": "made", "type": 9, "unit": "PIECE", "semantic": "PRODUCED_QUANTITY" } ]));
         let progress = of_operation(&operation, &[row("made", json!("3"), 7)]);
         assert_eq!((progress.quantity, progress.percent_complete), (Some(3.0), Some(25.0)));
-        assert_eq!((progress.state, progress.is_state_inferred), (Some(OperationState::Running), true));
+        assert_eq!(
+            (progress.state, progress.is_state_inferred),
+            (Some(OperationState::Running), true)
+        );
         assert_eq!(progress.last_report_at, Some(DateTime::from_ticks(7)));
     }
 
@@ -250,16 +263,23 @@ mod tests {
             row("start", json!("2019-04-18T06:00:00Z"), 4),
         ];
         let progress = of_operation(&operation, &fields);
-        assert_eq!((progress.state, progress.is_state_inferred), (Some(OperationState::Interrupted), false));
+        assert_eq!(
+            (progress.state, progress.is_state_inferred),
+            (Some(OperationState::Interrupted), false)
+        );
         assert_eq!(progress.percent_complete, Some(40.5));
-        assert_eq!(progress.actual_start.map(|time| time.to_string()), Some("2019-04-18T06:00:00Z".to_owned()));
+        assert_eq!(
+            progress.actual_start.map(|time| time.to_string()),
+            Some("2019-04-18T06:00:00Z".to_owned())
+        );
         let numeric = of_operation(&operation, &[row("state", json!(4), 1)]);
         assert_eq!(numeric.state, Some(OperationState::Ended));
     }
 
     #[test]
     fn bad_values_tell_nothing() {
-        let operation = operation(json!([{ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" }]));
+        let operation =
+            operation(json!([{ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" }]));
         let mut bad = row("made", json!("3"), 1);
         if let Some(current) = &mut bad.current {
             current.status = StatusCode::BAD;

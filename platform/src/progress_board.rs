@@ -1,5 +1,5 @@
-//! Tells pages how operations stand: what may have changed is read again, at most a few times a second per network, and
-//! told to each recipient as far as its own fields tell.
+//! Tells pages how operations stand: what may have changed is read again, at most a few times a
+//! second per network, and told to each recipient as far as its own fields tell.
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},

@@ -1,13 +1,15 @@
-//! How the platform reaches the broker, and who else may: users, queues and addresses follow from the store.
+//! How the platform reaches the broker, and who else may: users, queues and addresses follow from
+//! the store.
 //!
-//! [`Reach::reconcile`] compares what the store says with what is in force and may run any number of times: at the
-//! start, after every change, after a revocation.
+//! [`Reach::reconcile`] compares what the store says with what is in force and may run any number
+//! of times: at the start, after every change, after a revocation.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use asi_model::{FactoryId, ToolId};
 use broker::{
-    AddressPattern, BrokerError, BrokerHandle, BrokerUser, CredentialTable, QueueName, QueueOptions, SecretHash,
+    AddressPattern, BrokerError, BrokerHandle, BrokerUser, CredentialTable, QueueName,
+    QueueOptions, SecretHash,
 };
 use daemon::web::session::random_token;
 use messaging::{LinkHandle, LogicalAddress};
@@ -113,7 +115,8 @@ impl Reach {
         }
     }
 
-    /// Brings the users in line with the store; before the broker runs, so that nobody is refused by mistake.
+    /// Brings the users in line with the store; before the broker runs, so that nobody is refused
+    /// by mistake.
     ///
     /// # Errors
     /// [`ReachError::Store`].
@@ -129,10 +132,20 @@ impl Reach {
     /// [`ReachError`]; what was done by then stays and the next run goes on.
     pub async fn reconcile(&self, store: &Store) -> Result<(), ReachError> {
         let mut work = store.read().await?;
-        let factories: Vec<FactoryId> =
-            work.factories().list(&Scope::Platform).await?.into_iter().map(|factory| factory.factory_id).collect();
-        let tools: Vec<ToolId> =
-            work.tools().list(&Scope::Platform).await?.into_iter().map(|tool| tool.tool_id).collect();
+        let factories: Vec<FactoryId> = work
+            .factories()
+            .list(&Scope::Platform)
+            .await?
+            .into_iter()
+            .map(|factory| factory.factory_id)
+            .collect();
+        let tools: Vec<ToolId> = work
+            .tools()
+            .list(&Scope::Platform)
+            .await?
+            .into_iter()
+            .map(|tool| tool.tool_id)
+            .collect();
         drop(work);
         self.load_users(store).await?;
         if let Some(broker) = self.broker() {
@@ -154,8 +167,8 @@ impl Reach {
         Ok(())
     }
 
-    /// Reconciles at the start of the daemon, again and again until it has succeeded once; from then on every change
-    /// does it.
+    /// Reconciles at the start of the daemon, again and again until it has succeeded once; from
+    /// then on every change does it.
     pub async fn reconcile_at_start(self, store: Store, shutdown: CancellationToken) {
         let reconciling = async {
             while let Err(error) = self.reconcile(&store).await {
@@ -178,7 +191,9 @@ impl Reach {
     fn users_of(&self, credentials: &[BrokerCredential]) -> HashMap<String, BrokerUser> {
         let mut users = HashMap::new();
         for credential in credentials {
-            let user = users.entry(credential.holder.user_name()).or_insert_with(|| permitted(&credential.holder));
+            let user = users
+                .entry(credential.holder.user_name())
+                .or_insert_with(|| permitted(&credential.holder));
             user.secrets.push(SecretHash::from_bytes(credential.secret_hash));
         }
         for configured in &self.0.configured {
@@ -195,17 +210,26 @@ impl Reach {
     }
 }
 
-/// A connector reads its own requests and leases and writes its own ingress, a tool likewise, and nothing else.
+/// A connector reads its own requests and leases and writes its own ingress, a tool likewise, and
+/// nothing else.
 fn permitted(holder: &Holder) -> BrokerUser {
     let (reads, writes) = match holder {
         Holder::Factory(id) => (
-            vec![LogicalAddress::FactoryRequests(id.clone()), LogicalAddress::FactoryLeases(id.clone())],
+            vec![
+                LogicalAddress::FactoryRequests(id.clone()),
+                LogicalAddress::FactoryLeases(id.clone()),
+            ],
             LogicalAddress::FactoryIngress(id.clone()),
         ),
-        Holder::Tool(id) => (vec![LogicalAddress::ToolReports(id.clone())], LogicalAddress::ToolRequests(id.clone())),
+        Holder::Tool(id) => (
+            vec![LogicalAddress::ToolReports(id.clone())],
+            LogicalAddress::ToolRequests(id.clone()),
+        ),
     };
     let user = BrokerUser::default().may_produce(AddressPattern::exact(&queue(&writes)));
-    reads.iter().fold(user, |user, address| user.may_consume(AddressPattern::exact(&queue(address))))
+    reads
+        .iter()
+        .fold(user, |user, address| user.may_consume(AddressPattern::exact(&queue(address))))
 }
 
 fn addresses(factories: &[FactoryId], tools: &[ToolId]) -> Vec<LogicalAddress> {
@@ -216,13 +240,17 @@ fn addresses(factories: &[FactoryId], tools: &[ToolId]) -> Vec<LogicalAddress> {
             LogicalAddress::FactoryIngress(id.clone()),
         ]
     });
-    let of_tools =
-        tools.iter().flat_map(|id| [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]);
+    let of_tools = tools.iter().flat_map(|id| {
+        [LogicalAddress::ToolRequests(id.clone()), LogicalAddress::ToolReports(id.clone())]
+    });
     of_factories.chain(of_tools).collect()
 }
 
 fn queue(address: &LogicalAddress) -> QueueName {
-    address.to_string().parse().expect("logical addresses are words of letters, digits, _ and - with dots between")
+    address
+        .to_string()
+        .parse()
+        .expect("logical addresses are words of letters, digits, _ and - with dots between")
 }
 
 #[cfg(test)]
@@ -249,8 +277,13 @@ mod tests {
         assert_eq!(may("factory.A.requests"), (true, false));
         assert_eq!(may("factory.A.leases"), (true, false));
         assert_eq!(may("factory.A.ingress"), (false, true));
-        for foreign in ["factory.B.requests", "factory.B.leases", "factory.B.ingress", "dead-letters", "tool.A.reports"]
-        {
+        for foreign in [
+            "factory.B.requests",
+            "factory.B.leases",
+            "factory.B.ingress",
+            "dead-letters",
+            "tool.A.reports",
+        ] {
             assert_eq!(may(foreign), (false, false), "{foreign}");
         }
         assert!(reach.users().user("factory.B").is_none());

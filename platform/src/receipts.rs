@@ -1,5 +1,5 @@
-//! Receipts: telling connectors what is held, so that they may let go of it - at most once per interval and factory,
-//! while there is news.
+//! Receipts: telling connectors what is held, so that they may let go of it - at most once per
+//! interval and factory, while there is news.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -25,7 +25,8 @@ pub struct Receipter {
     interval: Duration,
 }
 
-/// Writers told in one receipt; each takes at most some 12 KB, so that a receipt stays under the limit of a message.
+/// Writers told in one receipt; each takes at most some 12 KB, so that a receipt stays under the
+/// limit of a message.
 const WRITERS_PER_RECEIPT_MAX: usize = 50;
 /// Writers taken in one round; the rest follows in the next.
 const WRITERS_PER_ROUND_MAX: u32 = 5_000;
@@ -71,11 +72,18 @@ impl Receipter {
             for rows in rows.chunks(WRITERS_PER_RECEIPT_MAX) {
                 let receipt_list: Vec<_> = rows
                     .iter()
-                    .filter_map(|row| row.sequences.receipt(row.key.data_set_writer_id, row.key.epoch))
+                    .filter_map(|row| {
+                        row.sequences.receipt(row.key.data_set_writer_id, row.key.epoch)
+                    })
                     .collect();
                 if !receipt_list.is_empty() {
-                    let receipt = Receipt { message_id: new_message_id(), factory_id: factory.clone(), receipt_list };
-                    let message = outgoing(&factory, &PlatformMessage::Receipt(receipt), self.clock.now());
+                    let receipt = Receipt {
+                        message_id: new_message_id(),
+                        factory_id: factory.clone(),
+                        receipt_list,
+                    };
+                    let message =
+                        outgoing(&factory, &PlatformMessage::Receipt(receipt), self.clock.now());
                     work.outbox().add(&message).await?;
                 }
                 for row in rows {

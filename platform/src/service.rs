@@ -3,7 +3,8 @@
 mod brokers;
 
 use std::{
-    convert::Infallible, net::SocketAddr, os::unix::fs::DirBuilderExt, path::PathBuf, sync::Arc, time::Duration,
+    convert::Infallible, net::SocketAddr, os::unix::fs::DirBuilderExt, path::PathBuf, sync::Arc,
+    time::Duration,
 };
 
 use broker::{Broker, BrokerError};
@@ -112,8 +113,8 @@ pub struct PlatformHandle {
 }
 
 impl Platform {
-    /// Opens everything that can fail: database, listeners, broker, certificates. `lifecycle` gives the shutdown that
-    /// live streams end with.
+    /// Opens everything that can fail: database, listeners, broker, certificates. `lifecycle` gives
+    /// the shutdown that live streams end with.
     ///
     /// # Errors
     /// [`StartError`].
@@ -128,27 +129,42 @@ impl Platform {
         administrator::ensure(&store, &config, clock.now()).await?;
 
         let started_at = clock.now();
-        let live = LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+        let live =
+            LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
         let reach = Reach::new(config.broker.users.clone());
         let (board, progress) = ProgressBoard::new(store.clone(), live.clone());
         let resend_after = Duration::from_millis(config.parts.resend_after_ms);
         let silence = config.lease_silence();
-        let (ingest, ingest_handle) =
-            Ingest::new(store.clone(), live.clone(), reach.clone(), progress, clock.clone(), resend_after, silence)
-                .await?;
+        let (ingest, ingest_handle) = Ingest::new(
+            store.clone(),
+            live.clone(),
+            reach.clone(),
+            progress,
+            clock.clone(),
+            resend_after,
+            silence,
+        )
+        .await?;
 
-        let (broker, access, link_config) = brokers::open(&config, &reach, &store, started_at).await?;
-        let broker_addresses = reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default();
-        let (link, link_handle) =
-            Link::new(link_config, Arc::new(StoredSpool::new(store.clone())), Arc::new(ingest_handle.clone()))?;
+        let (broker, access, link_config) =
+            brokers::open(&config, &reach, &store, started_at).await?;
+        let broker_addresses =
+            reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default();
+        let (link, link_handle) = Link::new(
+            link_config,
+            Arc::new(StoredSpool::new(store.clone())),
+            Arc::new(ingest_handle.clone()),
+        )?;
         reach.set_link(link_handle);
 
         let web_tls = config.web.tls.as_ref().map(server::TlsFiles::load).transpose()?;
         let web_listener = server::listen(config.web.listen).await?;
-        let web_address =
-            web_listener.local_addr().map_err(|source| ServerError::Listen { address: config.web.listen, source })?;
+        let web_address = web_listener
+            .local_addr()
+            .map_err(|source| ServerError::Listen { address: config.web.listen, source })?;
         let scheme = if web_tls.is_some() { "https" } else { "http" };
-        let public_url = config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
+        let public_url =
+            config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
         let is_secure = public_url.starts_with("https://");
         let sessions = Sessions::new(
             SessionConfig::new("verbund_platform", is_secure),
@@ -169,21 +185,25 @@ impl Platform {
             started_at,
             shutdown: lifecycle.shutdown(),
         });
-        let handle = PlatformHandle { web_address, broker_addresses, application: application.clone() };
+        let handle =
+            PlatformHandle { web_address, broker_addresses, application: application.clone() };
         Ok((Self { application, web_listener, web_tls, broker, link, ingest, board }, handle))
     }
 
     /// Starts all tasks in the lifecycle.
     pub fn start(self, lifecycle: &Lifecycle) {
         let Self { application, web_listener, web_tls, broker, link, ingest, board } = self;
-        let (store, reach, clock) = (application.store.clone(), application.reach.clone(), application.clock.clone());
-        // At shutdown the link goes first, so that what it has received is still stored and settled; then its two ends.
+        let (store, reach, clock) =
+            (application.store.clone(), application.reach.clone(), application.clock.clone());
+        // At shutdown the link goes first, so that what it has received is still stored and
+        // settled; then its two ends.
         let after_link = CancellationToken::new();
         if let Some(broker) = broker {
             lifecycle.spawn("broker", Importance::Essential, broker.run(after_link.clone()));
         }
         lifecycle.spawn("ingest", Importance::Essential, ingest.run(after_link.clone()));
-        // Queues can only be declared once the broker runs, so this is the first task's work and not the opening's.
+        // Queues can only be declared once the broker runs, so this is the first task's work and
+        // not the opening's.
         let reconciling = reach.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
         lifecycle.spawn("reach", Importance::Optional, async move {
             reconciling.await;
@@ -203,10 +223,15 @@ impl Platform {
                 Ok::<(), Infallible>(())
             });
         }
-        let receipter =
-            Receipter::new(store.clone(), reach.clone(), clock.clone(), application.config.receipt_interval());
+        let receipter = Receipter::new(
+            store.clone(),
+            reach.clone(),
+            clock.clone(),
+            application.config.receipt_interval(),
+        );
         lifecycle.spawn("receipts", Importance::Essential, receipter.run(lifecycle.shutdown()));
-        let resender = Resender::new(store.clone(), reach, clock.clone(), application.resend_after());
+        let resender =
+            Resender::new(store.clone(), reach, clock.clone(), application.resend_after());
         lifecycle.spawn("resending", Importance::Essential, resender.run(lifecycle.shutdown()));
         lifecycle.spawn("progress", Importance::Essential, board.run(lifecycle.shutdown()));
         let kept = Duration::from_secs(u64::from(application.config.retention.inbox_days) * 86_400);
@@ -245,7 +270,8 @@ async fn watch_link(mut states: watch::Receiver<LinkState>, application: Applica
         if state.is_up() {
             application.readiness.ready("link");
         } else {
-            let reason = state.reason.unwrap_or_else(|| "the link to the broker is not up yet".to_owned());
+            let reason =
+                state.reason.unwrap_or_else(|| "the link to the broker is not up yet".to_owned());
             application.readiness.waiting("link", reason);
         }
         if states.changed().await.is_err() {

@@ -1,13 +1,15 @@
 //! The platform's memory: one repository per noun, each statement in exactly one place.
 //!
-//! A unit of work is a transaction ([`Work`]) that is committed explicitly or not at all; repositories borrow it.
-//! Lookups return `Option`: "not found" is a decision of whoever asked. Every query on partners' data takes the viewer's
-//! [`Scope`], so that forgetting it is a compile error and not a leak.
+//! A unit of work is a transaction ([`Work`]) that is committed explicitly or not at all;
+//! repositories borrow it. Lookups return `Option`: "not found" is a decision of whoever asked.
+//! Every query on partners' data takes the viewer's [`Scope`], so that forgetting it is a compile
+//! error and not a leak.
 //!
 //! # PostgreSQL
-//! Statements use numbered parameters (`$1`), `ON CONFLICT`, `RETURNING` and nothing else of a dialect, so that they run
-//! on PostgreSQL unchanged. What is SQLite's own is in `connection` (opening, one writer, pragmas) and in the folder
-//! `migrations/sqlite`; a second database is a second such module behind the same [`Database`] alias.
+//! Statements use numbered parameters (`$1`), `ON CONFLICT`, `RETURNING` and nothing else of a
+//! dialect, so that they run on PostgreSQL unchanged. What is SQLite's own is in `connection`
+//! (opening, one writer, pragmas) and in the folder `migrations/sqlite`; a second database is a
+//! second such module behind the same [`Database`] alias.
 
 mod collaborations;
 mod comments;

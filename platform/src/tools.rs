@@ -1,8 +1,9 @@
 //! Tools: partners' programs on the broker.
 //!
-//! A tool posts `data-request` to `tool.<toolId>.requests`; it becomes a dynamic data request of the tool's organisation
-//! in a new revision of the network, as if a planner of that organisation had added it. The answer and the reports the
-//! tool is entitled to come on `tool.<toolId>.reports`.
+//! A tool posts `data-request` to `tool.<toolId>.requests`; it becomes a dynamic data request of
+//! the tool's organisation in a new revision of the network, as if a planner of that organisation
+//! had added it. The answer and the reports the tool is entitled to come on
+//! `tool.<toolId>.reports`.
 
 use asi_model::{
     MessageId, OperationId, OperationNetworkId, ToolId,
@@ -29,7 +30,8 @@ pub struct DataRequestMessage {
     pub dynamic_data_request: DynamicDataRequest,
 }
 
-/// What became of a tool's request: the acknowledgement of the wire contract, with the tool in place of a factory.
+/// What became of a tool's request: the acknowledgement of the wire contract, with the tool in
+/// place of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ToolAcknowledgement {
@@ -56,7 +58,10 @@ pub struct ToolAcknowledgement {
 ///
 /// # Errors
 /// Code and reason for the dead letter.
-pub fn parse_data_request(text: &str, tool: &ToolId) -> Result<DataRequestMessage, (&'static str, String)> {
+pub fn parse_data_request(
+    text: &str,
+    tool: &ToolId,
+) -> Result<DataRequestMessage, (&'static str, String)> {
     let message: DataRequestMessage = serde_json::from_str(text)
         .map_err(|error| ("INVALID_MESSAGE", format!("The message is not valid: {error}.")))?;
     if message.message_type != "data-request" {
@@ -64,7 +69,10 @@ pub fn parse_data_request(text: &str, tool: &ToolId) -> Result<DataRequestMessag
     }
     if message.tool_id != *tool {
         let claimed = message.tool_id;
-        return Err(("FORGED_PUBLISHER", format!("The message came from {tool} and claims to be of {claimed}.")));
+        return Err((
+            "FORGED_PUBLISHER",
+            format!("The message came from {tool} and claims to be of {claimed}."),
+        ));
     }
     Ok(message)
 }

@@ -1,13 +1,18 @@
-//! How many changes per second come through bare subscriptions, from a server in the same process to the consumer.
+//! How many changes per second come through bare subscriptions, from a server in the same process
+//! to the consumer.
 //!
-//! `cargo run --release -p shop-floor --example subscription_rate -- [inputs] [changes per second] [seconds]`
+//! `cargo run --release -p shop-floor --example subscription_rate -- [inputs] [changes per second]
+//! [seconds]`
 
 use std::{
     io::Write as _,
     time::{Duration, Instant},
 };
 
-use shop_floor::{Config, InputKey, MonitorOptions, MonitorRequest, SecurityChoice, ShopFloor, SourceConfig, SourceId};
+use shop_floor::{
+    Config, InputKey, MonitorOptions, MonitorRequest, SecurityChoice, ShopFloor, SourceConfig,
+    SourceId,
+};
 use simulator::{MachineConfig, MachineKind, Simulator};
 use tokio_util::sync::CancellationToken;
 
@@ -28,7 +33,8 @@ async fn main() -> anyhow::Result<()> {
     tokio::spawn(simulator.run(stop.clone()));
     let machine = machines.machines().next().expect("one is configured");
 
-    let config = Config::new(directory.path().join("shop-floor"), "throughput", "urn:verbund:throughput");
+    let config =
+        Config::new(directory.path().join("shop-floor"), "throughput", "urn:verbund:throughput");
     let (floor, handle, mut changes) = ShopFloor::new(config);
     tokio::spawn(floor.run(stop.clone()));
     let mut source = SourceConfig::new(SourceId::new("bank")?, machine.endpoint_url());
@@ -59,7 +65,10 @@ async fn main() -> anyhow::Result<()> {
     let rate = received as f64 / begun.elapsed().as_secs_f64();
     let mut out = std::io::stdout();
     writeln!(out, "{inputs} inputs live after {live_after:.1?}")?;
-    writeln!(out, "{rate:.0} of {offered} changes per second, the newest of a batch at most {age:.0?} old")?;
+    writeln!(
+        out,
+        "{rate:.0} of {offered} changes per second, the newest of a batch at most {age:.0?} old"
+    )?;
     stop.cancel();
     Ok(())
 }

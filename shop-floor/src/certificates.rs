@@ -1,7 +1,8 @@
 //! Our own certificate and the trust in servers' certificates.
 //!
-//! Trust is by the certificate itself, approved by a person who compares thumbprints: `trusted/` and `rejected/` hold one
-//! DER file each. A certificate chain, an authority or a host name inside it are not asked.
+//! Trust is by the certificate itself, approved by a person who compares thumbprints: `trusted/`
+//! and `rejected/` hold one DER file each. A certificate chain, an authority or a host name inside
+//! it are not asked.
 
 use std::{
     fs, io,
@@ -100,17 +101,24 @@ impl CertificateShelf {
 
     /// Our own certificate; created with its key when there is none. Takes seconds then.
     pub(crate) fn own(&self) -> Result<OwnCertificate, ShopFloorError> {
-        let (certificate_path, key_path) = (self.directory.join(OWN_CERTIFICATE), self.directory.join(OWN_PRIVATE_KEY));
+        let (certificate_path, key_path) =
+            (self.directory.join(OWN_CERTIFICATE), self.directory.join(OWN_PRIVATE_KEY));
         for folder in [TRUSTED, REJECTED, "own", "private"] {
-            fs::create_dir_all(self.directory.join(folder)).map_err(|error| disk(&self.directory, &error))?;
+            fs::create_dir_all(self.directory.join(folder))
+                .map_err(|error| disk(&self.directory, &error))?;
         }
         restrict(&self.directory.join("private"), 0o700)?;
         if !certificate_path.exists() || !key_path.exists() {
             self.create_own(&certificate_path, &key_path)?;
         }
-        let der = read_limited(&certificate_path).map_err(|error| disk(&certificate_path, &error))?;
-        let certificate = X509::from_der(&der)
-            .map_err(|_| ShopFloorError::Certificates(format!("{} is no certificate", certificate_path.display())))?;
+        let der =
+            read_limited(&certificate_path).map_err(|error| disk(&certificate_path, &error))?;
+        let certificate = X509::from_der(&der).map_err(|_| {
+            ShopFloorError::Certificates(format!(
+                "{} is no certificate",
+                certificate_path.display()
+            ))
+        })?;
         let (valid_from, valid_to) = validity(&certificate);
         Ok(OwnCertificate {
             thumbprint: certificate.thumbprint().as_hex_string(),
@@ -127,7 +135,11 @@ impl CertificateShelf {
         let name: String = self
             .application_name
             .chars()
-            .map(|letter| if letter.is_alphanumeric() || " -_.".contains(letter) { letter } else { ' ' })
+            .map(
+                |letter| {
+                    if letter.is_alphanumeric() || " -_.".contains(letter) { letter } else { ' ' }
+                },
+            )
             .take(60)
             .collect();
         let description = X509Data {
@@ -137,22 +149,36 @@ impl CertificateShelf {
             organizational_unit: String::new(),
             country: String::new(),
             state: String::new(),
-            alt_host_names: X509Data::alt_host_names(&self.application_uri, None, false, true, false),
+            alt_host_names: X509Data::alt_host_names(
+                &self.application_uri,
+                None,
+                false,
+                true,
+                false,
+            ),
             certificate_duration_days: OWN_VALIDITY_DAYS,
         };
-        CertificateStore::create_certificate_and_key(&description, true, certificate_path, key_path)
-            .map_err(ShopFloorError::Certificates)?;
+        CertificateStore::create_certificate_and_key(
+            &description,
+            true,
+            certificate_path,
+            key_path,
+        )
+        .map_err(ShopFloorError::Certificates)?;
         restrict(key_path, 0o600)?;
-        tracing::info!("Created the client certificate for OPC UA servers; their administrators must trust it.");
+        tracing::info!(
+            "Created the client certificate for OPC UA servers; their administrators must trust it."
+        );
         Ok(())
     }
 
-    /// Whether exactly this certificate is trusted. One met for the first time is put among the rejected ones.
+    /// Whether exactly this certificate is trusted. One met for the first time is put among the
+    /// rejected ones.
     pub(crate) fn is_trusted(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
         let name = CertificateStore::cert_file_name(certificate);
-        let der = certificate
-            .to_der()
-            .map_err(|_| ShopFloorError::Certificates("the server's certificate cannot be encoded".into()))?;
+        let der = certificate.to_der().map_err(|_| {
+            ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
+        })?;
         let trusted = self.directory.join(TRUSTED).join(&name);
         if trusted.exists() {
             return Ok(read_limited(&trusted).map_err(|error| disk(&trusted, &error))? == der);
@@ -168,25 +194,34 @@ impl CertificateShelf {
     pub(crate) fn list(&self) -> Vec<PeerCertificate> {
         [(REJECTED, TrustState::Rejected), (TRUSTED, TrustState::Trusted)]
             .into_iter()
-            .flat_map(|(folder, trust)| self.files(folder).into_iter().map(move |path| (path, trust)))
+            .flat_map(|(folder, trust)| {
+                self.files(folder).into_iter().map(move |path| (path, trust))
+            })
             .filter_map(|(path, trust)| describe(&path, trust))
             .collect()
     }
 
     /// Trusts a rejected certificate, or no longer trusts a trusted one.
-    pub(crate) fn set_trust(&self, thumbprint: &str, trust: TrustState) -> Result<PeerCertificate, ShopFloorError> {
+    pub(crate) fn set_trust(
+        &self,
+        thumbprint: &str,
+        trust: TrustState,
+    ) -> Result<PeerCertificate, ShopFloorError> {
         let (from, to) = match trust {
             TrustState::Trusted => (REJECTED, TRUSTED),
             TrustState::Rejected => (TRUSTED, REJECTED),
         };
         let path = self.find(from, thumbprint).or_else(|| self.find(to, thumbprint));
-        let path = path.ok_or_else(|| ShopFloorError::Invalid(format!("there is no certificate {thumbprint}")))?;
+        let path = path.ok_or_else(|| {
+            ShopFloorError::Invalid(format!("there is no certificate {thumbprint}"))
+        })?;
         let name = path.file_name().expect("a listed file has a name");
         let target = self.directory.join(to).join(name);
         if target != path {
             fs::rename(&path, &target).map_err(|error| disk(&path, &error))?;
         }
-        describe(&target, trust).ok_or_else(|| ShopFloorError::Certificates(format!("{thumbprint} is unreadable")))
+        describe(&target, trust)
+            .ok_or_else(|| ShopFloorError::Certificates(format!("{thumbprint} is unreadable")))
     }
 
     /// Forgets a certificate.
@@ -201,15 +236,19 @@ impl CertificateShelf {
 
     fn find(&self, folder: &str, thumbprint: &str) -> Option<PathBuf> {
         let trust = TrustState::Rejected;
-        self.files(folder)
-            .into_iter()
-            .find(|path| describe(path, trust).is_some_and(|found| found.thumbprint.eq_ignore_ascii_case(thumbprint)))
+        self.files(folder).into_iter().find(|path| {
+            describe(path, trust)
+                .is_some_and(|found| found.thumbprint.eq_ignore_ascii_case(thumbprint))
+        })
     }
 
     fn files(&self, folder: &str) -> Vec<PathBuf> {
         let Ok(entries) = fs::read_dir(self.directory.join(folder)) else { return Vec::new() };
-        let mut paths: Vec<_> =
-            entries.filter_map(Result::ok).map(|entry| entry.path()).take(CERTIFICATES_MAX).collect();
+        let mut paths: Vec<_> = entries
+            .filter_map(Result::ok)
+            .map(|entry| entry.path())
+            .take(CERTIFICATES_MAX)
+            .collect();
         paths.sort();
         paths
     }

@@ -26,7 +26,11 @@ pub struct Config {
 impl Config {
     /// Usual limits.
     #[must_use]
-    pub fn new(pki_directory: impl Into<PathBuf>, application_name: &str, application_uri: &str) -> Self {
+    pub fn new(
+        pki_directory: impl Into<PathBuf>,
+        application_name: &str,
+        application_uri: &str,
+    ) -> Self {
         Self {
             pki_directory: pki_directory.into(),
             application_name: application_name.to_owned(),
@@ -59,7 +63,9 @@ impl SourceId {
     pub fn new(text: impl AsRef<str>) -> Result<Self, InvalidSourceId> {
         let text = text.as_ref();
         let is_name = (1..=64).contains(&text.len())
-            && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+            && text
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
         if is_name {
             Ok(Self(Arc::from(text)))
         } else {
@@ -100,8 +106,8 @@ impl<'de> Deserialize<'de> for SourceId {
     }
 }
 
-/// One OPC UA server to read from. The password is accepted but never serialised; who persists a source stores
-/// [`Password::expose`] apart.
+/// One OPC UA server to read from. The password is accepted but never serialised; who persists a
+/// source stores [`Password::expose`] apart.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SourceConfig {
@@ -121,7 +127,8 @@ pub struct SourceConfig {
     /// How often the server may send changes, in milliseconds (1 to 60 000).
     #[serde(default = "default_publishing_interval_ms")]
     pub publishing_interval_ms: u32,
-    /// After how many milliseconds without any sign of life a connection is given up (500 to 600 000).
+    /// After how many milliseconds without any sign of life a connection is given up (500 to 600
+    /// 000).
     #[serde(default = "default_silence_ms_max")]
     pub silence_ms_max: u32,
 }
@@ -160,9 +167,15 @@ impl SourceConfig {
 
 /// Which of a server's endpoints to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "choice", deny_unknown_fields)]
+#[serde(
+    rename_all = "camelCase",
+    rename_all_fields = "camelCase",
+    tag = "choice",
+    deny_unknown_fields
+)]
 pub enum SecurityChoice {
-    /// The strongest that the server offers; never an unprotected one, so that nobody can talk us down.
+    /// The strongest that the server offers; never an unprotected one, so that nobody can talk us
+    /// down.
     #[default]
     Strongest,
     /// No protection. For servers that offer nothing else, on a network that is trusted.
@@ -177,7 +190,9 @@ pub enum SecurityChoice {
 }
 
 /// Security policies (OPC 10000-7) that are not deprecated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
+)]
 pub enum SecurityPolicy {
     /// No protection.
     None,
@@ -190,7 +205,9 @@ pub enum SecurityPolicy {
 }
 
 /// How messages are protected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum MessageSecurity {
     /// Not at all.
@@ -203,7 +220,12 @@ pub enum MessageSecurity {
 
 /// Who we are to a server.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "kind", deny_unknown_fields)]
+#[serde(
+    rename_all = "camelCase",
+    rename_all_fields = "camelCase",
+    tag = "kind",
+    deny_unknown_fields
+)]
 pub enum Identity {
     /// Nobody in particular.
     #[default]
@@ -281,7 +303,8 @@ pub struct EndpointOffer {
     pub server_name: String,
     /// The server's application URI.
     pub application_uri: String,
-    /// SHA-1 thumbprint of the server's certificate, hex; to be compared with the certificate's own at the machine.
+    /// SHA-1 thumbprint of the server's certificate, hex; to be compared with the certificate's own
+    /// at the machine.
     pub certificate_thumbprint: Option<String>,
 }
 

@@ -6,8 +6,9 @@ use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputChange, InputKey, MonitorOptions, MonitorRequest,
-    OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId, SourceStatus, TrustState, VariableList,
+    BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputChange, InputKey, MonitorOptions,
+    MonitorRequest, OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId,
+    SourceStatus, TrustState, VariableList,
     certificates::CertificateShelf,
     input::PATH_ELEMENTS_MAX,
     service::{Floor, Registry},
@@ -28,11 +29,13 @@ impl ShopFloorHandle {
     /// Adds a source, or changes it: a changed one is connected anew.
     ///
     /// # Errors
-    /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no `opc.tcp://` one,
-    /// [`ShopFloorError::Stopped`].
+    /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
+    /// `opc.tcp://` one, [`ShopFloorError::Stopped`].
     pub fn put_source(&self, config: SourceConfig) -> Result<(), ShopFloorError> {
         if !config.endpoint_url.starts_with("opc.tcp://") || config.endpoint_url.len() > 4096 {
-            return Err(ShopFloorError::Invalid("the endpoint address must start with opc.tcp://".into()));
+            return Err(ShopFloorError::Invalid(
+                "the endpoint address must start with opc.tcp://".into(),
+            ));
         }
         let limit = self.floor.config.sources_max;
         self.change_registry(|registry| {
@@ -44,7 +47,8 @@ impl ShopFloorHandle {
         Ok(())
     }
 
-    /// Removes a source. Its inputs stay wanted and yield `BadNotConnected` until it is added again.
+    /// Removes a source. Its inputs stay wanted and yield `BadNotConnected` until it is added
+    /// again.
     pub fn remove_source(&self, id: &SourceId) {
         let mut registry = self.floor.registry.write();
         if let Some(entry) = registry.sources.get(id) {
@@ -62,22 +66,26 @@ impl ShopFloorHandle {
     #[must_use]
     pub fn states(&self) -> Vec<SourceStatus> {
         let entries: Vec<_> = self.floor.registry.read().sources.values().cloned().collect();
-        entries.iter().filter(|entry| entry.config().is_some()).map(|entry| entry.status()).collect()
+        entries
+            .iter()
+            .filter(|entry| entry.config().is_some())
+            .map(|entry| entry.status())
+            .collect()
     }
 
-    /// Changes whenever [`Self::states`] would say something new about states, problems or live inputs (not about
-    /// counters and ages).
+    /// Changes whenever [`Self::states`] would say something new about states, problems or live
+    /// inputs (not about counters and ages).
     #[must_use]
     pub fn watch(&self) -> watch::Receiver<u64> {
         self.floor.status_version.subscribe()
     }
 
-    /// Monitors a variable under the caller's key; a key that is used already is moved. The first value, or a status
-    /// that says why there is none, arrives as a change.
+    /// Monitors a variable under the caller's key; a key that is used already is moved. The first
+    /// value, or a status that says why there is none, arrives as a change.
     ///
     /// # Errors
-    /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when an option is out of range,
-    /// [`ShopFloorError::Stopped`].
+    /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when an option is out of
+    /// range, [`ShopFloorError::Stopped`].
     pub fn monitor(
         &self,
         input: InputKey,
@@ -92,15 +100,22 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// As [`Self::monitor`].
-    pub fn monitor_many<R: Into<Arc<MonitorRequest>>>(&self, requests: Vec<R>) -> Result<(), ShopFloorError> {
+    pub fn monitor_many<R: Into<Arc<MonitorRequest>>>(
+        &self,
+        requests: Vec<R>,
+    ) -> Result<(), ShopFloorError> {
         let requests: Vec<Arc<MonitorRequest>> = requests.into_iter().map(Into::into).collect();
         for request in &requests {
             check_options(&request.options)?;
         }
-        let (inputs_max, sources_max) = (self.floor.config.inputs_max, self.floor.config.sources_max);
+        let (inputs_max, sources_max) =
+            (self.floor.config.inputs_max, self.floor.config.sources_max);
         let mut unconnected = Vec::new();
         self.change_registry(|registry| {
-            let new = requests.iter().filter(|request| !registry.inputs.contains_key(&request.input)).count();
+            let new = requests
+                .iter()
+                .filter(|request| !registry.inputs.contains_key(&request.input))
+                .count();
             if registry.inputs.len() + new > inputs_max {
                 return Err(ShopFloorError::LimitReached { what: "inputs", limit: inputs_max });
             }
@@ -125,9 +140,12 @@ impl ShopFloorHandle {
             Ok(())
         })?;
         let value = DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, Some(source::now()));
-        self.floor
-            .outbox
-            .push(unconnected.into_iter().map(|input| InputChange { input, value: value.clone() }).collect());
+        self.floor.outbox.push(
+            unconnected
+                .into_iter()
+                .map(|input| InputChange { input, value: value.clone() })
+                .collect(),
+        );
         Ok(())
     }
 
@@ -156,12 +174,16 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// [`ShopFloorError`] when the source is unknown or not connected, or the server refuses.
-    pub async fn browse(&self, source: &SourceId, parent: Option<&NodeId>) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+    pub async fn browse(
+        &self,
+        source: &SourceId,
+        parent: Option<&NodeId>,
+    ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
         Ok(source::browse(&self.connection(source)?, parent, 0, usize::MAX).await?.0)
     }
 
-    /// The children of a node from the one at `from` on, at most `limit` of them; with them where the next ones begin,
-    /// none behind the last.
+    /// The children of a node from the one at `from` on, at most `limit` of them; with them where
+    /// the next ones begin, none behind the last.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -179,30 +201,43 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// As [`Self::browse`].
-    pub async fn describe(&self, source: &SourceId, node: &NodeId) -> Result<BrowsedNode, ShopFloorError> {
+    pub async fn describe(
+        &self,
+        source: &SourceId,
+        node: &NodeId,
+    ) -> Result<BrowsedNode, ShopFloorError> {
         source::describe(&self.connection(source)?, node).await
     }
 
-    /// Many nodes (at most 1000), as browsing shows them, in the order asked; those that are not there are left out.
+    /// Many nodes (at most 1000), as browsing shows them, in the order asked; those that are not
+    /// there are left out.
     ///
     /// # Errors
     /// As [`Self::browse`].
-    pub async fn describe_many(&self, source: &SourceId, nodes: &[NodeId]) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+    pub async fn describe_many(
+        &self,
+        source: &SourceId,
+        nodes: &[NodeId],
+    ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
         source::describe_many(&self.connection(source)?, nodes).await
     }
 
-    /// All variables below the Objects folder, but for properties and the server's description of itself. Ends after
-    /// `visited_max` nodes. On a large server this takes seconds: it asks one request after the other, so that the
-    /// server keeps time for its other clients.
+    /// All variables below the Objects folder, but for properties and the server's description of
+    /// itself. Ends after `visited_max` nodes. On a large server this takes seconds: it asks one
+    /// request after the other, so that the server keeps time for its other clients.
     ///
     /// # Errors
     /// As [`Self::browse`].
-    pub async fn variables(&self, source: &SourceId, visited_max: usize) -> Result<VariableList, ShopFloorError> {
+    pub async fn variables(
+        &self,
+        source: &SourceId,
+        visited_max: usize,
+    ) -> Result<VariableList, ShopFloorError> {
         source::list(&self.connection(source)?, visited_max).await
     }
 
-    /// Nodes below the Objects folder whose browse or display name contains a text, without regard to case. Ends after
-    /// `found_max` finds (at most 1000) or 20 000 visited nodes.
+    /// Nodes below the Objects folder whose browse or display name contains a text, without regard
+    /// to case. Ends after `found_max` finds (at most 1000) or 20 000 visited nodes.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -218,8 +253,13 @@ impl ShopFloorHandle {
     /// The way from the Objects folder to a node.
     ///
     /// # Errors
-    /// As [`Self::browse`]; [`ShopFloorError::Invalid`] when the node does not hang below the Objects folder.
-    pub async fn browse_path(&self, source: &SourceId, node: &NodeId) -> Result<BrowsePath, ShopFloorError> {
+    /// As [`Self::browse`]; [`ShopFloorError::Invalid`] when the node does not hang below the
+    /// Objects folder.
+    pub async fn browse_path(
+        &self,
+        source: &SourceId,
+        node: &NodeId,
+    ) -> Result<BrowsePath, ShopFloorError> {
         source::browse_path(&self.connection(source)?, node).await
     }
 
@@ -227,7 +267,11 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// As [`Self::browse`]; the failure of a single node is the status of its value.
-    pub async fn read(&self, source: &SourceId, nodes: &[NodeId]) -> Result<Vec<DataValue>, ShopFloorError> {
+    pub async fn read(
+        &self,
+        source: &SourceId,
+        nodes: &[NodeId],
+    ) -> Result<Vec<DataValue>, ShopFloorError> {
         source::read(&self.connection(source)?, nodes).await
     }
 
@@ -286,7 +330,11 @@ impl ShopFloorHandle {
     ///
     /// # Errors
     /// [`ShopFloorError::Invalid`] when it is not known.
-    pub async fn set_trust(&self, thumbprint: &str, trust: TrustState) -> Result<PeerCertificate, ShopFloorError> {
+    pub async fn set_trust(
+        &self,
+        thumbprint: &str,
+        trust: TrustState,
+    ) -> Result<PeerCertificate, ShopFloorError> {
         let thumbprint = thumbprint.to_owned();
         let certificate = self.on_shelf(move |shelf| shelf.set_trust(&thumbprint, trust)).await?;
         for entry in self.floor.registry.read().sources.values() {
@@ -309,7 +357,9 @@ impl ShopFloorHandle {
         work: impl FnOnce(&CertificateShelf) -> Result<T, ShopFloorError> + Send + 'static,
     ) -> Result<T, ShopFloorError> {
         let floor = Arc::clone(&self.floor);
-        tokio::task::spawn_blocking(move || work(&floor.certificates)).await.map_err(|_| ShopFloorError::Stopped)?
+        tokio::task::spawn_blocking(move || work(&floor.certificates))
+            .await
+            .map_err(|_| ShopFloorError::Stopped)?
     }
 
     fn change_registry<T>(
@@ -335,11 +385,16 @@ impl ShopFloorHandle {
 }
 
 /// The entry of a source; made where there is none.
-fn entry(registry: &mut Registry, id: &SourceId, limit: usize) -> Result<Arc<Entry>, ShopFloorError> {
+fn entry(
+    registry: &mut Registry,
+    id: &SourceId,
+    limit: usize,
+) -> Result<Arc<Entry>, ShopFloorError> {
     if !registry.sources.contains_key(id) && registry.sources.len() >= limit {
         return Err(ShopFloorError::LimitReached { what: "sources", limit });
     }
-    let entry = registry.sources.entry(id.clone()).or_insert_with(|| Arc::new(Entry::new(id.clone())));
+    let entry =
+        registry.sources.entry(id.clone()).or_insert_with(|| Arc::new(Entry::new(id.clone())));
     Ok(Arc::clone(entry))
 }
 
@@ -355,16 +410,27 @@ fn release(registry: &mut Registry, id: &SourceId, inputs: &[InputKey]) {
 
 fn check_options(options: &MonitorOptions) -> Result<(), ShopFloorError> {
     let invalid = |text: &str| Err(ShopFloorError::Invalid(text.into()));
-    if options.sampling_interval_ms.is_some_and(|interval| !(0.0..=86_400_000.0).contains(&interval)) {
+    if options
+        .sampling_interval_ms
+        .is_some_and(|interval| !(0.0..=86_400_000.0).contains(&interval))
+    {
         return invalid("a sampling interval must be between 0 ms and a day");
     }
     if options.queue_size.is_some_and(|size| !(1..=10_000).contains(&size)) {
         return invalid("a queue must hold 1 to 10000 changes");
     }
-    if options.index_range.as_deref().is_some_and(|range| range.len() > 200 || source::parse_range(range).is_none()) {
+    if options
+        .index_range
+        .as_deref()
+        .is_some_and(|range| range.len() > 200 || source::parse_range(range).is_none())
+    {
         return invalid("an index range must look like 2 or 1:3");
     }
-    if options.browse_path.as_ref().is_some_and(|path| path.0.is_empty() || path.0.len() > PATH_ELEMENTS_MAX) {
+    if options
+        .browse_path
+        .as_ref()
+        .is_some_and(|path| path.0.is_empty() || path.0.len() > PATH_ELEMENTS_MAX)
+    {
         return invalid("a browse path must have 1 to 64 elements");
     }
     Ok(())

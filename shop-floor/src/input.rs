@@ -18,8 +18,8 @@ pub struct InputKey(pub u64);
 pub struct InputChange {
     /// Whose value.
     pub input: InputKey,
-    /// The value. `BadNotConnected` without value when the source is lost; another Bad status without value when the
-    /// server refuses to monitor the node.
+    /// The value. `BadNotConnected` without value when the source is lost; another Bad status
+    /// without value when the server refuses to monitor the node.
     pub value: DataValue,
 }
 
@@ -40,21 +40,21 @@ pub struct MonitorRequest {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct MonitorOptions {
-    /// How often the server looks for a change, in milliseconds. 0: on every change. Default: the publishing interval
-    /// of the source.
+    /// How often the server looks for a change, in milliseconds. 0: on every change. Default: the
+    /// publishing interval of the source.
     pub sampling_interval_ms: Option<f64>,
-    /// How many changes the server keeps between two publishings. Default: what sampling and publishing interval ask
-    /// for, so that no change is lost.
+    /// How many changes the server keeps between two publishings. Default: what sampling and
+    /// publishing interval ask for, so that no change is lost.
     pub queue_size: Option<u32>,
-    /// Where the variable was found, from the Objects folder, to find it again when its node id changes. Without it,
-    /// the path is looked up while the node is there.
+    /// Where the variable was found, from the Objects folder, to find it again when its node id
+    /// changes. Without it, the path is looked up while the node is there.
     pub browse_path: Option<BrowsePath>,
     /// Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
     pub index_range: Option<String>,
 }
 
-/// Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`, those of namespace
-/// 0 bare.
+/// Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`,
+/// those of namespace 0 bare.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default, ToSchema)]
 #[schema(value_type = Vec<String>)]
 pub struct BrowsePath(pub Vec<QualifiedName>);
@@ -96,7 +96,8 @@ struct Element(QualifiedName);
 impl FromStr for Element {
     type Err = InvalidBrowsePath;
     fn from_str(text: &str) -> Result<Self, InvalidBrowsePath> {
-        // A node id with the name as its string identifier has the same text form, its escapes included.
+        // A node id with the name as its string identifier has the same text form, its escapes
+        // included.
         let invalid = || InvalidBrowsePath { found: text.chars().take(120).collect() };
         let (namespace, name) = match text.strip_prefix("nsu=") {
             Some(rest) => {
@@ -116,7 +117,9 @@ fn element_text(element: &QualifiedName) -> String {
     let name = element.name.as_deref().unwrap_or_default();
     match &element.namespace {
         Namespace::Ua => name.to_owned(),
-        Namespace::Uri(uri) => format!("nsu={};{name}", uri.replace('%', "%25").replace(';', "%3B")),
+        Namespace::Uri(uri) => {
+            format!("nsu={};{name}", uri.replace('%', "%25").replace(';', "%3B"))
+        }
         // An index means nothing outside its session; the server's own paths never contain one.
         Namespace::Index(index) => format!("ns={index};{name}"),
     }
@@ -134,7 +137,10 @@ impl<'de> Deserialize<'de> for BrowsePath {
         if texts.len() > PATH_ELEMENTS_MAX {
             return Err(serde::de::Error::custom("a browse path has at most 64 elements"));
         }
-        let elements = texts.iter().map(|text| text.parse().map(|Element(name)| name)).collect::<Result<_, _>>();
+        let elements = texts
+            .iter()
+            .map(|text| text.parse().map(|Element(name)| name))
+            .collect::<Result<_, _>>();
         elements.map(Self).map_err(serde::de::Error::custom)
     }
 }

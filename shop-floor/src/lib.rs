@@ -1,15 +1,17 @@
 //! The shop floor: OPC UA client sessions to any number of local servers.
 //!
-//! This is the only place that speaks OPC UA as a client. Callers say *what* they want to know ([`ShopFloorHandle::monitor`])
-//! and receive changes with value, status and source time; connecting, security, the server's limits, resubscribing and
-//! finding renumbered nodes again happen here.
+//! This is the only place that speaks OPC UA as a client. Callers say *what* they want to know
+//! ([`ShopFloorHandle::monitor`]) and receive changes with value, status and source time;
+//! connecting, security, the server's limits, resubscribing and finding renumbered nodes again
+//! happen here.
 //!
 //! - One task and at most one session per source, which alone owns its subscriptions.
-//! - Node ids are named by namespace URI; indexes are looked up anew in every session, and a node that is gone is
-//!   searched by its browse path.
-//! - A source that is lost yields `BadNotConnected` for each of its inputs; a connection that looks alive but delivers
-//!   nothing is recovered.
-//! - A slow consumer never blocks a session: changes are then coalesced to the newest per input, and counted.
+//! - Node ids are named by namespace URI; indexes are looked up anew in every session, and a node
+//!   that is gone is searched by its browse path.
+//! - A source that is lost yields `BadNotConnected` for each of its inputs; a connection that looks
+//!   alive but delivers nothing is recovered.
+//! - A slow consumer never blocks a session: changes are then coalesced to the newest per input,
+//!   and counted.
 
 mod certificates;
 mod config;
@@ -24,14 +26,19 @@ mod status;
 
 pub use certificates::{OwnCertificate, PeerCertificate, TrustState};
 pub use config::{
-    Config, EndpointOffer, Identity, InvalidSourceId, MessageSecurity, Password, SecurityChoice, SecurityPolicy,
-    SourceConfig, SourceId,
+    Config, EndpointOffer, Identity, InvalidSourceId, MessageSecurity, Password, SecurityChoice,
+    SecurityPolicy, SourceConfig, SourceId,
 };
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
-pub use input::{BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest};
-pub use node::{BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList};
+pub use input::{
+    BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest,
+};
+pub use node::{
+    BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList,
+};
 pub use service::ShopFloor;
 pub use status::{
-    ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState, SourceStatus,
+    ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState,
+    SourceStatus,
 };

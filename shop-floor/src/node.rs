@@ -30,11 +30,13 @@ pub struct BrowsedNode {
     /// The type of a variable's value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub data_type: Option<TypeName>,
-    /// The built-in type that carries the value: itself, or the base of an enumeration or structure.
+    /// The built-in type that carries the value: itself, or the base of an enumeration or
+    /// structure.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
     #[schema(value_type = Option<String>)]
     pub built_in_type: Option<BuiltInType>,
-    /// Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
+    /// Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
+    /// scalar or one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value_rank: Option<i32>,
     /// The unit of an analog variable.
@@ -61,7 +63,8 @@ pub struct ListedVariable {
     pub display_name: String,
     /// The way to it from the Objects folder.
     pub browse_path: BrowsePath,
-    /// The names of its type and of the types of what stands above it, each with its supertypes, nearest first.
+    /// The names of its type and of the types of what stands above it, each with its supertypes,
+    /// nearest first.
     pub type_names: Vec<Arc<str>>,
 }
 
@@ -121,6 +124,9 @@ pub struct CallOutcome {
 }
 
 #[allow(clippy::ref_option)] // The signature that serde asks for.
-fn built_in_name<S: Serializer>(built_in: &Option<BuiltInType>, serializer: S) -> Result<S::Ok, S::Error> {
+fn built_in_name<S: Serializer>(
+    built_in: &Option<BuiltInType>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     built_in.map(BuiltInType::name).serialize(serializer)
 }

@@ -1,7 +1,8 @@
 //! From the sessions to the consumer, without ever making a session wait.
 //!
-//! While the consumer keeps up, batches pass in order and nothing is merged. When its channel is full, changes wait in a
-//! backlog that holds the newest per input; what is superseded there is counted.
+//! While the consumer keeps up, batches pass in order and nothing is merged. When its channel is
+//! full, changes wait in a backlog that holds the newest per input; what is superseded there is
+//! counted.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -70,7 +71,9 @@ impl Outbox {
             // Sent under the lock: a later push must not overtake the backlog.
             let mut backlog = self.shared.backlog.lock();
             let changes = std::mem::take(&mut *backlog);
-            permit.send(changes.into_iter().map(|(input, value)| InputChange { input, value }).collect());
+            permit.send(
+                changes.into_iter().map(|(input, value)| InputChange { input, value }).collect(),
+            );
         }
     }
 
@@ -84,7 +87,8 @@ impl Outbox {
     }
 }
 
-/// Newest per input wins; returns how many were superseded. An input's place is that of its newest change.
+/// Newest per input wins; returns how many were superseded. An input's place is that of its newest
+/// change.
 fn merge(backlog: &mut IndexMap<InputKey, DataValue>, changes: Vec<InputChange>) -> u64 {
     let mut superseded = 0;
     for change in changes {
@@ -104,7 +108,10 @@ mod tests {
     fn changes(values: &[(u64, i32)]) -> Vec<InputChange> {
         values
             .iter()
-            .map(|&(input, value)| InputChange { input: InputKey(input), value: DataValue::good(value, DateTime::MIN) })
+            .map(|&(input, value)| InputChange {
+                input: InputKey(input),
+                value: DataValue::good(value, DateTime::MIN),
+            })
             .collect()
     }
 
@@ -120,8 +127,16 @@ mod tests {
         outbox.push(changes(&[(1, 3), (2, 1)]));
         outbox.push(changes(&[(1, 4)]));
 
-        assert_eq!(receiver.recv().await, Some(changes(&[(1, 1), (1, 2)])), "what fits passes unmerged");
-        assert_eq!(receiver.recv().await, Some(changes(&[(1, 4), (2, 1)])), "what does not is the newest of each");
+        assert_eq!(
+            receiver.recv().await,
+            Some(changes(&[(1, 1), (1, 2)])),
+            "what fits passes unmerged"
+        );
+        assert_eq!(
+            receiver.recv().await,
+            Some(changes(&[(1, 4), (2, 1)])),
+            "what does not is the newest of each"
+        );
         outbox.push(changes(&[(3, 1)]));
         assert_eq!(receiver.recv().await, Some(changes(&[(3, 1)])));
         shutdown.cancel();

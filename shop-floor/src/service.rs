@@ -116,7 +116,8 @@ async fn reconcile(floor: &Arc<Floor>, running: &mut HashMap<SourceId, Running>)
     let outdated: Vec<SourceId> = running
         .iter()
         .filter(|(id, source)| {
-            source.task.is_finished() || wanted.get(*id).is_none_or(|(config, _)| *config != source.config)
+            source.task.is_finished()
+                || wanted.get(*id).is_none_or(|(config, _)| *config != source.config)
         })
         .map(|(id, _)| id.clone())
         .collect();
@@ -129,7 +130,8 @@ async fn reconcile(floor: &Arc<Floor>, running: &mut HashMap<SourceId, Running>)
     for (id, (config, entry)) in wanted {
         running.entry(id).or_insert_with(|| {
             let stop = CancellationToken::new();
-            let task = tokio::spawn(source::run(Arc::clone(floor), entry, config.clone(), stop.clone()));
+            let task =
+                tokio::spawn(source::run(Arc::clone(floor), entry, config.clone(), stop.clone()));
             Running { config, stop, task }
         });
     }

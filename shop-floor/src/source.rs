@@ -31,7 +31,8 @@ use life::{Ended, Memory};
 /// Shortest and longest pause before another attempt to reach a server.
 const PAUSE_MIN: Duration = Duration::from_millis(100);
 const PAUSE_MAX: Duration = Duration::from_secs(2);
-/// Longest pause after a refusal that only a person can resolve, so that no account is locked by trying.
+/// Longest pause after a refusal that only a person can resolve, so that no account is locked by
+/// trying.
 const PAUSE_REFUSED_MAX: Duration = Duration::from_secs(30);
 
 /// The present.
@@ -40,7 +41,12 @@ pub(crate) fn now() -> DateTime {
 }
 
 /// Keeps a source connected until told to stop.
-pub(crate) async fn run(floor: Arc<Floor>, entry: Arc<Entry>, config: SourceConfig, stop: CancellationToken) {
+pub(crate) async fn run(
+    floor: Arc<Floor>,
+    entry: Arc<Entry>,
+    config: SourceConfig,
+    stop: CancellationToken,
+) {
     let mut memory = Memory::default();
     let mut attempts = 0_u32;
     loop {
@@ -82,7 +88,11 @@ pub(crate) async fn run(floor: Arc<Floor>, entry: Arc<Entry>, config: SourceConf
 fn pause(attempts: u32, kind: SourceProblemKind, jitter: u8) -> Duration {
     use SourceProblemKind as Kind;
     let max = match kind {
-        Kind::Unreachable | Kind::ConnectionLost | Kind::Stalled | Kind::ServerFull | Kind::Refused => PAUSE_MAX,
+        Kind::Unreachable
+        | Kind::ConnectionLost
+        | Kind::Stalled
+        | Kind::ServerFull
+        | Kind::Refused => PAUSE_MAX,
         Kind::NoSuitableEndpoint
         | Kind::ServerCertificateUntrusted
         | Kind::ServerCertificateInvalid
@@ -101,7 +111,9 @@ fn problem(kind: SourceProblemKind, message: impl Into<String>) -> SourceProblem
         Kind::Unreachable => {
             "Check that the server runs, the address, and the network between. Tried again on its own."
         }
-        Kind::NoSuitableEndpoint => "Choose a security setting and a sign-in that the server offers.",
+        Kind::NoSuitableEndpoint => {
+            "Choose a security setting and a sign-in that the server offers."
+        }
         Kind::ServerCertificateUntrusted => {
             "Compare the thumbprint with the server's own certificate and approve it in the list of certificates."
         }
@@ -109,10 +121,14 @@ fn problem(kind: SourceProblemKind, message: impl Into<String>) -> SourceProblem
         Kind::ClientCertificateRejected => {
             "Ask the server's administrator to trust this connector's certificate, then wait a moment."
         }
-        Kind::CredentialsRejected => "Correct user name and password, or ask the server's administrator.",
+        Kind::CredentialsRejected => {
+            "Correct user name and password, or ask the server's administrator."
+        }
         Kind::ServerFull => "Close another client of the server, or raise its limit of sessions.",
         Kind::ConnectionLost => "Nothing to do: it is connected again on its own.",
-        Kind::Stalled => "Nothing to do: a new session is made. If it happens often, look at the server.",
+        Kind::Stalled => {
+            "Nothing to do: a new session is made. If it happens often, look at the server."
+        }
         Kind::Refused => "Look at the server's log for the reason.",
         Kind::Configuration => "Correct the configuration of the source.",
     };

@@ -23,7 +23,8 @@ pub struct SourceStatus {
     pub inputs: usize,
     /// How many of them the server monitors and has given a first value for.
     pub live: usize,
-    /// How many inputs would be found again if the server changed its node ids: those whose browse path is known.
+    /// How many inputs would be found again if the server changed its node ids: those whose browse
+    /// path is known.
     pub findable: usize,
     /// The inputs that are not live, each with the reason; the first 1000.
     pub not_live: Vec<InputProblem>,
@@ -37,7 +38,8 @@ pub struct SourceStatus {
     pub changes: u64,
     /// How often a session was established since the connector started.
     pub sessions: u64,
-    /// How far the server's clock is ahead of ours, in milliseconds, measured when the session was established.
+    /// How far the server's clock is ahead of ours, in milliseconds, measured when the session was
+    /// established.
     pub clock_ahead_ms: Option<i64>,
     /// The endpoint in use.
     pub endpoint: Option<ChosenEndpoint>,

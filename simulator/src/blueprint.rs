@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use asi_model::values::{
-    BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, Namespace, NodeId, QualifiedName,
-    Scalar, Server, StructureValue, Variant,
+    BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, Namespace, NodeId,
+    QualifiedName, Scalar, Server, StructureValue, Variant,
 };
 
 use crate::signals::Moment;
@@ -38,7 +38,8 @@ pub struct TypePlan {
 
 /// A node.
 pub struct NodePlan {
-    /// The machine's own name of it: the browse names from the machine's root on, `Spindle.Temperature`.
+    /// The machine's own name of it: the browse names from the machine's root on,
+    /// `Spindle.Temperature`.
     pub key: String,
     /// A fixed identity; else one is made from the key.
     pub node_id: Option<NodeId>,
@@ -108,13 +109,14 @@ pub mod ids {
     pub const STRUCTURE: NodeId = NodeId::ua(22);
 }
 
-/// The numeric id of the custom structure in each machine's own namespace, and of its binary encoding. Machines do not
-/// renumber types.
+/// The numeric id of the custom structure in each machine's own namespace, and of its binary
+/// encoding. Machines do not renumber types.
 pub const POWER_AGGREGATE: u32 = 3001;
 /// See [`POWER_AGGREGATE`].
 pub const POWER_AGGREGATE_BINARY: u32 = 3002;
 /// The fields of the custom structure: a UInt32 and three Doubles.
-pub const POWER_AGGREGATE_FIELDS: [&str; 4] = ["SecondsAggregated", "WattsMin", "WattsMax", "WattsAvg"];
+pub const POWER_AGGREGATE_FIELDS: [&str; 4] =
+    ["SecondsAggregated", "WattsMin", "WattsMax", "WattsAvg"];
 
 /// A unit with its UNECE code.
 #[derive(Debug, Clone, Copy)]
@@ -243,7 +245,13 @@ impl Blueprint {
     }
 
     /// A scalar variable with its source.
-    pub fn variable(&mut self, parent: usize, name: QualifiedName, data_type: BuiltInType, source: Source) -> usize {
+    pub fn variable(
+        &mut self,
+        parent: usize,
+        name: QualifiedName,
+        data_type: BuiltInType,
+        source: Source,
+    ) -> usize {
         let plan = VariablePlan {
             data_type: NodeId::ua(u32::from(data_type.id())),
             type_definition: ids::BASE_DATA_VARIABLE_TYPE,
@@ -275,7 +283,13 @@ impl Blueprint {
     }
 
     /// A property in namespace 0.
-    pub fn property(&mut self, parent: usize, name: &str, value: Variant, data_type: NodeId) -> usize {
+    pub fn property(
+        &mut self,
+        parent: usize,
+        name: &str,
+        value: Variant,
+        data_type: NodeId,
+    ) -> usize {
         let name = QualifiedName { namespace: Namespace::Ua, name: Some(name.into()) };
         self.child(parent, name, Class::Property(value, data_type))
     }
@@ -290,7 +304,14 @@ impl Blueprint {
         let text = name.name.as_deref().unwrap_or_default();
         let above = &self.nodes[parent].key;
         let key = if above.is_empty() { text.to_owned() } else { format!("{above}.{text}") };
-        self.push(NodePlan { key, node_id: None, parent: Some(parent), name, description: None, class })
+        self.push(NodePlan {
+            key,
+            node_id: None,
+            parent: Some(parent),
+            name,
+            description: None,
+            class,
+        })
     }
 
     /// A node as it is.

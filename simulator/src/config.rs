@@ -29,7 +29,8 @@ pub struct Config {
     /// The address that all servers listen on.
     #[serde(default = "loopback")]
     pub host: IpAddr,
-    /// Where the HTTP control interface listens; nowhere if absent. It has no access control: keep it on loopback.
+    /// Where the HTTP control interface listens; nowhere if absent. It has no access control: keep
+    /// it on loopback.
     #[serde(default)]
     pub control: Option<SocketAddr>,
     /// Where each machine keeps its certificates, in a folder of its name.
@@ -72,7 +73,8 @@ pub struct MachineConfig {
     /// False takes the relay away that network faults need: a little faster, for measurements.
     #[serde(default = "yes")]
     pub relay: bool,
-    /// Most monitored items of one subscription, as small devices have it; declared to clients. 0: plenty.
+    /// Most monitored items of one subscription, as small devices have it; declared to clients. 0:
+    /// plenty.
     #[serde(default)]
     pub items_per_subscription_max: u32,
     /// Most subscriptions of one session. 0: plenty.
@@ -179,7 +181,13 @@ fn update_interval_ms() -> u64 {
 
 impl Default for SecurityConfig {
     fn default() -> Self {
-        Self { unprotected: true, protected: false, anonymous: true, users: Vec::new(), trusts_all_clients: true }
+        Self {
+            unprotected: true,
+            protected: false,
+            anonymous: true,
+            users: Vec::new(),
+            trusts_all_clients: true,
+        }
     }
 }
 
@@ -254,10 +262,12 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] that names file and place.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-        let config: Self = toml::from_str(&text)
-            .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        let config: Self = toml::from_str(&text).map_err(|error| ConfigError::Parse {
+            path: path.to_owned(),
+            message: error.to_string(),
+        })?;
         config.check()?;
         Ok(config)
     }
@@ -267,7 +277,9 @@ impl Config {
     /// # Errors
     /// [`ConfigError::Invalid`] for the first fault.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let invalid = |key: String, reason: &str| Err(ConfigError::Invalid { key, reason: reason.to_owned() });
+        let invalid = |key: String, reason: &str| {
+            Err(ConfigError::Invalid { key, reason: reason.to_owned() })
+        };
         if !(0.0..=10_000.0).contains(&self.speed) {
             return invalid("speed".into(), "must be between 0 and 10000");
         }
@@ -281,7 +293,10 @@ impl Config {
         for machine in &self.machines {
             let key = |key: &str| format!("machines.{}.{key}", machine.name);
             let is_name = (1..=64).contains(&machine.name.len())
-                && machine.name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+                && machine
+                    .name
+                    .bytes()
+                    .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
             if !is_name {
                 return invalid(key("name"), "must match ^[A-Za-z0-9_-]{1,64}$");
             }
@@ -291,21 +306,34 @@ impl Config {
             if machine.cycle_seconds.is_some_and(|cycle| !(0.05..=3600.0).contains(&cycle)) {
                 return invalid(key("cycle_seconds"), "must be between 0.05 and 3600");
             }
-            if machine.variables > 200_000 || !(0.0..=10_000_000.0).contains(&machine.changes_per_second) {
-                return invalid(key("variables"), "at most 200000, with at most 10000000 changes per second");
+            if machine.variables > 200_000
+                || !(0.0..=10_000_000.0).contains(&machine.changes_per_second)
+            {
+                return invalid(
+                    key("variables"),
+                    "at most 200000, with at most 10000000 changes per second",
+                );
             }
             let security = &machine.security;
             if !security.unprotected && !security.protected {
-                return invalid(key("security"), "at least one of unprotected and protected must be true");
+                return invalid(
+                    key("security"),
+                    "at least one of unprotected and protected must be true",
+                );
             }
             if !security.anonymous && security.users.is_empty() {
-                return invalid(key("security"), "without anonymous there must be at least one user");
+                return invalid(
+                    key("security"),
+                    "without anonymous there must be at least one user",
+                );
             }
         }
         Ok(())
     }
 
-    pub(crate) fn epoch(&self) -> Result<Option<asi_model::DateTime>, asi_model::values::InvalidDateTime> {
+    pub(crate) fn epoch(
+        &self,
+    ) -> Result<Option<asi_model::DateTime>, asi_model::values::InvalidDateTime> {
         self.epoch.as_deref().map(str::parse).transpose()
     }
 

@@ -8,7 +8,8 @@
 //! | `DELETE /machines/{machine}/variables/{key}` | lets it run again |
 //! | `POST /machines/{machine}/faults` `{"fault": "dropConnections"}` | makes the machine fail, see [`Fault`] |
 //!
-//! Keys are the browse names below the machine, as `Spindle.Temperature`. There is no access control.
+//! Keys are the browse names below the machine, as `Spindle.Temperature`. There is no access
+//! control.
 
 use asi_model::{DataValue, Scalar, StatusCode, Variant, values::BuiltInType};
 use axum::{
@@ -44,12 +45,16 @@ impl From<SimulatorError> for Problem {
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let status = match self.0 {
-            SimulatorError::UnknownMachine(_) | SimulatorError::UnknownVariable(_) => HttpStatus::NOT_FOUND,
-            SimulatorError::WrongType { .. } | SimulatorError::NoRelay | SimulatorError::Config(_) => {
-                HttpStatus::UNPROCESSABLE_ENTITY
+            SimulatorError::UnknownMachine(_) | SimulatorError::UnknownVariable(_) => {
+                HttpStatus::NOT_FOUND
             }
+            SimulatorError::WrongType { .. }
+            | SimulatorError::NoRelay
+            | SimulatorError::Config(_) => HttpStatus::UNPROCESSABLE_ENTITY,
             SimulatorError::Down | SimulatorError::Stopped => HttpStatus::SERVICE_UNAVAILABLE,
-            SimulatorError::Listen { .. } | SimulatorError::Server { .. } => HttpStatus::INTERNAL_SERVER_ERROR,
+            SimulatorError::Listen { .. } | SimulatorError::Server { .. } => {
+                HttpStatus::INTERNAL_SERVER_ERROR
+            }
         };
         let body = json!({ "title": self.0.to_string(), "status": status.as_u16() });
         (status, [("content-type", "application/problem+json")], body.to_string()).into_response()
@@ -72,7 +77,10 @@ async fn machines(State(simulator): State<SimulatorHandle>) -> Json<Value> {
     Json(machines.collect())
 }
 
-async fn variables(State(simulator): State<SimulatorHandle>, Path(name): Path<String>) -> Result<Json<Value>, Problem> {
+async fn variables(
+    State(simulator): State<SimulatorHandle>,
+    Path(name): Path<String>,
+) -> Result<Json<Value>, Problem> {
     let machine = machine(&simulator, &name)?;
     let values = machine.values().await?;
     let variables = values.into_iter().map(|(key, built_in, value)| {
@@ -103,9 +111,11 @@ async fn set(
 ) -> Result<Json<Value>, Problem> {
     let machine = machine(&simulator, &name)?;
     let known = machine.values().await?;
-    let built_in = known.into_iter().find(|(known, ..)| *known == key).map(|(_, built_in, _)| built_in);
+    let built_in =
+        known.into_iter().find(|(known, ..)| *known == key).map(|(_, built_in, _)| built_in);
     let built_in = built_in.ok_or_else(|| SimulatorError::UnknownVariable(key.clone()))?;
-    let value = from_json(&new.value, built_in).ok_or(SimulatorError::WrongType { expected: built_in })?;
+    let value =
+        from_json(&new.value, built_in).ok_or(SimulatorError::WrongType { expected: built_in })?;
     let at = machine.set_with_status(&key, value, StatusCode(new.status)).await?;
     Ok(Json(json!({ "sourceTimestamp": at })))
 }
@@ -136,7 +146,9 @@ fn to_json(value: &DataValue) -> Value {
         Scalar::String(text) => json!(text),
         Scalar::LocalizedText(text) => json!(text.text),
         Scalar::DateTime(time) => json!(time),
-        number if number.built_in_type().is_integer() => json!(number.as_i128().and_then(|n| i64::try_from(n).ok())),
+        number if number.built_in_type().is_integer() => {
+            json!(number.as_i128().and_then(|n| i64::try_from(n).ok()))
+        }
         number if number.built_in_type().is_numeric() => json!(number.as_f64()),
         other => json!(format!("{other:?}")),
     };
@@ -153,7 +165,10 @@ fn from_json(value: &Value, wanted: BuiltInType) -> Option<Variant> {
         BuiltInType::Boolean => Scalar::Boolean(value.as_bool()?),
         BuiltInType::String => Scalar::String(Some(value.as_str()?.into())),
         BuiltInType::LocalizedText => {
-            let text = asi_model::values::LocalizedText { locale: None, text: Some(value.as_str()?.into()) };
+            let text = asi_model::values::LocalizedText {
+                locale: None,
+                text: Some(value.as_str()?.into()),
+            };
             Scalar::LocalizedText(Box::new(text))
         }
         BuiltInType::DateTime => Scalar::DateTime(value.as_str()?.parse().ok()?),
@@ -180,7 +195,11 @@ mod tests {
     fn json_becomes_the_variables_type_or_nothing() {
         for (json, wanted, expected) in [
             (json!(7), BuiltInType::UInt32, Some(Variant::from(7_u32))),
-            (json!("9007199254740993"), BuiltInType::UInt64, Some(Variant::from(9_007_199_254_740_993_u64))),
+            (
+                json!("9007199254740993"),
+                BuiltInType::UInt64,
+                Some(Variant::from(9_007_199_254_740_993_u64)),
+            ),
             (json!(1), BuiltInType::Double, Some(Variant::from(1.0))),
             (json!(-1), BuiltInType::UInt32, None),
             (json!(1.5), BuiltInType::Int32, None),

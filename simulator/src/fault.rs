@@ -4,7 +4,12 @@ use serde::{Deserialize, Serialize};
 
 /// A fault. In JSON an object with the member `fault`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "fault", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
+#[serde(
+    tag = "fault",
+    rename_all = "camelCase",
+    rename_all_fields = "camelCase",
+    deny_unknown_fields
+)]
 pub enum Fault {
     /// Heals all faults and starts a killed server again; the layout stays.
     None,
@@ -14,8 +19,8 @@ pub enum Fault {
     HangNetwork,
     /// Values stand still.
     StopUpdating,
-    /// Subscriptions that exist now are told nothing any more, although values go on, reads show them and keep-alives
-    /// are sent. New subscriptions work.
+    /// Subscriptions that exist now are told nothing any more, although values go on, reads show
+    /// them and keep-alives are sent. New subscriptions work.
     StallSubscriptions,
     /// All variables, or one, have this status.
     BadStatus {
@@ -25,7 +30,8 @@ pub enum Fault {
         #[serde(default)]
         variable: Option<String>,
     },
-    /// The machine's clock is wrong: source and server times are ahead by so much (negative: behind).
+    /// The machine's clock is wrong: source and server times are ahead by so much (negative:
+    /// behind).
     WrongClock {
         /// Milliseconds.
         ahead_ms: i64,
@@ -47,8 +53,10 @@ pub enum Fault {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct Layout {
-    /// So many further namespaces come before the machine's (at most 100), and the machine's in reverse order.
+    /// So many further namespaces come before the machine's (at most 100), and the machine's in
+    /// reverse order.
     pub namespaces_before: u16,
-    /// Other than 0: nodes have other ids, and ids that existed before name other nodes where they are numbers.
+    /// Other than 0: nodes have other ids, and ids that existed before name other nodes where they
+    /// are numbers.
     pub renumbered: u32,
 }

@@ -20,8 +20,8 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    Config, Fault, Layout, MachineConfig, SimulatorError, blueprint::Blueprint, machines, relay::Relay,
-    server::MachineServer,
+    Config, Fault, Layout, MachineConfig, SimulatorError, blueprint::Blueprint, machines,
+    relay::Relay, server::MachineServer,
 };
 
 use engine::Engine;
@@ -59,8 +59,10 @@ impl Host {
         epoch: DateTime,
     ) -> Result<(Self, MachineHandle), SimulatorError> {
         let address = SocketAddr::new(simulation.host, config.port);
-        let listen = |error: std::io::Error| SimulatorError::Listen { address, reason: error.to_string() };
-        let listener = TcpListener::bind(address).await.map_err(listen)?.into_std().map_err(listen)?;
+        let listen =
+            |error: std::io::Error| SimulatorError::Listen { address, reason: error.to_string() };
+        let listener =
+            TcpListener::bind(address).await.map_err(listen)?.into_std().map_err(listen)?;
         let public_port = listener.local_addr().map_err(listen)?.port();
         let config = Arc::new(config);
         let blueprint = Arc::new(machines::blueprint(&config));
@@ -74,7 +76,13 @@ impl Host {
             pki_directory: simulation.pki_directory.join(&config.name),
         };
         let mut host = Self {
-            engine: Engine::new(&config, Arc::clone(&blueprint), simulation.seed, simulation.speed, epoch),
+            engine: Engine::new(
+                &config,
+                Arc::clone(&blueprint),
+                simulation.seed,
+                simulation.speed,
+                epoch,
+            ),
             relay: config.relay.then(Relay::new),
             config,
             blueprint,
@@ -155,9 +163,15 @@ impl Host {
         }
     }
 
-    fn set(&mut self, key: &str, value: Variant, status: StatusCode) -> Result<DateTime, SimulatorError> {
+    fn set(
+        &mut self,
+        key: &str,
+        value: Variant,
+        status: StatusCode,
+    ) -> Result<DateTime, SimulatorError> {
         let server = self.server.as_ref().ok_or(SimulatorError::Down)?;
-        let expected = server.built_in(key).ok_or_else(|| SimulatorError::UnknownVariable(key.to_owned()))?;
+        let expected =
+            server.built_in(key).ok_or_else(|| SimulatorError::UnknownVariable(key.to_owned()))?;
         if value.built_in_type().is_some_and(|found| found != expected) {
             return Err(SimulatorError::WrongType { expected });
         }
@@ -196,7 +210,9 @@ impl Host {
                 }
                 None => Err(SimulatorError::Down),
             },
-            Fault::BadStatus { variable: Some(key), .. } if !self.node_ids.read().contains_key(&key) => {
+            Fault::BadStatus { variable: Some(key), .. }
+                if !self.node_ids.read().contains_key(&key) =>
+            {
                 Err(SimulatorError::UnknownVariable(key))
             }
             Fault::BadStatus { status, variable } => {

@@ -1,11 +1,13 @@
 //! Simulated machines: real OPC UA servers for the demo, the tests and the benchmarks.
 //!
-//! - [`machines`] describe what a machine shows and how its values run. Each value is a pure function of seed, machine
-//!   and simulated time, so a run can be repeated.
+//! - [`machines`] describe what a machine shows and how its values run. Each value is a pure
+//!   function of seed, machine and simulated time, so a run can be repeated.
 //! - Values are pushed when they change; nothing is sampled.
-//! - Machines fail on command, see [`Fault`]: through [`MachineHandle`] or the HTTP control interface ([`control`]).
+//! - Machines fail on command, see [`Fault`]: through [`MachineHandle`] or the HTTP control
+//!   interface ([`control`]).
 //!
-//! In tests: [`Simulator::new`] with port 0, [`SimulatorHandle::machine`], [`MachineHandle::endpoint_url`].
+//! In tests: [`Simulator::new`] with port 0, [`SimulatorHandle::machine`],
+//! [`MachineHandle::endpoint_url`].
 
 pub mod blueprint;
 mod config;
@@ -19,7 +21,9 @@ mod server;
 pub mod signals;
 mod simulator;
 
-pub use config::{Config, ConfigError, EXAMPLE, MachineConfig, MachineKind, SecurityConfig, UserConfig};
+pub use config::{
+    Config, ConfigError, EXAMPLE, MachineConfig, MachineKind, SecurityConfig, UserConfig,
+};
 pub use error::SimulatorError;
 pub use fault::{Fault, Layout};
 pub use host::MachineHandle;

@@ -32,9 +32,11 @@ async fn main() -> anyhow::Result<()> {
         std::io::stdout().write_all(EXAMPLE.as_bytes())?;
         return Ok(());
     }
-    let path =
-        arguments.config.context("no configuration: give --config FILE (simulator example-config prints one)")?;
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,opcua=error"));
+    let path = arguments
+        .config
+        .context("no configuration: give --config FILE (simulator example-config prints one)")?;
+    let filter =
+        EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,opcua=error"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
     let config = Config::load(&path)?;
     let (simulator, handle) = Simulator::new(config).await?;

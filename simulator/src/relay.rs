@@ -1,7 +1,7 @@
 //! The network between clients and a machine, which can be broken.
 //!
-//! Clients connect to the relay's address, the server listens elsewhere. So connections can be cut without the server's
-//! goodbye, and hang without anybody noticing.
+//! Clients connect to the relay's address, the server listens elsewhere. So connections can be cut
+//! without the server's goodbye, and hang without anybody noticing.
 
 use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 

@@ -18,7 +18,8 @@ use opcua_stack::{
         crypto::SecurityPolicy,
         nodes::NodeType,
         server::{
-            ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle, ServerUserToken,
+            ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle,
+            ServerUserToken,
             address_space::AddressSpace,
             node_manager::{
                 ServerContext,
@@ -26,8 +27,8 @@ use opcua_stack::{
             },
         },
         types::{
-            AttributeId, DataEncoding, DataValue as StackValue, MessageSecurityMode, NodeId as StackId, NumericRange,
-            TimestampsToReturn,
+            AttributeId, DataEncoding, DataValue as StackValue, MessageSecurityMode,
+            NodeId as StackId, NumericRange, TimestampsToReturn,
         },
     },
     values::{node_id_from_stack, to_stack},
@@ -59,7 +60,8 @@ struct Variable {
 }
 
 impl MachineServer {
-    /// Builds and starts a server; it is reachable when this returns. Clients are told `public_port`.
+    /// Builds and starts a server; it is reachable when this returns. Clients are told
+    /// `public_port`.
     pub(crate) async fn start(
         config: &MachineConfig,
         blueprint: &Arc<Blueprint>,
@@ -71,9 +73,13 @@ impl MachineServer {
         let fail = |reason: String| SimulatorError::Server { machine: config.name.clone(), reason };
         let address = listener.local_addr().map_err(|error| fail(error.to_string()))?;
         let assembled = {
-            let (config, blueprint, pki) = (config.clone(), Arc::clone(blueprint), pki_directory.join(&config.name));
+            let (config, blueprint, pki) =
+                (config.clone(), Arc::clone(blueprint), pki_directory.join(&config.name));
             // Making a key takes seconds without optimisation.
-            tokio::task::spawn_blocking(move || assemble(&config, blueprint, layout, address, public_port, pki)).await
+            tokio::task::spawn_blocking(move || {
+                assemble(&config, blueprint, layout, address, public_port, pki)
+            })
+            .await
         };
         let (server, handle) = assembled.map_err(|error| fail(error.to_string()))?.map_err(fail)?;
         let nodes = handle.node_managers().get_of_type::<InMemoryNodeManager<MachineNodes>>();
@@ -84,7 +90,8 @@ impl MachineServer {
                 tracing::error!(%error, "The server of a machine ended.");
             }
         });
-        // The server says its own port to clients as soon as it runs; theirs is another one behind a relay.
+        // The server says its own port to clients as soon as it runs; theirs is another one behind
+        // a relay.
         while handle.info().port.load(Ordering::Relaxed) == 0 && !task.is_finished() {
             tokio::task::yield_now().await;
         }
@@ -115,9 +122,12 @@ impl MachineServer {
         let variable = self.variables.get(key)?;
         let space = self.nodes.address_space().read();
         let value = match space.find(&variable.id)? {
-            NodeType::Variable(node) => {
-                node.value(TimestampsToReturn::Both, &NumericRange::None, &DataEncoding::Binary, 0.0)
-            }
+            NodeType::Variable(node) => node.value(
+                TimestampsToReturn::Both,
+                &NumericRange::None,
+                &DataEncoding::Binary,
+                0.0,
+            ),
             _ => return None,
         };
         Some(opcua_stack::values::from_stack(value, &self.table))
@@ -144,12 +154,15 @@ impl MachineServer {
                 node.set_data_value(value.clone());
             }
         }
-        // Told under the lock, so that a new item gets either its first value or the notification, in order.
+        // Told under the lock, so that a new item gets either its first value or the notification,
+        // in order.
         let muted = self.nodes.inner().muted();
         let mut notifier = self.handle.subscriptions().data_notifier();
         for (id, value) in values {
             let Some(mut batch) = notifier.notify_for(&id, AttributeId::Value) else { continue };
-            for (handle, _) in batch.entries().filter(|(handle, _)| handle.monitored_item_id > muted) {
+            for (handle, _) in
+                batch.entries().filter(|(handle, _)| handle.monitored_item_id > muted)
+            {
                 batch.data_value_to_item(value.clone(), handle);
             }
         }
@@ -199,9 +212,10 @@ fn assemble(
         .private_key_path("private/private.pem")
         .create_sample_keypair(config.security.protected)
         .trust_client_certs(config.security.trusts_all_clients);
-    let nodes = InMemoryNodeManagerBuilder::new(move |context: ServerContext, space: &mut AddressSpace| {
-        MachineNodes::build(&blueprint, layout, &name, &context, space)
-    });
+    let nodes =
+        InMemoryNodeManagerBuilder::new(move |context: ServerContext, space: &mut AddressSpace| {
+            MachineNodes::build(&blueprint, layout, &name, &context, space)
+        });
     secure(builder, &config.security).with_node_manager(nodes).build()
 }
 
@@ -211,7 +225,8 @@ fn secure(mut builder: ServerBuilder, security: &SecurityConfig) -> ServerBuilde
         users.push(ANONYMOUS_USER_TOKEN_ID.to_owned());
     }
     for user in &security.users {
-        builder = builder.add_user_token(&user.name, ServerUserToken::user_pass(&user.name, &user.password));
+        builder = builder
+            .add_user_token(&user.name, ServerUserToken::user_pass(&user.name, &user.password));
         users.push(user.name.clone());
     }
     if security.unprotected {
@@ -222,7 +237,8 @@ fn secure(mut builder: ServerBuilder, security: &SecurityConfig) -> ServerBuilde
             ("basic256sha256", SecurityPolicy::Basic256Sha256),
             ("aes256sha256rsapss", SecurityPolicy::Aes256Sha256RsaPss),
         ] {
-            let endpoint = ServerEndpoint::new("/", policy, MessageSecurityMode::SignAndEncrypt, &users);
+            let endpoint =
+                ServerEndpoint::new("/", policy, MessageSecurityMode::SignAndEncrypt, &users);
             builder = builder.add_endpoint(id, endpoint);
         }
     }

@@ -12,7 +12,9 @@ pub struct Moment {
 /// A well mixed number for each seed, stream and index (SplitMix64).
 #[must_use]
 pub const fn hash(seed: u64, stream: u64, index: u64) -> u64 {
-    let mut x = seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ index.wrapping_mul(0xD1B5_4A32_D192_ED03);
+    let mut x = seed
+        ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ index.wrapping_mul(0xD1B5_4A32_D192_ED03);
     x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -50,7 +52,8 @@ impl Moment {
 #[must_use]
 pub fn quantised(value: f64, step: f64) -> f64 {
     let steps = (value / step).round();
-    // The reciprocal of a decimal step is exact, the step itself is not: 0.1 * 3 would be 0.30000000000000004.
+    // The reciprocal of a decimal step is exact, the step itself is not: 0.1 * 3 would be
+    // 0.30000000000000004.
     if step < 1.0 { steps / (1.0 / step).round() } else { steps * step }
 }
 
@@ -106,7 +109,8 @@ impl Production {
             parts,
             scrap: scrap(moment.seed, parts),
             cycle_progress,
-            interruption: is_interrupted.then(|| hash(moment.seed, INTERRUPTION_KINDS, index) as u8),
+            interruption: is_interrupted
+                .then(|| hash(moment.seed, INTERRUPTION_KINDS, index) as u8),
             interruptions: index + u64::from(within >= begin),
         }
     }
@@ -172,7 +176,9 @@ mod tests {
 
     #[test]
     fn quantised_values_are_clean_decimals() {
-        for (value, step, expected) in [(0.3000001, 0.1, 0.3), (21.37, 0.05, 21.35), (1234.0, 100.0, 1200.0)] {
+        for (value, step, expected) in
+            [(0.3000001, 0.1, 0.3), (21.37, 0.05, 21.35), (1234.0, 100.0, 1200.0)]
+        {
             assert!((quantised(value, step) - expected).abs() < 1e-12, "{value}");
         }
     }

@@ -41,18 +41,19 @@ impl Simulator {
     /// Binds all addresses and starts all servers. Values begin to change with [`Self::run`].
     ///
     /// # Errors
-    /// [`SimulatorError`] when the configuration is wrong, an address is taken or a server cannot be made.
+    /// [`SimulatorError`] when the configuration is wrong, an address is taken or a server cannot
+    /// be made.
     pub async fn new(config: Config) -> Result<(Self, SimulatorHandle), SimulatorError> {
         config.check().map_err(|error| SimulatorError::Config(error.to_string()))?;
-        let epoch = config.epoch().ok().flatten().unwrap_or_else(|| std::time::SystemTime::now().into());
-        let control = match config.control {
-            Some(address) => Some(
-                TcpListener::bind(address)
-                    .await
-                    .map_err(|error| SimulatorError::Listen { address, reason: error.to_string() })?,
-            ),
-            None => None,
-        };
+        let epoch =
+            config.epoch().ok().flatten().unwrap_or_else(|| std::time::SystemTime::now().into());
+        let control =
+            match config.control {
+                Some(address) => Some(TcpListener::bind(address).await.map_err(|error| {
+                    SimulatorError::Listen { address, reason: error.to_string() }
+                })?),
+                None => None,
+            };
         let mut hosts = Vec::new();
         let mut machines = IndexMap::new();
         for machine in &config.machines {

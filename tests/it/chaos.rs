@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use verbund_tests::chaos::{self, Length};
 
-/// The first rounds of this seed hold kills of every program, an old broker store, a slow and a stalled line.
+/// The first rounds of this seed hold kills of every program, an old broker store, a slow and a
+/// stalled line.
 const SEED: u64 = 1;
 
 #[tokio::test(flavor = "multi_thread")]

@@ -20,7 +20,8 @@ const LICENCES: [&str; 13] = [
     "0BSD",
     "BSL-1.0",
 ];
-/// Licences of single crates that were read and found fit: the CDLA text covers a list of root certificates.
+/// Licences of single crates that were read and found fit: the CDLA text covers a list of root
+/// certificates.
 const LICENCES_OF_DATA: [&str; 2] = ["CDLA-Permissive-2.0", "Unlicense"];
 
 fn metadata() -> Value {
@@ -47,7 +48,11 @@ fn is_allowed(expression: &str) -> bool {
     for (operator, all) in [(" AND ", true), (" OR ", false)] {
         let parts = split_outside_parentheses(expression, operator);
         if parts.len() > 1 {
-            return if all { parts.into_iter().all(is_allowed) } else { parts.into_iter().any(is_allowed) };
+            return if all {
+                parts.into_iter().all(is_allowed)
+            } else {
+                parts.into_iter().any(is_allowed)
+            };
         }
     }
     LICENCES.contains(&expression) || LICENCES_OF_DATA.contains(&expression)
@@ -87,13 +92,15 @@ fn licences_are_permissive_or_mpl() {
         .unwrap()
         .iter()
         .filter(|package| !package["license"].as_str().is_some_and(is_allowed))
-        .map(|package| format!("{} {}: {}", package["name"], package["version"], package["license"]))
+        .map(|package| {
+            format!("{} {}: {}", package["name"], package["version"], package["license"])
+        })
         .collect();
     assert!(unfit.is_empty(), "licences to look at:\n{}", unfit.join("\n"));
 }
 
-/// Which crates may name which heavy dependency: each enters at one place of the product. The tests look at stores and
-/// speak to brokers from outside, past what they test.
+/// Which crates may name which heavy dependency: each enters at one place of the product. The tests
+/// look at stores and speak to brokers from outside, past what they test.
 const ENTRANCES: [(&str, &[&str]); 8] = [
     ("async-opcua", &["opcua-stack"]),
     ("fe2o3-amqp", &["messaging", "broker", "verbund-tests"]),
@@ -108,8 +115,12 @@ const ENTRANCES: [(&str, &[&str]); 8] = [
 #[test]
 fn heavy_dependencies_enter_at_one_place() {
     let metadata = metadata();
-    let members: Vec<&str> =
-        metadata["workspace_members"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let members: Vec<&str> = metadata["workspace_members"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_str)
+        .collect();
     let mut named_by: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for package in metadata["packages"].as_array().unwrap() {
         if members.contains(&package["id"].as_str().unwrap()) {
@@ -125,7 +136,10 @@ fn heavy_dependencies_enter_at_one_place() {
     }
     for (dependency, entrances) in ENTRANCES {
         for member in named_by.get(dependency).into_iter().flatten() {
-            assert!(entrances.contains(member), "{member} names {dependency}, which may enter only at {entrances:?}");
+            assert!(
+                entrances.contains(member),
+                "{member} names {dependency}, which may enter only at {entrances:?}"
+            );
         }
     }
 }
@@ -133,8 +147,14 @@ fn heavy_dependencies_enter_at_one_place() {
 #[test]
 fn cloud_and_plant_never_import_each_other() {
     const PLATFORM: [&str; 2] = ["platform", "broker"];
-    const PLANT: [&str; 6] =
-        ["factory-connector", "twin", "shop-floor", "mapping-engine", "script-protocol", "opcua-stack"];
+    const PLANT: [&str; 6] = [
+        "factory-connector",
+        "twin",
+        "shop-floor",
+        "mapping-engine",
+        "script-protocol",
+        "opcua-stack",
+    ];
     for package in metadata()["packages"].as_array().unwrap() {
         let name = package["name"].as_str().unwrap();
         let forbidden: &[&str] = if PLATFORM.contains(&name) {
@@ -156,7 +176,8 @@ fn cloud_and_plant_never_import_each_other() {
 fn no_machine_path_or_registry_host_is_committed() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     // Assembled, so that this file does not find itself.
-    let hosts = [["crates", "io"], ["npmjs", "org"], ["pypi", "org"], ["debian", "org"]].map(|h| h.join("."));
+    let hosts = [["crates", "io"], ["npmjs", "org"], ["pypi", "org"], ["debian", "org"]]
+        .map(|h| h.join("."));
     let out = Command::new("git").args(["ls-files", "-z"]).current_dir(root).output().unwrap();
     let mut found = Vec::new();
     for file in String::from_utf8(out.stdout).unwrap().split('\0').filter(|f| !f.is_empty()) {

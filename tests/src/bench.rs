@@ -1,5 +1,5 @@
-//! Benchmarks of the whole path: machine, connector, broker, platform, page. Never part of the tests: machines are noisy,
-//! so distributions are printed with a description of the machine.
+//! Benchmarks of the whole path: machine, connector, broker, platform, page. Never part of the
+//! tests: machines are noisy, so distributions are printed with a description of the machine.
 
 mod browsable;
 mod ledger;
@@ -72,7 +72,10 @@ async fn path() -> anyhow::Result<Vec<Value>> {
     let mut results = Vec::new();
     let cast = play(&mut world, &mut Steps::default()).await?;
     let latencies = latency::measure(&world, &cast.platform, CHANGES).await?;
-    results.extend(distribution("value changed on the machine -> on the buyer's live stream", latencies));
+    results.extend(distribution(
+        "value changed on the machine -> on the buyer's live stream",
+        latencies,
+    ));
     let latencies = browsable::measure(&world, &cast.platform, REQUESTS).await?;
     results.extend(distribution("request sent -> nodes browsable in the twin", latencies));
     results.extend(throughput::measure(&mut world, &cast).await?);
@@ -90,7 +93,9 @@ fn distribution(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
     let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;
     [("median", 50), ("90 %", 90), ("99 %", 99), ("slowest", 100)]
         .into_iter()
-        .map(|(what, share)| result(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms"))
+        .map(|(what, share)| {
+            result(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms")
+        })
         .collect()
 }
 
@@ -100,7 +105,8 @@ fn machine() -> String {
     let processor = read("/proc/cpuinfo")
         .lines()
         .find_map(|line| {
-            line.strip_prefix("model name").map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_owned())
+            line.strip_prefix("model name")
+                .map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_owned())
         })
         .unwrap_or_else(|| "unknown processor".to_owned());
     let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);

@@ -1,7 +1,8 @@
-//! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while values flow: programs
-//! killed, lines cut and stalled, stores lost, clocks set, disks full. In the end the stores of both sides are compared:
-//! every report that left is held once, in its order within each lane, with the values it left with, and the ledger
-//! knows of it; and every remark that one side took is on both sides once.
+//! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while
+//! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
+//! end the stores of both sides are compared: every report that left is held once, in its order
+//! within each lane, with the values it left with, and the ledger knows of it; and every remark
+//! that one side took is on both sides once.
 
 mod clock;
 mod copied;
@@ -42,8 +43,8 @@ pub struct Length {
     pub kills: u32,
 }
 
-/// How long everything may take to work again after a round. A peer that is gone without a word is noticed after the
-/// link's own patience, and a login throttle or a backoff may add to it.
+/// How long everything may take to work again after a round. A peer that is gone without a word is
+/// noticed after the link's own patience, and a login throttle or a backoff may add to it.
 const RECOVERY: Duration = Duration::from_secs(120);
 /// How long nothing may have waited to call it the end.
 const QUIET: Duration = Duration::from_secs(5);
@@ -75,7 +76,9 @@ pub async fn run(seed: u64, length: Length, keep: bool) -> anyhow::Result<()> {
 /// Data on a disk that goes away with this run are copied beside it.
 fn save(stage: &Stage) -> anyhow::Result<()> {
     let folder = &stage.world.places.folder;
-    for name in [format!("connector-{MUNICH}"), format!("connector-{HAMBURG}"), "platform".to_owned()] {
+    for name in
+        [format!("connector-{MUNICH}"), format!("connector-{HAMBURG}"), "platform".to_owned()]
+    {
         let copied = std::process::Command::new("cp")
             .arg("-a")
             .args([folder.join(&name), folder.join(format!("{name}-kept"))])
@@ -85,7 +88,13 @@ fn save(stage: &Stage) -> anyhow::Result<()> {
     Ok(())
 }
 
-async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, length: Length) -> anyhow::Result<()> {
+async fn play(
+    stage: &mut Stage,
+    cast: &Cast,
+    steps: &mut Steps,
+    seed: u64,
+    length: Length,
+) -> anyhow::Result<()> {
     steps.run("every writer is kept busy", load::put_on(cast)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
@@ -101,8 +110,11 @@ async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, leng
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
     let took = start.elapsed();
-    steps.run("every report is held once, in order, and in the ledger", judge(stage, &said)).await?;
-    let counts: Vec<_> = stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    steps
+        .run("every report is held once, in order, and in the ledger", judge(stage, &said))
+        .await?;
+    let counts: Vec<_> =
+        stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     say(&format!(
         "\nSeed {seed}: {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
         stage.kills,
@@ -113,7 +125,12 @@ async fn play(stage: &mut Stage, cast: &Cast, steps: &mut Steps, seed: u64, leng
     Ok(())
 }
 
-async fn round(stage: &mut Stage, steps: &mut Steps, number: u32, strikes: &[Strike]) -> anyhow::Result<()> {
+async fn round(
+    stage: &mut Stage,
+    steps: &mut Steps,
+    number: u32,
+    strikes: &[Strike],
+) -> anyhow::Result<()> {
     let told: Vec<_> = strikes.iter().map(|strike| strike.fault.to_string()).collect();
     steps
         .run(&format!("round {number}: {}", told.join(", ")), async {
@@ -152,7 +169,8 @@ async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
 
 async fn received(platform: &Api, factory: &str) -> anyhow::Result<u64> {
     let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
-    let writers = answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+    let writers =
+        answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
     Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
 }
 
@@ -176,7 +194,10 @@ async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
     while quiet_since.elapsed() < QUIET {
         let backlog: Value = connector.get("/api/v1/spool").await?;
         if backlog["waiting"] != 0 || backlog["sent"] != 0 {
-            anyhow::ensure!(!deadline.has_passed(), "not everything was receipted within {RECOVERY:?}: {backlog}");
+            anyhow::ensure!(
+                !deadline.has_passed(),
+                "not everything was receipted within {RECOVERY:?}: {backlog}"
+            );
             quiet_since = Instant::now();
         }
         tokio::time::sleep(Duration::from_millis(100)).await;
@@ -227,6 +248,10 @@ async fn ledger_holds(stage: &Stage, factory: &str) -> anyhow::Result<()> {
         async move { ended.map_err(|e| e.to_string())?.ok_or_else(|| "still running".to_owned()) }
     })
     .await?;
-    anyhow::ensure!(status.success(), "the ledger of {factory} does not hold: {}", verify.log_tail(5));
+    anyhow::ensure!(
+        status.success(),
+        "the ledger of {factory} does not hold: {}",
+        verify.log_tail(5)
+    );
     Ok(())
 }

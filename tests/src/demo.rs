@@ -27,7 +27,8 @@ pub struct Cast {
     pub hamburg: Api,
 }
 
-/// Plays the story up to the point where values flow; each step is left alone where an earlier start took it.
+/// Plays the story up to the point where values flow; each step is left alone where an earlier
+/// start took it.
 ///
 /// # Errors
 /// The first step that fails.
@@ -40,7 +41,9 @@ pub async fn play(world: &mut World, steps: &mut Steps) -> anyhow::Result<Cast> 
         })
         .await?;
     let platform = platform.expect("the step above ended well");
-    steps.run("three organisations found a collaboration", story::found_collaboration(&platform)).await?;
+    steps
+        .run("three organisations found a collaboration", story::found_collaboration(&platform))
+        .await?;
     let mut connectors = Vec::new();
     for factory_id in [MUNICH, HAMBURG] {
         steps
@@ -62,7 +65,12 @@ pub async fn play(world: &mut World, steps: &mut Steps) -> anyhow::Result<Cast> 
     }
     steps.run("the buyer sends the operation network", story::send_network(&platform)).await?;
     for (factory_id, connector) in [MUNICH, HAMBURG].into_iter().zip(&connectors) {
-        steps.run(&format!("{factory_id}: the engineer decides"), story::decide(connector, factory_id)).await?;
+        steps
+            .run(
+                &format!("{factory_id}: the engineer decides"),
+                story::decide(connector, factory_id),
+            )
+            .await?;
     }
     steps.run("values reach the buyer", story::values_flow(&platform)).await?;
     let mut connectors = connectors.into_iter();

@@ -1,11 +1,15 @@
-//! What crosses the parts: the demo, the end-to-end tests, chaos and the benchmarks of the whole path.
+//! What crosses the parts: the demo, the end-to-end tests, chaos and the benchmarks of the whole
+//! path.
 //!
-//! - [`harness`]: starts the real programs in a folder of their own, on free ports, and talks to them from outside.
+//! - [`harness`]: starts the real programs in a folder of their own, on free ports, and talks to
+//!   them from outside.
 //! - [`mod@bench`]: latency and throughput of the whole path.
-//! - [`mod@chaos`]: everything that can go wrong, seeded, and the proof that nothing is lost or doubled.
+//! - [`mod@chaos`]: everything that can go wrong, seeded, and the proof that nothing is lost or
+//!   doubled.
 //! - [`demo`]: the frame order played for a person, or checked without one.
 //! - [`world`]: two factories and a cloud, configured and running.
-//! - [`scenario`]: the frame order that two factories share; the demo, its check and the tests all play it.
+//! - [`scenario`]: the frame order that two factories share; the demo, its check and the tests all
+//!   play it.
 
 pub mod bench;
 pub mod chaos;

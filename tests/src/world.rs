@@ -1,4 +1,5 @@
-//! Two factories and a cloud: every program that takes part in the frame order, in one folder, on ports of its own.
+//! Two factories and a cloud: every program that takes part in the frame order, in one folder, on
+//! ports of its own.
 
 mod copies;
 mod files;
@@ -67,7 +68,12 @@ impl World {
         files::write_all(&places)?;
         let folder = places.folder.clone();
         let config = |name: &str| folder.join(name).display().to_string();
-        let platform = daemon("platform", "platform", &["serve", "--config", &config("platform.toml")], &folder)?;
+        let platform = daemon(
+            "platform",
+            "platform",
+            &["serve", "--config", &config("platform.toml")],
+            &folder,
+        )?;
         let start_factory = |id: &'static str| -> anyhow::Result<Factory> {
             let simulator = daemon(
                 &format!("machines-{id}"),
@@ -95,7 +101,11 @@ impl World {
     ///
     /// # Errors
     /// When the platform refuses the token or the connector does not start.
-    pub async fn start_connector(&mut self, factory_id: &str, token: Option<&str>) -> anyhow::Result<()> {
+    pub async fn start_connector(
+        &mut self,
+        factory_id: &str,
+        token: Option<&str>,
+    ) -> anyhow::Result<()> {
         let folder = self.places.folder.clone();
         let config = folder.join(format!("connector-{factory_id}.toml")).display().to_string();
         let name = format!("connector-{factory_id}");
@@ -115,10 +125,16 @@ impl World {
             )?;
             let status = eventually("enrolling", Duration::from_secs(20), || {
                 let ended = enrol.ended();
-                async move { ended.map_err(|e| e.to_string())?.ok_or_else(|| "still running".to_owned()) }
+                async move {
+                    ended.map_err(|e| e.to_string())?.ok_or_else(|| "still running".to_owned())
+                }
             })
             .await?;
-            anyhow::ensure!(status.success(), "enrolling {factory_id} failed:\n{}", enrol.log_tail(20));
+            anyhow::ensure!(
+                status.success(),
+                "enrolling {factory_id} failed:\n{}",
+                enrol.log_tail(20)
+            );
         }
         let connector = daemon(&name, "factory-connector", &["run", "--config", &config], &folder)?;
         self.factory(factory_id)?.connector = Some(connector);
@@ -132,7 +148,8 @@ impl World {
     pub async fn connector_api(&mut self, factory_id: &str) -> anyhow::Result<Api> {
         let port = self.places.factory(factory_id)?.connector_web;
         let mut api = Api::new(format!("http://127.0.0.1:{port}"))?;
-        let connector = self.factory(factory_id)?.connector.as_mut().context("the connector is not started")?;
+        let connector =
+            self.factory(factory_id)?.connector.as_mut().context("the connector is not started")?;
         ready(&api, connector).await?;
         api.sign_in(ENGINEER, PASSWORD).await?;
         Ok(api)
@@ -202,9 +219,13 @@ async fn ready(api: &Api, daemon: &mut Daemon) -> anyhow::Result<()> {
             if let Ok(Some(status)) = ended {
                 return Ok(Err(status));
             }
-            api.get::<serde_json::Value>("/readyz").await.map(|_| Ok(())).map_err(|e| format!("{e:#}"))
+            api.get::<serde_json::Value>("/readyz")
+                .await
+                .map(|_| Ok(()))
+                .map_err(|e| format!("{e:#}"))
         }
     })
     .await?;
-    outcome.map_err(|status| anyhow::anyhow!("{name} ended with {status}:\n{}", daemon.log_tail(20)))
+    outcome
+        .map_err(|status| anyhow::anyhow!("{name} ended with {status}:\n{}", daemon.log_tail(20)))
 }

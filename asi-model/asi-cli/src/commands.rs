@@ -103,7 +103,11 @@ pub fn run(command: Command, out: &mut dyn Write) -> anyhow::Result<Outcome> {
         Command::Validate { file, factory, json, strict } => {
             let input = Input::read(file.as_deref())?;
             let verdict = validate(&input, factory.as_ref(), strict);
-            if json { print_acknowledgement(&verdict, factory.as_ref(), out) } else { print_verdict(&verdict, out) }
+            if json {
+                print_acknowledgement(&verdict, factory.as_ref(), out)
+            } else {
+                print_verdict(&verdict, out)
+            }
         }
         Command::Convert { file, to, meta_data } => {
             let input = Input::read(file.as_deref())?;
@@ -138,7 +142,13 @@ struct Verdict {
 
 impl Verdict {
     fn of(what: impl Into<String>) -> Self {
-        Self { what: what.into(), faults: Vec::new(), diagnostics: Vec::new(), message: None, rejection: None }
+        Self {
+            what: what.into(),
+            faults: Vec::new(),
+            diagnostics: Vec::new(),
+            message: None,
+            rejection: None,
+        }
     }
 
     const fn outcome(&self) -> Outcome {
@@ -179,11 +189,12 @@ fn validate(input: &Input, factory: Option<&FactoryId>, strict: bool) -> Verdict
                 Err(error) => verdict.faults = vec![pubsub_fault(&error)],
             }
             if strict {
-                let deviations = std::mem::take(&mut verdict.diagnostics).into_iter().map(|diagnostic| Fault {
-                    pointer: diagnostic.pointer,
-                    code: "DEVIATION".to_owned(),
-                    message: diagnostic.message,
-                });
+                let deviations =
+                    std::mem::take(&mut verdict.diagnostics).into_iter().map(|diagnostic| Fault {
+                        pointer: diagnostic.pointer,
+                        code: "DEVIATION".to_owned(),
+                        message: diagnostic.message,
+                    });
                 verdict.faults.extend(deviations);
             }
         }
@@ -194,8 +205,12 @@ fn validate(input: &Input, factory: Option<&FactoryId>, strict: bool) -> Verdict
 fn pubsub_fault(error: &PubSubError) -> Fault {
     let (pointer, code, message) = match error {
         PubSubError::Json(cause) => (String::new(), "NOT_JSON", format!("{error}: {cause}")),
-        PubSubError::Duplicate { pointer } => (pointer.clone(), "DUPLICATE_MEMBER", "The member occurs twice.".into()),
-        PubSubError::Malformed { pointer, message } => (pointer.clone(), "INVALID_VALUE", message.clone()),
+        PubSubError::Duplicate { pointer } => {
+            (pointer.clone(), "DUPLICATE_MEMBER", "The member occurs twice.".into())
+        }
+        PubSubError::Malformed { pointer, message } => {
+            (pointer.clone(), "INVALID_VALUE", message.clone())
+        }
     };
     Fault { pointer, code: code.to_owned(), message }
 }
@@ -237,9 +252,11 @@ fn print_acknowledgement(
             }
         }
         // Without a transport there is no id but ours to refer to.
-        (None, Some(rejection)) => {
-            rejection.into_acknowledgement(new_id(), factory.cloned().map_or_else(unnamed, Ok)?, new_id())
-        }
+        (None, Some(rejection)) => rejection.into_acknowledgement(
+            new_id(),
+            factory.cloned().map_or_else(unnamed, Ok)?,
+            new_id(),
+        ),
         (None, None) => {
             let result = if verdict.faults.is_empty() { "ACCEPTED" } else { "REJECTED" };
             let text = json!({ "result": result, "faultList": verdict.faults });
@@ -252,13 +269,21 @@ fn print_acknowledgement(
     Ok(verdict.outcome())
 }
 
-fn about(message: &PlatformMessage) -> (FactoryId, Option<asi_model::OperationNetworkId>, Option<u64>) {
+fn about(
+    message: &PlatformMessage,
+) -> (FactoryId, Option<asi_model::OperationNetworkId>, Option<u64>) {
     match message {
-        PlatformMessage::OperationNetwork(m) => {
-            (m.factory_id.clone(), Some(m.operation_network.operation_network_id.clone()), Some(m.revision))
+        PlatformMessage::OperationNetwork(m) => (
+            m.factory_id.clone(),
+            Some(m.operation_network.operation_network_id.clone()),
+            Some(m.revision),
+        ),
+        PlatformMessage::Withdraw(m) => {
+            (m.factory_id.clone(), Some(m.operation_network_id.clone()), Some(m.revision))
         }
-        PlatformMessage::Withdraw(m) => (m.factory_id.clone(), Some(m.operation_network_id.clone()), Some(m.revision)),
-        PlatformMessage::Comment(m) => (m.factory_id.clone(), Some(m.operation_network_id.clone()), None),
+        PlatformMessage::Comment(m) => {
+            (m.factory_id.clone(), Some(m.operation_network_id.clone()), None)
+        }
         PlatformMessage::AssetRequest(m) => (m.factory_id.clone(), None, None),
         PlatformMessage::Receipt(m) => (m.factory_id.clone(), None, None),
         PlatformMessage::Lease(m) => (m.factory_id.clone(), None, None),
@@ -268,7 +293,8 @@ fn about(message: &PlatformMessage) -> (FactoryId, Option<asi_model::OperationNe
 fn read_meta_data(file: Option<&Path>) -> anyhow::Result<Option<DataSetMetaData>> {
     let Some(file) = file else { return Ok(None) };
     let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let decoded = decode_described(&bytes, Leniency::Lenient, &()).with_context(|| format!("{}", file.display()))?;
+    let decoded = decode_described(&bytes, Leniency::Lenient, &())
+        .with_context(|| format!("{}", file.display()))?;
     match decoded.message {
         PubSubMessage::MetaData(message) => Ok(Some(message.meta_data)),
         other => bail!("{} is not ua-metadata, but {}", file.display(), other.message_type()),
@@ -329,7 +355,9 @@ fn nodeset(command: NodesetCommand, out: &mut dyn Write) -> anyhow::Result<Outco
     let input = Input::read(file.as_deref())?;
     match validation::parse_any_platform_message(&input.bytes) {
         Ok(PlatformMessage::OperationNetwork(message)) if as_nodes => {
-            out.write_all(node_set::write(&instance::node_set(&Instance::new(&message))).as_bytes())?;
+            out.write_all(
+                node_set::write(&instance::node_set(&Instance::new(&message))).as_bytes(),
+            )?;
             Ok(Outcome::Valid)
         }
         Ok(message) if !as_nodes => {
@@ -346,7 +374,11 @@ fn rejected(rejection: &validation::Rejection) -> anyhow::Result<Outcome> {
     Ok(Outcome::Invalid)
 }
 
-fn explain_message(input: &Input, meta_data: Option<&Path>, out: &mut dyn Write) -> anyhow::Result<Outcome> {
+fn explain_message(
+    input: &Input,
+    meta_data: Option<&Path>,
+    out: &mut dyn Write,
+) -> anyhow::Result<Outcome> {
     let meta_data = read_meta_data(meta_data)?;
     let verdict = validate(input, None, false);
     if verdict.outcome() == Outcome::Invalid {

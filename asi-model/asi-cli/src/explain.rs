@@ -6,7 +6,9 @@ use asi_model::{
     messages::PlatformMessage,
     network::{Operation, OperationKind, OperationNetwork},
     opcua_json::{DataEncoding, encode_variant},
-    pubsub::{DataSetMessage, DataSetMetaData, FieldRepresentation, MetaDataMessage, PubSubMessage},
+    pubsub::{
+        DataSetMessage, DataSetMetaData, FieldRepresentation, MetaDataMessage, PubSubMessage,
+    },
     schedule::Schedule,
     units,
 };
@@ -38,7 +40,9 @@ fn network(network: &OperationNetwork, out: &mut dyn Write) -> anyhow::Result<()
     for (index, found) in network.operation_list.iter().enumerate() {
         writeln!(out, "/operationNetwork/operationList/{index}")?;
         operation(found, out)?;
-        if let Some(times) = schedule.operations.get(index).filter(|times| times.earliest_start.is_some()) {
+        if let Some(times) =
+            schedule.operations.get(index).filter(|times| times.earliest_start.is_some())
+        {
             let slack = times.slack.map_or_else(|| "unknown".to_owned(), |slack| slack.to_string());
             let critical = if times.is_critical { ", on the critical path" } else { "" };
             writeln!(out, "    slack {slack}{critical}")?;
@@ -60,7 +64,11 @@ fn network(network: &OperationNetwork, out: &mut dyn Write) -> anyhow::Result<()
                 (None, Some(duration)) => duration.to_string(),
                 (None, None) => String::new(),
             };
-            writeln!(out, "    condition {}: {:?} {bound}", condition.condition_id, condition.condition_kind)?;
+            writeln!(
+                out,
+                "    condition {}: {:?} {bound}",
+                condition.condition_id, condition.condition_kind
+            )?;
         }
     }
     Ok(())
@@ -69,9 +77,16 @@ fn network(network: &OperationNetwork, out: &mut dyn Write) -> anyhow::Result<()
 fn operation(operation: &Operation, out: &mut dyn Write) -> anyhow::Result<()> {
     let name = operation.name.as_deref().unwrap_or("without name");
     let stub = if operation.stub { ", a stub of another factory's" } else { "" };
-    writeln!(out, "  {} operation {} ({name}){stub}", operation.kind.name(), operation.operation_id)?;
+    writeln!(
+        out,
+        "  {} operation {} ({name}){stub}",
+        operation.kind.name(),
+        operation.operation_id
+    )?;
     match &operation.kind {
-        OperationKind::Production { product_id: Some(product) } => writeln!(out, "    product {product}")?,
+        OperationKind::Production { product_id: Some(product) } => {
+            writeln!(out, "    product {product}")?
+        }
         OperationKind::Inspection { inspected_operation_id: Some(inspected), .. } => {
             writeln!(out, "    inspects {inspected}")?;
         }
@@ -84,10 +99,18 @@ fn operation(operation: &Operation, out: &mut dyn Write) -> anyhow::Result<()> {
         writeln!(out, "    planned from {start} to {end}")?;
     }
     if let Some(quantity) = operation.planned_quantity {
-        writeln!(out, "    planned quantity {quantity} {}", unit(operation.quantity_unit.as_deref()))?;
+        writeln!(
+            out,
+            "    planned quantity {quantity} {}",
+            unit(operation.quantity_unit.as_deref())
+        )?;
     }
     for requirement in &operation.equipment_requirement_list {
-        writeln!(out, "    needs {} ({})", requirement.equipment_type, requirement.equipment_requirement_id)?;
+        writeln!(
+            out,
+            "    needs {} ({})",
+            requirement.equipment_type, requirement.equipment_requirement_id
+        )?;
     }
     for request in &operation.dynamic_data_request_list {
         let recipients: Vec<&str> = request.recipient_list.iter().map(|id| id.as_str()).collect();
@@ -106,7 +129,11 @@ fn operation(operation: &Operation, out: &mut dyn Write) -> anyhow::Result<()> {
             let rank = if field.value_rank == -1 { "" } else { "[]" };
             let semantic = field.semantic.as_ref().map_or("", |semantic| semantic.as_str());
             let unit = unit(field.unit.as_deref());
-            writeln!(out, "      field {}: {}{rank} {unit} {semantic}", field.name, field.field_type.0)?;
+            writeln!(
+                out,
+                "      field {}: {}{rank} {unit} {semantic}",
+                field.name, field.field_type.0
+            )?;
         }
     }
     Ok(())
@@ -115,7 +142,9 @@ fn operation(operation: &Operation, out: &mut dyn Write) -> anyhow::Result<()> {
 fn unit(name: Option<&str>) -> String {
     match name.map(|name| (name, units::lookup(name))) {
         None => String::new(),
-        Some((_, Some(unit))) => format!("{} ({}, {})", unit.display_name, unit.description, unit.code),
+        Some((_, Some(unit))) => {
+            format!("{} ({}, {})", unit.display_name, unit.description, unit.code)
+        }
         Some((name, None)) => name.to_owned(),
     }
 }
@@ -153,8 +182,14 @@ fn data_set_message(
     meta_data: Option<&DataSetMetaData>,
     out: &mut dyn Write,
 ) -> anyhow::Result<()> {
-    let number = |number: Option<u32>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());
-    write!(out, "  {} of writer {}", message.kind.name(), number(message.data_set_writer_id.map(u32::from)))?;
+    let number =
+        |number: Option<u32>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());
+    write!(
+        out,
+        "  {} of writer {}",
+        message.kind.name(),
+        number(message.data_set_writer_id.map(u32::from))
+    )?;
     write!(out, ", sequence number {}", number(message.sequence_number))?;
     if let Some(version) = message.meta_data_version {
         write!(out, ", metadata {}.{}", version.major, version.minor)?;
@@ -164,7 +199,8 @@ fn data_set_message(
     }
     writeln!(out, ", {}", message.status)?;
     for field in &message.fields {
-        let value = String::from_utf8(encode_variant(&field.value.value, DataEncoding::NonReversible104))?;
+        let value =
+            String::from_utf8(encode_variant(&field.value.value, DataEncoding::NonReversible104))?;
         let known = field.value.value.built_in_type();
         let type_name = known.map_or("null", |built_in_type| built_in_type.name());
         write!(out, "    {}: {type_name} {}", field.name, shortened(&value))?;
@@ -225,10 +261,18 @@ pub fn members(message: &Value, out: &mut dyn Write) -> anyhow::Result<()> {
     while let Some((pointer, value)) = open.pop() {
         match value {
             Value::Object(members) if !members.is_empty() => {
-                open.extend(members.iter().rev().map(|(name, value)| (format!("{pointer}/{name}"), value)));
+                open.extend(
+                    members.iter().rev().map(|(name, value)| (format!("{pointer}/{name}"), value)),
+                );
             }
             Value::Array(elements) if !elements.is_empty() => {
-                open.extend(elements.iter().enumerate().rev().map(|(at, value)| (format!("{pointer}/{at}"), value)));
+                open.extend(
+                    elements
+                        .iter()
+                        .enumerate()
+                        .rev()
+                        .map(|(at, value)| (format!("{pointer}/{at}"), value)),
+                );
             }
             value => writeln!(out, "{pointer}: {}", shortened(&value.to_string()))?,
         }

@@ -1,4 +1,5 @@
-//! `asi`: checks, converts and explains the messages of the Activity Status Interface without any server.
+//! `asi`: checks, converts and explains the messages of the Activity Status Interface without any
+//! server.
 //!
 //! Exit codes: 0 all is well, 1 the input is not valid, 2 the command could not be carried out.
 
@@ -48,5 +49,7 @@ fn main() -> ExitCode {
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+    error
+        .downcast_ref::<std::io::Error>()
+        .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

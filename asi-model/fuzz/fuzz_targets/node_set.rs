@@ -9,6 +9,9 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(nodes) = node_set::read(bytes) {
         let _ = instance::to_json(&nodes, "m");
         let written = node_set::write(&nodes);
-        assert!(node_set::read(written.as_bytes()).is_ok(), "our own document is not read: {written}");
+        assert!(
+            node_set::read(written.as_bytes()).is_ok(),
+            "our own document is not read: {written}"
+        );
     }
 });

@@ -1,4 +1,5 @@
-//! Any request is accepted or has faults; an accepted one is accepted again, splits, differs and is scheduled.
+//! Any request is accepted or has faults; an accepted one is accepted again, splits, differs and is
+//! scheduled.
 #![no_main]
 
 use asi_model::{

@@ -1,7 +1,9 @@
 //! Any value is met without panic in both leniencies, and written in all encodings.
 #![no_main]
 
-use asi_model::opcua_json::{DataEncoding, DecodedValue, Leniency, decode_value, encode_data_value, encode_variant};
+use asi_model::opcua_json::{
+    DataEncoding, DecodedValue, Leniency, decode_value, encode_data_value, encode_variant,
+};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -17,7 +19,9 @@ fuzz_target!(|bytes: &[u8]| {
         DataEncoding::Verbose105,
     ] {
         let written = match &value {
-            DecodedValue::Variant(value) | DecodedValue::Bare(value) => encode_variant(value, encoding),
+            DecodedValue::Variant(value) | DecodedValue::Bare(value) => {
+                encode_variant(value, encoding)
+            }
             DecodedValue::DataValue(value) => encode_data_value(value, encoding),
         };
         assert!(std::str::from_utf8(&written).is_ok());

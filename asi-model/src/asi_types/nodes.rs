@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use super::{
-    ASI_MODEL_VERSION, ASI_NAMESPACE_URI, ASI_PUBLICATION_DATE, ENUMERATIONS, Enumeration, Method, OBJECT_TYPES,
-    ObjectType, Part, PartKind, REFERENCE_TYPES, ReferenceSupertype, ValueType, asi, browse_name,
+    ASI_MODEL_VERSION, ASI_NAMESPACE_URI, ASI_PUBLICATION_DATE, ENUMERATIONS, Enumeration, Method,
+    OBJECT_TYPES, ObjectType, Part, PartKind, REFERENCE_TYPES, ReferenceSupertype, ValueType, asi,
+    browse_name,
 };
 use crate::{
     node_set::{Model, Node, NodeClass, NodeSet, ns0},
     values::{
-        Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, NodeId, Scalar, StructureValue, Variant,
+        Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, NodeId, Scalar,
+        StructureValue, Variant,
     },
 };
 
@@ -32,7 +34,8 @@ pub fn node_set() -> NodeSet {
             inverse_name: known.inverse_name.map(ToOwned::to_owned),
         };
         nodes.push(
-            Node::new(asi(known.id), browse_name(known.name, false), class).with_inverse(ns0::HAS_SUBTYPE, supertype),
+            Node::new(asi(known.id), browse_name(known.name, false), class)
+                .with_inverse(ns0::HAS_SUBTYPE, supertype),
         );
     }
     for known in ENUMERATIONS {
@@ -57,15 +60,24 @@ fn add_enumeration(nodes: &mut Vec<Node>, known: &Enumeration) {
     let class = NodeClass::DataType { is_abstract: false, enumeration: fields };
     let node = Node::new(asi(known.id), browse_name(known.name, false), class);
     nodes.push(node.with_inverse(ns0::HAS_SUBTYPE, ns0::ENUMERATION));
-    let names = known
-        .values
-        .iter()
-        .map(|name| Scalar::LocalizedText(Box::new(LocalizedText { locale: None, text: Some(Arc::from(*name)) })));
+    let names = known.values.iter().map(|name| {
+        Scalar::LocalizedText(Box::new(LocalizedText {
+            locale: None,
+            text: Some(Arc::from(*name)),
+        }))
+    });
     let value = array(BuiltInType::LocalizedText, names.collect());
-    let class = NodeClass::Variable { data_type: NodeId::ua(21), value_rank: 1, value, is_writable: false };
-    let property = Node::new(asi(known.id * DECLARATIONS_PER_TYPE + 1), browse_name("EnumStrings", true), class);
+    let class =
+        NodeClass::Variable { data_type: NodeId::ua(21), value_rank: 1, value, is_writable: false };
+    let property = Node::new(
+        asi(known.id * DECLARATIONS_PER_TYPE + 1),
+        browse_name("EnumStrings", true),
+        class,
+    );
     nodes.push(
-        property.with(ns0::HAS_TYPE_DEFINITION, ns0::PROPERTY_TYPE).with_inverse(ns0::HAS_PROPERTY, asi(known.id)),
+        property
+            .with(ns0::HAS_TYPE_DEFINITION, ns0::PROPERTY_TYPE)
+            .with_inverse(ns0::HAS_PROPERTY, asi(known.id)),
     );
 }
 
@@ -80,7 +92,9 @@ fn add_object_type(nodes: &mut Vec<Node>, known: &ObjectType) {
         NodeClass::ObjectType { is_abstract: known.is_abstract },
     );
     node.description = Some(known.description.to_owned());
-    nodes.push(node.with_inverse(ns0::HAS_SUBTYPE, known.supertype.map_or(ns0::BASE_OBJECT_TYPE, asi)));
+    nodes.push(
+        node.with_inverse(ns0::HAS_SUBTYPE, known.supertype.map_or(ns0::BASE_OBJECT_TYPE, asi)),
+    );
     for (number, part) in (1..).zip(known.parts) {
         add_declaration(nodes, known, part, known.id * DECLARATIONS_PER_TYPE + number);
     }
@@ -95,7 +109,9 @@ fn add_declaration(nodes: &mut Vec<Node>, owner: &ObjectType, part: &Part, id: u
     };
     let (class, definition, reference) = match part.kind {
         PartKind::Property(value) => (variable(value), Some(ns0::PROPERTY_TYPE), ns0::HAS_PROPERTY),
-        PartKind::Component(value) => (variable(value), Some(ns0::BASE_DATA_VARIABLE_TYPE), ns0::HAS_COMPONENT),
+        PartKind::Component(value) => {
+            (variable(value), Some(ns0::BASE_DATA_VARIABLE_TYPE), ns0::HAS_COMPONENT)
+        }
         PartKind::Object(id) => (NodeClass::Object, Some(asi(id)), ns0::HAS_COMPONENT),
         PartKind::Method(_) => (NodeClass::Method, None, ns0::HAS_COMPONENT),
     };
@@ -103,7 +119,11 @@ fn add_declaration(nodes: &mut Vec<Node>, owner: &ObjectType, part: &Part, id: u
     if let Some(definition) = definition {
         node = node.with(ns0::HAS_TYPE_DEFINITION, definition);
     }
-    let rule = if part.is_mandatory { ns0::MODELLING_RULE_MANDATORY } else { ns0::MODELLING_RULE_OPTIONAL };
+    let rule = if part.is_mandatory {
+        ns0::MODELLING_RULE_MANDATORY
+    } else {
+        ns0::MODELLING_RULE_OPTIONAL
+    };
     nodes.push(node.with(ns0::HAS_MODELLING_RULE, rule).with_inverse(reference, asi(owner.id)));
     if let PartKind::Method(method) = part.kind {
         add_arguments(nodes, method, id);
@@ -126,14 +146,21 @@ fn add_arguments(nodes: &mut Vec<Node>, method: &Method, method_id: u32) {
             structure.fields.insert("ValueRank".into(), (-1_i32).into());
             structure.fields.insert("ArrayDimensions".into(), Variant::Null);
             let text = LocalizedText { locale: None, text: Some(argument.description.into()) };
-            structure.fields.insert("Description".into(), Scalar::LocalizedText(Box::new(text)).into());
+            structure
+                .fields
+                .insert("Description".into(), Scalar::LocalizedText(Box::new(text)).into());
             Scalar::ExtensionObject(Box::new(ExtensionObject {
                 type_id: NodeId::ua(296).into(),
                 body: ExtensionBody::Structure(structure),
             }))
         });
         let value = array(BuiltInType::ExtensionObject, elements.collect());
-        let class = NodeClass::Variable { data_type: NodeId::ua(296), value_rank: 1, value, is_writable: false };
+        let class = NodeClass::Variable {
+            data_type: NodeId::ua(296),
+            value_rank: 1,
+            value,
+            is_writable: false,
+        };
         nodes.push(
             Node::new(asi(method_id + offset), browse_name(name, true), class)
                 .with(ns0::HAS_TYPE_DEFINITION, ns0::PROPERTY_TYPE)
@@ -173,7 +200,11 @@ mod tests {
         for node in &types.nodes {
             for reference in &node.references {
                 let is_own = reference.target.namespace != crate::values::Namespace::Ua;
-                assert!(!is_own || ids.binary_search(&&reference.target).is_ok(), "{}", reference.target);
+                assert!(
+                    !is_own || ids.binary_search(&&reference.target).is_ok(),
+                    "{}",
+                    reference.target
+                );
             }
         }
     }

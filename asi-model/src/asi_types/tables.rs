@@ -1,11 +1,11 @@
 //! The tables.
 
 use super::{
-    Argument, DYNAMIC_DATA_REQUEST_TYPE, DataType, EQUIPMENT_REQUIREMENT_TYPE, Enumeration, HAS_OPERATION,
-    INSPECTION_OPERATION_TYPE, INTERFACE_TYPE, Method, OPERATION_DEPENDENCY, OPERATION_NETWORK_TYPE,
-    OPERATION_RELATION_TYPE, OPERATION_TYPE, ObjectType, PRODUCTION_OPERATION_TYPE, Part, PartKind,
-    RELATION_CONDITION_TYPE, REPORT_DATA_FORMAT_TYPE, ReferenceSupertype, ReferenceType, TRANSPORTATION_OPERATION_TYPE,
-    ValueType,
+    Argument, DYNAMIC_DATA_REQUEST_TYPE, DataType, EQUIPMENT_REQUIREMENT_TYPE, Enumeration,
+    HAS_OPERATION, INSPECTION_OPERATION_TYPE, INTERFACE_TYPE, Method, OPERATION_DEPENDENCY,
+    OPERATION_NETWORK_TYPE, OPERATION_RELATION_TYPE, OPERATION_TYPE, ObjectType,
+    PRODUCTION_OPERATION_TYPE, Part, PartKind, RELATION_CONDITION_TYPE, REPORT_DATA_FORMAT_TYPE,
+    ReferenceSupertype, ReferenceType, TRANSPORTATION_OPERATION_TYPE, ValueType,
 };
 
 const STRING: DataType = DataType::Standard(12);
@@ -61,12 +61,21 @@ pub static OPERATION_STATE: Enumeration = Enumeration {
     values: &["NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted"],
 };
 /// The period of an update frequency.
-pub static UPDATE_FREQUENCY_UNIT: Enumeration =
-    Enumeration { id: 3006, name: "UpdateFrequencyUnit", values: &["Second", "Minute", "Hour", "Day", "Week"] };
+pub static UPDATE_FREQUENCY_UNIT: Enumeration = Enumeration {
+    id: 3006,
+    name: "UpdateFrequencyUnit",
+    values: &["Second", "Minute", "Hour", "Day", "Week"],
+};
 
 /// All enumerations.
-pub static ENUMERATIONS: [&Enumeration; 6] =
-    [&MAPPING_STATE, &VALUE_SOURCE, &RELATION_TYPE, &CONDITION_KIND, &OPERATION_STATE, &UPDATE_FREQUENCY_UNIT];
+pub static ENUMERATIONS: [&Enumeration; 6] = [
+    &MAPPING_STATE,
+    &VALUE_SOURCE,
+    &RELATION_TYPE,
+    &CONDITION_KIND,
+    &OPERATION_STATE,
+    &UPDATE_FREQUENCY_UNIT,
+];
 
 static EXPORT_NODE_SET: Method = Method {
     inputs: &[],
@@ -79,7 +88,11 @@ static EXPORT_NODE_SET: Method = Method {
 
 static DECIDE: Method = Method {
     inputs: &[
-        Argument { name: "FieldName", data_type: DataType::Standard(12), description: "The report field to decide." },
+        Argument {
+            name: "FieldName",
+            data_type: DataType::Standard(12),
+            description: "The report field to decide.",
+        },
         Argument {
             name: "MappingState",
             data_type: DataType::Enumeration(&MAPPING_STATE),
@@ -164,7 +177,10 @@ pub static OBJECT_TYPES: [ObjectType; 11] = [
         supertype: Some(OPERATION_TYPE),
         is_abstract: false,
         description: "Any quality inspection or test.",
-        parts: &[property("InspectedOperationId", false, STRING), property("Characteristic", false, STRING)],
+        parts: &[
+            property("InspectedOperationId", false, STRING),
+            property("Characteristic", false, STRING),
+        ],
     },
     ObjectType {
         id: TRANSPORTATION_OPERATION_TYPE,
@@ -289,7 +305,11 @@ pub static REFERENCE_TYPES: [ReferenceType; 6] = [
     dependency_model(2006, "StartToFinish", "FinishesAfterStartOf"),
 ];
 
-const fn dependency_model(id: u32, name: &'static str, inverse_name: &'static str) -> ReferenceType {
+const fn dependency_model(
+    id: u32,
+    name: &'static str,
+    inverse_name: &'static str,
+) -> ReferenceType {
     ReferenceType {
         id,
         name,

@@ -12,9 +12,10 @@ use crate::{
     values::{Namespace, NodeId, Scalar, Variant},
 };
 
-/// What the first interface of a node set says, as the JSON of an `operation-network` message; `None` where there is no
-/// interface. Nothing is judged: what is missing among the nodes is missing in the message, for the validation to
-/// find. The factory follows from the namespace, the message id from the caller.
+/// What the first interface of a node set says, as the JSON of an `operation-network` message;
+/// `None` where there is no interface. Nothing is judged: what is missing among the nodes is
+/// missing in the message, for the validation to find. The factory follows from the namespace, the
+/// message id from the caller.
 #[must_use]
 pub fn to_json(node_set: &NodeSet, message_id: &str) -> Option<Value> {
     let graph = Graph::of(node_set);
@@ -27,8 +28,14 @@ pub fn to_json(node_set: &NodeSet, message_id: &str) -> Option<Value> {
     message.insert("messageType".into(), "operation-network".into());
     message.insert("messageId".into(), message_id.into());
     message.insert("factoryId".into(), factory_id.into());
-    copy(&mut message, &graph, interface, &[("collaborationId", "CollaborationId"), ("revision", "Revision")]);
-    let network = graph.children(interface).find(|node| graph.is_of(node, asi_types::OPERATION_NETWORK_TYPE));
+    copy(
+        &mut message,
+        &graph,
+        interface,
+        &[("collaborationId", "CollaborationId"), ("revision", "Revision")],
+    );
+    let network =
+        graph.children(interface).find(|node| graph.is_of(node, asi_types::OPERATION_NETWORK_TYPE));
     if let Some(network) = network {
         message.insert("operationNetwork".into(), graph.network(network, factory_id));
     }
@@ -42,7 +49,8 @@ struct Graph<'n> {
 }
 
 /// The names of an enumeration's values on the wire.
-const RELATION_TYPES: [&str; 4] = ["FINISH_TO_START", "START_TO_START", "FINISH_TO_FINISH", "START_TO_FINISH"];
+const RELATION_TYPES: [&str; 4] =
+    ["FINISH_TO_START", "START_TO_START", "FINISH_TO_FINISH", "START_TO_FINISH"];
 const CONDITION_KINDS: [&str; 6] = [
     "START_NO_EARLIER_THAN",
     "START_NO_LATER_THAN",
@@ -55,18 +63,22 @@ const FREQUENCY_UNITS: [&str; 5] = ["SECOND", "MINUTE", "HOUR", "DAY", "WEEK"];
 
 impl<'n> Graph<'n> {
     fn of(node_set: &'n NodeSet) -> Self {
-        let by_id: HashMap<&NodeId, &Node> = node_set.nodes.iter().map(|node| (&node.node_id, node)).collect();
+        let by_id: HashMap<&NodeId, &Node> =
+            node_set.nodes.iter().map(|node| (&node.node_id, node)).collect();
         let aggregating = [ns0::HAS_PROPERTY, ns0::HAS_COMPONENT, asi(asi_types::HAS_OPERATION)];
         let mut children: HashMap<&NodeId, Vec<&Node>> = HashMap::new();
         let mut seen = HashSet::new();
         for node in &node_set.nodes {
-            for reference in node.references.iter().filter(|r| aggregating.contains(&r.reference_type)) {
+            for reference in
+                node.references.iter().filter(|r| aggregating.contains(&r.reference_type))
+            {
                 let (parent, child) = if reference.is_forward {
                     (&node.node_id, by_id.get(&reference.target).copied())
                 } else {
                     (&reference.target, Some(node))
                 };
-                // The first parent keeps the child: what many parents shared would be told once for each of them.
+                // The first parent keeps the child: what many parents shared would be told once for
+                // each of them.
                 if let Some(child) = child.filter(|child| seen.insert(&child.node_id)) {
                     children.entry(parent).or_default().push(child);
                 }
@@ -87,15 +99,21 @@ impl<'n> Graph<'n> {
         self.children.get(&node.node_id).into_iter().flatten().copied()
     }
 
-    fn children_of_type(&self, node: &Node, type_id: u32) -> impl Iterator<Item = &'n Node> + use<'_, 'n> {
+    fn children_of_type(
+        &self,
+        node: &Node,
+        type_id: u32,
+    ) -> impl Iterator<Item = &'n Node> + use<'_, 'n> {
         self.children(node).filter(move |child| self.is_of(child, type_id))
     }
 
-    /// A part that the model or the standard names; a report field may be called alike in its own namespace.
+    /// A part that the model or the standard names; a report field may be called alike in its own
+    /// namespace.
     fn part(&self, node: &Node, name: &str) -> Option<&'n Node> {
         let names = [browse_name(name, false), browse_name(name, true)];
-        self.children(node)
-            .find(|child| names.contains(&child.browse_name) && matches!(child.class, NodeClass::Variable { .. }))
+        self.children(node).find(|child| {
+            names.contains(&child.browse_name) && matches!(child.class, NodeClass::Variable { .. })
+        })
     }
 
     fn value(&self, node: &Node, name: &str) -> Option<&'n Variant> {
@@ -120,7 +138,11 @@ impl<'n> Graph<'n> {
             &mut network,
             self,
             node,
-            &[("operationNetworkId", "OperationNetworkId"), ("name", "Name"), ("description", "Description")],
+            &[
+                ("operationNetworkId", "OperationNetworkId"),
+                ("name", "Name"),
+                ("description", "Description"),
+            ],
         );
         let operations: Vec<Value> =
             self.children(node).filter_map(|child| self.operation(child, factory_id)).collect();
@@ -161,7 +183,9 @@ impl<'n> Graph<'n> {
                 ("destination", "Destination"),
             ],
         );
-        if let Some(unit) = self.part(node, "PlannedQuantity").and_then(|quantity| self.unit(quantity)) {
+        if let Some(unit) =
+            self.part(node, "PlannedQuantity").and_then(|quantity| self.unit(quantity))
+        {
             operation.insert("quantityUnit".into(), unit);
         }
         if operation.get("owningFactoryId").is_some_and(|owner| owner != factory_id) {
@@ -210,11 +234,19 @@ impl<'n> Graph<'n> {
                 ("updateFrequency", "UpdateFrequency"),
             ],
         );
-        self.named(&mut request, node, "updateFrequencyUnit", "UpdateFrequencyUnit", &FREQUENCY_UNITS);
-        if let Some(format) = self.children_of_type(node, asi_types::REPORT_DATA_FORMAT_TYPE).next() {
+        self.named(
+            &mut request,
+            node,
+            "updateFrequencyUnit",
+            "UpdateFrequencyUnit",
+            &FREQUENCY_UNITS,
+        );
+        if let Some(format) = self.children_of_type(node, asi_types::REPORT_DATA_FORMAT_TYPE).next()
+        {
             let mut object = Map::new();
             copy(&mut object, self, format, &[("reportName", "ReportName")]);
-            let fields: Vec<Value> = self.children(format).filter_map(|child| self.field(child)).collect();
+            let fields: Vec<Value> =
+                self.children(format).filter_map(|child| self.field(child)).collect();
             object.insert("reportFieldList".into(), fields.into());
             request.insert("reportDataFormat".into(), object.into());
         }
@@ -264,8 +296,19 @@ impl<'n> Graph<'n> {
             .children_of_type(node, asi_types::RELATION_CONDITION_TYPE)
             .map(|condition| {
                 let mut object = Map::new();
-                copy(&mut object, self, condition, &[("conditionId", "ConditionId"), ("time", "Time")]);
-                self.named(&mut object, condition, "conditionKind", "ConditionKind", &CONDITION_KINDS);
+                copy(
+                    &mut object,
+                    self,
+                    condition,
+                    &[("conditionId", "ConditionId"), ("time", "Time")],
+                );
+                self.named(
+                    &mut object,
+                    condition,
+                    "conditionKind",
+                    "ConditionKind",
+                    &CONDITION_KINDS,
+                );
                 let millis = self.value(condition, "Duration").and_then(Variant::as_f64);
                 if let Some(duration) = millis.and_then(IsoDuration::from_milliseconds) {
                     object.insert("duration".into(), duration.to_string().into());
@@ -278,9 +321,18 @@ impl<'n> Graph<'n> {
     }
 
     /// An enumeration's value by its name on the wire.
-    fn named(&self, object: &mut Map<String, Value>, node: &Node, member: &str, part: &str, names: &[&str]) {
+    fn named(
+        &self,
+        object: &mut Map<String, Value>,
+        node: &Node,
+        member: &str,
+        part: &str,
+        names: &[&str],
+    ) {
         let value = self.value(node, part).and_then(Variant::as_scalar).and_then(Scalar::as_i128);
-        if let Some(name) = value.and_then(|value| usize::try_from(value).ok()).and_then(|value| names.get(value)) {
+        if let Some(name) =
+            value.and_then(|value| usize::try_from(value).ok()).and_then(|value| names.get(value))
+        {
             object.insert(member.to_owned(), (*name).into());
         }
     }
@@ -299,7 +351,9 @@ fn copy(object: &mut Map<String, Value>, graph: &Graph<'_>, node: &Node, members
 fn plain(value: &Variant) -> Option<Value> {
     match value {
         Variant::Null => None,
-        Variant::Array(array) => array.elements.iter().map(plain_scalar).collect::<Option<Vec<_>>>().map(Value::from),
+        Variant::Array(array) => {
+            array.elements.iter().map(plain_scalar).collect::<Option<Vec<_>>>().map(Value::from)
+        }
         Variant::Scalar(scalar) => plain_scalar(scalar),
     }
 }

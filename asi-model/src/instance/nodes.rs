@@ -10,7 +10,10 @@ use crate::{
     asi_types::{self, Part, PartKind, asi, browse_name, instance_namespace_uri, parts_of_type},
     ids::{OperationId, RequestKey},
     messages::MappingState,
-    network::{DynamicDataRequest, Operation, OperationKind, OperationRelation, RelationCondition, ReportField},
+    network::{
+        DynamicDataRequest, Operation, OperationKind, OperationRelation, RelationCondition,
+        ReportField,
+    },
     node_set::{Model, Node, NodeClass, NodeSet, ns0},
     units,
     values::{Array, BuiltInType, Namespace, NodeId, QualifiedName, Scalar, Variant},
@@ -21,11 +24,18 @@ use crate::{
 pub fn node_set(instance: &Instance<'_>) -> NodeSet {
     let message = instance.message;
     let uri = instance_namespace_uri(&message.factory_id);
-    let mut writer = Writer { instance, uri: uri.clone(), nodes: Vec::new(), operations: HashMap::new() };
+    let mut writer =
+        Writer { instance, uri: uri.clone(), nodes: Vec::new(), operations: HashMap::new() };
     writer.interface();
     let types = asi_types::node_set().models;
-    let model = Model { uri, version: Some(message.revision.to_string()), publication_date: None, required: types };
-    let required = model.required.into_iter().map(|required| Model { required: Vec::new(), ..required });
+    let model = Model {
+        uri,
+        version: Some(message.revision.to_string()),
+        publication_date: None,
+        required: types,
+    };
+    let required =
+        model.required.into_iter().map(|required| Model { required: Vec::new(), ..required });
     let required = std::iter::once(Model::ua()).chain(required).collect();
     NodeSet { models: vec![Model { required, ..model }], nodes: writer.nodes }
 }
@@ -94,7 +104,8 @@ impl Writer<'_> {
         self.nodes.push(node);
     }
 
-    /// EngineeringUnits below a variable that was written last; the variable becomes an AnalogUnitType.
+    /// EngineeringUnits below a variable that was written last; the variable becomes an
+    /// AnalogUnitType.
     fn unit(&mut self, variable: &Path, unit: &str) {
         let Some(unit) = units::lookup(unit) else { return };
         if let Some(node) = self.nodes.last_mut() {
@@ -105,10 +116,19 @@ impl Writer<'_> {
             }
         }
         let value = Variant::Scalar(Scalar::ExtensionObject(Box::new(unit.to_extension_object())));
-        let class = NodeClass::Variable { data_type: ns0::EU_INFORMATION, value_rank: -1, value, is_writable: false };
-        let node = Node::new(self.id(&variable.part("EngineeringUnits")), browse_name("EngineeringUnits", true), class)
-            .with(ns0::HAS_TYPE_DEFINITION, ns0::PROPERTY_TYPE)
-            .with_inverse(ns0::HAS_PROPERTY, self.id(variable));
+        let class = NodeClass::Variable {
+            data_type: ns0::EU_INFORMATION,
+            value_rank: -1,
+            value,
+            is_writable: false,
+        };
+        let node = Node::new(
+            self.id(&variable.part("EngineeringUnits")),
+            browse_name("EngineeringUnits", true),
+            class,
+        )
+        .with(ns0::HAS_TYPE_DEFINITION, ns0::PROPERTY_TYPE)
+        .with_inverse(ns0::HAS_PROPERTY, self.id(variable));
         self.nodes.push(node);
     }
 
@@ -124,11 +144,13 @@ impl Writer<'_> {
         let path = Path::interface(&network.operation_network_id);
         let received = self.instance.received_at;
         let name = self.name(network.operation_network_id.as_str());
-        self.object(&path, name, asi_types::INTERFACE_TYPE, (ns0::ORGANIZES, folder), |part| match part {
-            "CollaborationId" => text(message.collaboration_id.as_str()),
-            "Revision" => Some(message.revision.into()),
-            "ReceivedTime" => received.map(Into::into),
-            _ => None,
+        self.object(&path, name, asi_types::INTERFACE_TYPE, (ns0::ORGANIZES, folder), |part| {
+            match part {
+                "CollaborationId" => text(message.collaboration_id.as_str()),
+                "Revision" => Some(message.revision.into()),
+                "ReceivedTime" => received.map(Into::into),
+                _ => None,
+            }
         });
         let inner = path.part("OperationNetwork");
         let parent = (ns0::HAS_COMPONENT, self.id(&path));
@@ -159,8 +181,11 @@ impl Writer<'_> {
         let parent = (asi(asi_types::HAS_OPERATION), self.id(parent));
         self.object(&path, name, type_id, parent, |part| operation_part(operation, part));
         // A unit without a quantity is kept at a variable without a value.
-        let has_quantity = operation.planned_quantity.is_some() || operation.quantity_unit.is_some();
-        if let Some(part) = parts_of_type(type_id).find(|part| has_quantity && part.name == "PlannedQuantity") {
+        let has_quantity =
+            operation.planned_quantity.is_some() || operation.quantity_unit.is_some();
+        if let Some(part) =
+            parts_of_type(type_id).find(|part| has_quantity && part.name == "PlannedQuantity")
+        {
             self.part(&path, part, operation.planned_quantity.map_or(Variant::Null, Into::into));
             if let Some(unit) = &operation.quantity_unit {
                 self.unit(&path.part(part.name), unit);
@@ -170,13 +195,15 @@ impl Writer<'_> {
             let name = self.name(requirement.equipment_requirement_id.as_str());
             let parent = (ns0::HAS_COMPONENT, self.id(&path));
             let below = path.requirement(&requirement.equipment_requirement_id);
-            self.object(&below, name, asi_types::EQUIPMENT_REQUIREMENT_TYPE, parent, |part| match part {
-                "EquipmentRequirementId" => text(requirement.equipment_requirement_id.as_str()),
-                "EquipmentType" => text(&requirement.equipment_type),
-                "Capability" => optional(requirement.capability.as_deref()),
-                "Quantity" => requirement.quantity.map(Into::into),
-                "AssetId" => requirement.asset_id.as_ref().and_then(|id| text(id.as_str())),
-                _ => None,
+            self.object(&below, name, asi_types::EQUIPMENT_REQUIREMENT_TYPE, parent, |part| {
+                match part {
+                    "EquipmentRequirementId" => text(requirement.equipment_requirement_id.as_str()),
+                    "EquipmentType" => text(&requirement.equipment_type),
+                    "Capability" => optional(requirement.capability.as_deref()),
+                    "Quantity" => requirement.quantity.map(Into::into),
+                    "AssetId" => requirement.asset_id.as_ref().and_then(|id| text(id.as_str())),
+                    _ => None,
+                }
             });
         }
         for request in &operation.dynamic_data_request_list {
@@ -184,9 +211,19 @@ impl Writer<'_> {
         }
     }
 
-    fn request(&mut self, operation_path: &Path, operation: &Operation, request: &DynamicDataRequest) {
+    fn request(
+        &mut self,
+        operation_path: &Path,
+        operation: &Operation,
+        request: &DynamicDataRequest,
+    ) {
         let key = RequestKey {
-            operation_network_id: self.instance.message.operation_network.operation_network_id.clone(),
+            operation_network_id: self
+                .instance
+                .message
+                .operation_network
+                .operation_network_id
+                .clone(),
             operation_id: operation.operation_id.clone(),
             dynamic_data_request_id: request.dynamic_data_request_id.clone(),
         };
@@ -205,7 +242,12 @@ impl Writer<'_> {
             (part == "ReportName").then(|| request.report_data_format.report_name.as_str().into())
         });
         for field in &request.report_data_format.report_field_list {
-            let state = self.instance.fields.get(&key.field(field.name.clone())).cloned().unwrap_or_default();
+            let state = self
+                .instance
+                .fields
+                .get(&key.field(field.name.clone()))
+                .cloned()
+                .unwrap_or_default();
             self.field(&path.field(&field.name), &format, field, &state);
         }
     }
@@ -273,7 +315,11 @@ impl Writer<'_> {
         let arrow = asi(asi_types::dependency(relation.relation_type));
         if let Some(at) = self.operations.get(&relation.predecessor_operation_id) {
             let node = &mut self.nodes[*at];
-            node.references.push(crate::node_set::Reference { reference_type: arrow, target: to, is_forward: true });
+            node.references.push(crate::node_set::Reference {
+                reference_type: arrow,
+                target: to,
+                is_forward: true,
+            });
         }
     }
 }
@@ -283,16 +329,22 @@ fn operation_part(operation: &Operation, part: &str) -> Option<Variant> {
         ("OperationId", _) => text(operation.operation_id.as_str()),
         ("Name", _) => optional(operation.name.as_deref()),
         ("Description", _) => optional(operation.description.as_deref()),
-        ("OwningFactoryId", _) => operation.owning_factory_id.as_ref().and_then(|id| text(id.as_str())),
+        ("OwningFactoryId", _) => {
+            operation.owning_factory_id.as_ref().and_then(|id| text(id.as_str()))
+        }
         ("PlannedStart", _) => operation.planned_start.map(Into::into),
         ("PlannedEnd", _) => operation.planned_end.map(Into::into),
         ("ProductId", OperationKind::Production { product_id }) => optional(product_id.as_deref()),
         ("InspectedOperationId", OperationKind::Inspection { inspected_operation_id, .. }) => {
             inspected_operation_id.as_ref().and_then(|id| text(id.as_str()))
         }
-        ("Characteristic", OperationKind::Inspection { characteristic, .. }) => optional(characteristic.as_deref()),
+        ("Characteristic", OperationKind::Inspection { characteristic, .. }) => {
+            optional(characteristic.as_deref())
+        }
         ("Origin", OperationKind::Transportation { origin, .. }) => optional(origin.as_deref()),
-        ("Destination", OperationKind::Transportation { destination, .. }) => optional(destination.as_deref()),
+        ("Destination", OperationKind::Transportation { destination, .. }) => {
+            optional(destination.as_deref())
+        }
         _ => None,
     }
 }
@@ -306,7 +358,11 @@ fn request_part(request: &DynamicDataRequest, part: &str) -> Option<Variant> {
         "RequesterId" => text(request.requester_id.as_str()),
         "Recipients" => {
             let elements = request.recipient_list.iter().map(|id| id.as_str().into()).collect();
-            Some(Variant::Array(Arc::new(Array { element_type: BuiltInType::String, elements, dimensions: None })))
+            Some(Variant::Array(Arc::new(Array {
+                element_type: BuiltInType::String,
+                elements,
+                dimensions: None,
+            })))
         }
         "Purpose" => text(&request.purpose),
         "ValidFrom" => request.valid_from.map(Into::into),

@@ -1,7 +1,8 @@
 //! The readable NodeIds of an interface's nodes, stable over restarts: `<net>`, `<net>/op/<op>`,
 //! `<net>/op/<op>/eq/<requirement>`, `<net>/op/<op>/req/<req>`, `.../<field>`, `<net>/rel/<rel>`,
-//! `<net>/rel/<rel>/cond/<condition>`; parts with a fixed BrowseName follow after `#`. Inside an id `/`, `#` and `%` are
-//! percent-encoded, and so are blanks at its ends, so that every id has one NodeId and the other way round.
+//! `<net>/rel/<rel>/cond/<condition>`; parts with a fixed BrowseName follow after `#`. Inside an id
+//! `/`, `#` and `%` are percent-encoded, and so are blanks at its ends, so that every id has one
+//! NodeId and the other way round.
 
 use std::{borrow::Cow, fmt};
 
@@ -9,8 +10,8 @@ use crate::{
     FactoryId,
     asi_types::instance_namespace_uri,
     ids::{
-        ConditionId, DynamicDataRequestId, EquipmentRequirementId, FieldName, OperationId, OperationNetworkId,
-        OperationRelationId,
+        ConditionId, DynamicDataRequestId, EquipmentRequirementId, FieldName, OperationId,
+        OperationNetworkId, OperationRelationId,
     },
     values::NodeId,
 };
@@ -20,8 +21,8 @@ pub const FOLDER_ID: &str = "#CollaborativeProcessTwin";
 /// The BrowseName of that folder.
 pub const FOLDER_NAME: &str = "CollaborativeProcessTwin";
 
-/// Appends an id with its separators percent-encoded, and the blanks at its ends: foreign tools trim the NodeIds they
-/// read.
+/// Appends an id with its separators percent-encoded, and the blanks at its ends: foreign tools
+/// trim the NodeIds they read.
 pub fn encode_segment(out: &mut String, id: &str) {
     let inner = id.trim_matches(is_blank);
     // An id of blanks only is all lead.

@@ -17,11 +17,17 @@ fn example(text: &str) -> OperationNetworkMessage {
 
 /// Units are one whichever name they are called by.
 fn normalise(network: &mut OperationNetwork) {
-    let plain = |unit: &mut Option<String>| *unit = unit.as_deref().and_then(units::lookup).map(|unit| unit.alias());
+    let plain = |unit: &mut Option<String>| {
+        *unit = unit.as_deref().and_then(units::lookup).map(|unit| unit.alias())
+    };
     for operation in &mut network.operation_list {
         plain(&mut operation.quantity_unit);
         for request in &mut operation.dynamic_data_request_list {
-            request.report_data_format.report_field_list.iter_mut().for_each(|field| plain(&mut field.unit));
+            request
+                .report_data_format
+                .report_field_list
+                .iter_mut()
+                .for_each(|field| plain(&mut field.unit));
         }
     }
 }
@@ -39,20 +45,29 @@ fn node_sets_are_accepted_in_place_of_json() {
         let mut instance = Instance::new(&message);
         instance.received_at = "2026-01-01T00:00:00Z".parse().ok();
         let (key, _, _) = message.operation_network.fields().next().expect("a field");
-        let state = FieldState { mapping_state: MappingState::Mapped, value: 5_u64.into(), ..FieldState::default() };
+        let state = FieldState {
+            mapping_state: MappingState::Mapped,
+            value: 5_u64.into(),
+            ..FieldState::default()
+        };
         instance.writers.insert(key.request.clone(), 7);
         instance.fields.insert(key, state);
         let nodes = super::node_set(&instance);
         let xml = node_set::write(&nodes);
         assert_eq!(node_set::read(xml.as_bytes()).as_ref(), Ok(&nodes));
-        let read = match parse_platform_message(xml.as_bytes(), &message.factory_id).expect("a valid node set") {
+        let read = match parse_platform_message(xml.as_bytes(), &message.factory_id)
+            .expect("a valid node set")
+        {
             PlatformMessage::OperationNetwork(message) => message,
             other => panic!("{} is no operation network", other.message_type()),
         };
         let mut expected = message.operation_network.clone();
         normalise(&mut expected);
         assert_eq!(read.operation_network, expected);
-        assert_eq!((read.revision, read.collaboration_id), (message.revision, message.collaboration_id.clone()));
+        assert_eq!(
+            (read.revision, read.collaboration_id),
+            (message.revision, message.collaboration_id.clone())
+        );
     }
 }
 
@@ -65,7 +80,10 @@ fn node_ids_are_readable_and_stable() {
         .request(&operation.dynamic_data_request_list[0].dynamic_data_request_id)
         .field(&"progressStatus".parse().expect("valid"));
     assert_eq!(path.as_str(), "net%2F1%23%25/op/MakeFrame1/req/ReqResponse1/progressStatus");
-    assert_eq!(path.part("IsMapped").as_str(), "net%2F1%23%25/op/MakeFrame1/req/ReqResponse1/progressStatus#IsMapped");
+    assert_eq!(
+        path.part("IsMapped").as_str(),
+        "net%2F1%23%25/op/MakeFrame1/req/ReqResponse1/progressStatus#IsMapped"
+    );
     assert_eq!(
         path.node_id(&message.factory_id).to_string(),
         "nsu=urn:verbund:cpt:FOR_MUC;s=net%2F1%23%25/op/MakeFrame1/req/ReqResponse1/progressStatus"

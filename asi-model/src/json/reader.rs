@@ -23,7 +23,9 @@ impl<'a> Reader<'a> {
             bytes,
             at: 0,
             limits,
-            tokens: Vec::with_capacity((bytes.len() / 8 + 4).min(limits.tokens_max.saturating_add(1))),
+            tokens: Vec::with_capacity(
+                (bytes.len() / 8 + 4).min(limits.tokens_max.saturating_add(1)),
+            ),
             duplicates: Vec::new(),
             open: Vec::with_capacity(8),
         }
@@ -66,7 +68,11 @@ impl<'a> Reader<'a> {
             self.value()?;
         }
         self.skip_blanks();
-        if self.at < self.bytes.len() { Err(self.unexpected("the end of the text")) } else { Ok(()) }
+        if self.at < self.bytes.len() {
+            Err(self.unexpected("the end of the text"))
+        } else {
+            Ok(())
+        }
     }
 
     fn peek(&self) -> Option<u8> {
@@ -84,7 +90,13 @@ impl<'a> Reader<'a> {
     }
 
     #[allow(clippy::cast_possible_truncation)] // The length is checked against u32 at the start.
-    fn push(&mut self, kind: Kind, escaped: bool, start: usize, end: usize) -> Result<(), JsonError> {
+    fn push(
+        &mut self,
+        kind: Kind,
+        escaped: bool,
+        start: usize,
+        end: usize,
+    ) -> Result<(), JsonError> {
         if self.tokens.len() >= self.limits.tokens_max {
             return Err(JsonError::TooManyValues { tokens_max: self.limits.tokens_max });
         }
@@ -99,11 +111,20 @@ impl<'a> Reader<'a> {
             Some(b'"') => self.string(),
             Some(byte @ (b'{' | b'[')) => {
                 if self.open.len() >= self.limits.depth_max {
-                    return Err(JsonError::TooDeep { depth_max: self.limits.depth_max, offset: start });
+                    return Err(JsonError::TooDeep {
+                        depth_max: self.limits.depth_max,
+                        offset: start,
+                    });
                 }
                 self.at += 1;
-                let index = u32::try_from(self.tokens.len()).expect("fewer tokens than bytes, which fit");
-                self.push(if byte == b'{' { Kind::Object } else { Kind::Array }, false, start, start)?;
+                let index =
+                    u32::try_from(self.tokens.len()).expect("fewer tokens than bytes, which fit");
+                self.push(
+                    if byte == b'{' { Kind::Object } else { Kind::Array },
+                    false,
+                    start,
+                    start,
+                )?;
                 self.open.push(index);
                 Ok(())
             }
@@ -161,9 +182,13 @@ impl<'a> Reader<'a> {
         let start = self.at;
         let mut escaped = false;
         loop {
-            // Most bytes are plain; a search over the slice is quicker than looking at each through the position.
+            // Most bytes are plain; a search over the slice is quicker than looking at each through
+            // the position.
             let rest = &self.bytes[self.at..];
-            let plain = rest.iter().position(|byte| matches!(byte, b'"' | b'\\' | 0..0x20)).unwrap_or(rest.len());
+            let plain = rest
+                .iter()
+                .position(|byte| matches!(byte, b'"' | b'\\' | 0..0x20))
+                .unwrap_or(rest.len());
             self.at += plain;
             match self.peek() {
                 Some(b'"') => break,
@@ -231,7 +256,8 @@ impl<'a> Reader<'a> {
             count += 1;
             key = self.tokens[key as usize + 1].next;
         }
-        let is_clean = is_plain && count <= FEW && (1..count).all(|index| !few[..index].contains(&few[index]));
+        let is_clean =
+            is_plain && count <= FEW && (1..count).all(|index| !few[..index].contains(&few[index]));
         if is_clean {
             return;
         }
@@ -240,7 +266,11 @@ impl<'a> Reader<'a> {
         while key < end {
             let token = self.tokens[key as usize];
             let raw = &self.bytes[token.start as usize..token.end as usize];
-            let name = if token.escaped { Cow::Owned(unescape(raw).into_bytes()) } else { Cow::Borrowed(raw) };
+            let name = if token.escaped {
+                Cow::Owned(unescape(raw).into_bytes())
+            } else {
+                Cow::Borrowed(raw)
+            };
             if !seen.insert(name) && self.duplicates.len() < DUPLICATES_MAX {
                 self.duplicates.push(key);
             }

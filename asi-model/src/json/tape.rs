@@ -110,14 +110,15 @@ impl<'a> Tape<'a> {
     /// Reads a whole text.
     ///
     /// # Errors
-    /// [`JsonError`] where the text breaks a limit or is not JSON (RFC 8259). Repeated member names are not an error
-    /// here; see [`Self::duplicates`].
+    /// [`JsonError`] where the text breaks a limit or is not JSON (RFC 8259). Repeated member names
+    /// are not an error here; see [`Self::duplicates`].
     pub fn read(bytes: &'a [u8], limits: Limits) -> Result<Self, JsonError> {
         let bytes_max = limits.bytes_max.min(u32::MAX as usize);
         if bytes.len() > bytes_max {
             return Err(JsonError::TooLarge { bytes: bytes.len(), bytes_max });
         }
-        let text = std::str::from_utf8(bytes).map_err(|error| JsonError::NotUtf8 { offset: error.valid_up_to() })?;
+        let text = std::str::from_utf8(bytes)
+            .map_err(|error| JsonError::NotUtf8 { offset: error.valid_up_to() })?;
         let mut reader = Reader::new(bytes, limits);
         reader.read()?;
         Ok(Self { text, tokens: reader.tokens, duplicates: reader.duplicates })
@@ -177,7 +178,8 @@ impl<'a> Tape<'a> {
 /// Longest part of a JSON pointer that is written in full, in characters.
 const POINTER_PART_MAX: usize = 128;
 
-/// Appends a member name to a JSON pointer, escaped as RFC 6901 says; overlong names are cut with `…`.
+/// Appends a member name to a JSON pointer, escaped as RFC 6901 says; overlong names are cut with
+/// `…`.
 fn push_pointer(pointer: &mut String, name: &str) {
     pointer.push('/');
     for (count, c) in name.chars().enumerate() {
@@ -270,7 +272,10 @@ mod tests {
     #[test]
     fn limits_hold() {
         assert!(matches!(read(&"[".repeat(11)), Err(JsonError::TooDeep { offset: 10, .. })));
-        assert!(matches!(read(&format!("[{}1]", "1,".repeat(1000))), Err(JsonError::TooManyValues { .. })));
+        assert!(matches!(
+            read(&format!("[{}1]", "1,".repeat(1000))),
+            Err(JsonError::TooManyValues { .. })
+        ));
         assert!(matches!(Tape::read(&[b'1'; 1 << 21], LIMITS), Err(JsonError::TooLarge { .. })));
         assert_eq!(Tape::read(b"\"\xff\"", LIMITS).err(), Some(JsonError::NotUtf8 { offset: 1 }));
     }
@@ -280,7 +285,10 @@ mod tests {
         let many: Vec<String> = (0..20).map(|n| format!("\"k{n}\":0")).collect();
         for (text, expected) in [
             (r#"{"a":1,"b":2}"#.to_owned(), vec![]),
-            (r#"{"a":1,"b":{"x":[0,{"c":1,"\u0063":2}]},"a":3}"#.to_owned(), vec!["/b/x/1/c", "/a"]),
+            (
+                r#"{"a":1,"b":{"x":[0,{"c":1,"\u0063":2}]},"a":3}"#.to_owned(),
+                vec!["/b/x/1/c", "/a"],
+            ),
             (format!("{{{},\"k7\":1}}", many.join(",")), vec!["/k7"]),
         ] {
             assert_eq!(read(&text).expect("JSON").duplicates().collect::<Vec<_>>(), expected);

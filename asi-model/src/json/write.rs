@@ -1,4 +1,5 @@
-//! Appending JSON to a buffer, without trees and without formatting machinery on the way of every report.
+//! Appending JSON to a buffer, without trees and without formatting machinery on the way of every
+//! report.
 
 use std::io::Write as _;
 
@@ -66,7 +67,8 @@ pub fn signed(out: &mut Vec<u8>, value: i64) {
     unsigned(out, value.unsigned_abs());
 }
 
-/// A number with the fewest digits that read back the same; NaN and infinities as strings (OPC 10000-6 §5.4.2.4).
+/// A number with the fewest digits that read back the same; NaN and infinities as strings (OPC
+/// 10000-6 §5.4.2.4).
 pub fn double(out: &mut Vec<u8>, value: f64) {
     if !write_not_finite(out, value) {
         finite(out, format_args!("{value:?}"));
@@ -113,7 +115,8 @@ pub fn base64(out: &mut Vec<u8>, bytes: &[u8]) {
     out.push(b'"');
 }
 
-/// A time in quotes: RFC 3339 in UTC with up to seven fraction digits; [`DateTime::MIN`] as `0001-01-01T00:00:00Z`.
+/// A time in quotes: RFC 3339 in UTC with up to seven fraction digits; [`DateTime::MIN`] as
+/// `0001-01-01T00:00:00Z`.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // Every part is in range by its modulus.
 pub fn date_time(out: &mut Vec<u8>, time: DateTime) {
     if time == DateTime::MIN {
@@ -150,9 +153,11 @@ fn digits(field: &mut [u8], mut value: u64) {
     }
 }
 
-/// Year, month and day of the Gregorian calendar, from days since 1601-01-01 (which begins a 400-year cycle).
+/// Year, month and day of the Gregorian calendar, from days since 1601-01-01 (which begins a
+/// 400-year cycle).
 fn civil(days: u64) -> (u64, u64, u64) {
-    // Counted from 1600-03-01, so that the leap day ends a year: January and February belong to the year before.
+    // Counted from 1600-03-01, so that the leap day ends a year: January and February belong to the
+    // year before.
     let from_march = days + 306;
     let (era, in_era) = (from_march / 146_097, from_march % 146_097);
     let year_of_era = (in_era - in_era / 1_460 + in_era / 36_524 - in_era / 146_096) / 365;
@@ -164,22 +169,32 @@ fn civil(days: u64) -> (u64, u64, u64) {
     (year, month, day)
 }
 
-/// A time as the hot path meets it, `2019-04-18T18:20:30.1234567Z`; other RFC 3339 forms go the long way.
+/// A time as the hot path meets it, `2019-04-18T18:20:30.1234567Z`; other RFC 3339 forms go the
+/// long way.
 pub(crate) fn parse_date_time(text: &str) -> Option<DateTime> {
     fn number(digits: &[u8]) -> Option<i64> {
-        digits.iter().try_fold(0, |value, digit| digit.is_ascii_digit().then(|| value * 10 + i64::from(digit - b'0')))
+        digits.iter().try_fold(0, |value, digit| {
+            digit.is_ascii_digit().then(|| value * 10 + i64::from(digit - b'0'))
+        })
     }
     let quick = || {
         let bytes = text.as_bytes();
         let (head, tail) = bytes.split_at_checked(19)?;
         let (date, clock) = (&head[..10], &head[11..]);
-        if date[4] != b'-' || date[7] != b'-' || head[10] != b'T' || clock[2] != b':' || clock[5] != b':' {
+        if date[4] != b'-'
+            || date[7] != b'-'
+            || head[10] != b'T'
+            || clock[2] != b':'
+            || clock[5] != b':'
+        {
             return None;
         }
         let (year, month, day) = (number(&date[..4])?, number(&date[5..7])?, number(&date[8..])?);
-        let (hour, minute, second) = (number(&clock[..2])?, number(&clock[3..5])?, number(&clock[6..])?);
+        let (hour, minute, second) =
+            (number(&clock[..2])?, number(&clock[3..5])?, number(&clock[6..])?);
         // Days up to 28 exist in every month; later ones are checked by the thorough reader.
-        if !(1601..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=28).contains(&day) {
+        if !(1601..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=28).contains(&day)
+        {
             return None;
         }
         if hour > 23 || minute > 59 || second > 59 {
@@ -192,9 +207,15 @@ pub(crate) fn parse_date_time(text: &str) -> Option<DateTime> {
             }
             _ => return None,
         };
-        let (years, month) = if month > 2 { (year - 1600, month - 3) } else { (year - 1601, month + 9) };
-        let days = years * 365 + years / 4 - years / 100 + years / 400 + (153 * month + 2) / 5 + day - 1 - 306;
-        Some(DateTime::from_ticks(((days * 86_400 + hour * 3600 + minute * 60 + second) * 10_000_000) + fraction))
+        let (years, month) =
+            if month > 2 { (year - 1600, month - 3) } else { (year - 1601, month + 9) };
+        let days =
+            years * 365 + years / 4 - years / 100 + years / 400 + (153 * month + 2) / 5 + day
+                - 1
+                - 306;
+        Some(DateTime::from_ticks(
+            ((days * 86_400 + hour * 3600 + minute * 60 + second) * 10_000_000) + fraction,
+        ))
     };
     quick().or_else(|| text.parse().ok())
 }
@@ -244,6 +265,9 @@ mod tests {
         assert_eq!(written(|out| double(out, 1e300)), "1e300");
         assert_eq!(written(|out| base64(out, b"abcd")), "\"YWJjZA==\"");
         assert_eq!(parse_date_time("2019-02-30T00:00:00Z"), None);
-        assert_eq!(parse_date_time("2019-01-31T00:00:00Z").map(|t| t.to_string()), Some("2019-01-31T00:00:00Z".into()));
+        assert_eq!(
+            parse_date_time("2019-01-31T00:00:00Z").map(|t| t.to_string()),
+            Some("2019-01-31T00:00:00Z".into())
+        );
     }
 }

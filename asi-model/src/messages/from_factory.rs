@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{lease::LeaseRequest, to_factory::Comment};
 use crate::{
-    ids::{AssetId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationId, OperationNetworkId},
+    ids::{
+        AssetId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationId,
+        OperationNetworkId,
+    },
     values::DateTime,
 };
 
@@ -258,7 +261,8 @@ pub struct HoursStatement {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct AggregateStatement {
-    /// Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over time.
+    /// Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over
+    /// time.
     pub function: String,
     /// Length of a window in milliseconds; windows are multiples of it since 1970.
     pub window_ms: u64,

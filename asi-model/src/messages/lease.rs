@@ -1,4 +1,5 @@
-//! Who speaks for a factory: of all running connectors with its credential, the one that holds the lease.
+//! Who speaks for a factory: of all running connectors with its credential, the one that holds the
+//! lease.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::{from_factory::AssetKind, lease::Lease};
 use crate::{
     ids::{
-        AssetId, CollaborationId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationNetworkId,
-        OrganisationId,
+        AssetId, CollaborationId, DynamicDataRequestId, FactoryId, FieldName, MessageId,
+        OperationNetworkId, OrganisationId,
     },
     network::OperationNetwork,
     values::DateTime,
@@ -134,7 +134,8 @@ pub struct AssetRequest {
     pub valid_until: Option<DateTime>,
 }
 
-/// What the platform holds of a factory's reports. The connector keeps a report until it is receipted.
+/// What the platform holds of a factory's reports. The connector keeps a report until it is
+/// receipted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Receipt {

@@ -52,7 +52,11 @@ pub struct Operation {
 
 /// The three kinds of operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "operationType", rename_all = "SCREAMING_SNAKE_CASE", rename_all_fields = "camelCase")]
+#[serde(
+    tag = "operationType",
+    rename_all = "SCREAMING_SNAKE_CASE",
+    rename_all_fields = "camelCase"
+)]
 pub enum OperationKind {
     /// A value-adding step.
     Production {
@@ -125,8 +129,14 @@ pub enum OperationState {
 
 impl OperationState {
     /// All states, in the order of the standard; the index is the numeric form.
-    pub const ALL: [Self; 6] =
-        [Self::NotAllowedToStart, Self::AllowedToStart, Self::Running, Self::Interrupted, Self::Ended, Self::Aborted];
+    pub const ALL: [Self; 6] = [
+        Self::NotAllowedToStart,
+        Self::AllowedToStart,
+        Self::Running,
+        Self::Interrupted,
+        Self::Ended,
+        Self::Aborted,
+    ];
 
     /// The standard's name.
     #[must_use]
@@ -145,7 +155,10 @@ impl OperationState {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let plain = |text: &str| -> String {
-            text.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
+            text.chars()
+                .filter(char::is_ascii_alphanumeric)
+                .map(|c| c.to_ascii_lowercase())
+                .collect()
         };
         let wanted = plain(name);
         Self::ALL.into_iter().find(|state| plain(state.name()) == wanted)

@@ -75,16 +75,18 @@ impl ConditionKind {
     }
 }
 
-/// An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`). Years and months
-/// have no fixed length and are refused. Digits beyond the microsecond are dropped on reading: as OPC UA's Duration, a
-/// Double of milliseconds, a hundred years stay exact to that.
+/// An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`).
+/// Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
+/// on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(with = "String", extend("format" = "duration"))]
 pub struct IsoDuration(pub Duration);
 
 /// A text is not such a duration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a duration must be ISO 8601 without years and months, as PT8H or P1DT30M, but is {found:?}")]
+#[error(
+    "a duration must be ISO 8601 without years and months, as PT8H or P1DT30M, but is {found:?}"
+)]
 pub struct InvalidDuration {
     /// What was found, cut after 80 characters.
     pub found: String,
@@ -135,7 +137,8 @@ fn parse(text: &str) -> Option<Duration> {
         parts += 1;
         rest = &rest[end + 1..];
     }
-    (parts > 0).then(|| Duration::new((nanos / 1_000_000_000) as u64, (nanos % 1_000_000_000) as u32))
+    (parts > 0)
+        .then(|| Duration::new((nanos / 1_000_000_000) as u64, (nanos % 1_000_000_000) as u32))
 }
 
 impl IsoDuration {
@@ -150,21 +153,26 @@ impl IsoDuration {
     pub fn from_milliseconds(milliseconds: f64) -> Option<Self> {
         let micros = (milliseconds * 1000.0).round();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // The range is checked.
-        (0.0..=SECONDS_MAX * 1e6).contains(&micros).then(|| Self(Duration::from_micros(micros as u64)))
+        (0.0..=SECONDS_MAX * 1e6)
+            .contains(&micros)
+            .then(|| Self(Duration::from_micros(micros as u64)))
     }
 }
 
 impl std::str::FromStr for IsoDuration {
     type Err = InvalidDuration;
     fn from_str(text: &str) -> Result<Self, InvalidDuration> {
-        parse(text).map(Self).ok_or_else(|| InvalidDuration { found: text.chars().take(80).collect() })
+        parse(text)
+            .map(Self)
+            .ok_or_else(|| InvalidDuration { found: text.chars().take(80).collect() })
     }
 }
 
 impl fmt::Display for IsoDuration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (seconds, nanos) = (self.0.as_secs(), self.0.subsec_nanos());
-        let (days, hours, minutes, rest) = (seconds / 86_400, seconds / 3_600 % 24, seconds / 60 % 60, seconds % 60);
+        let (days, hours, minutes, rest) =
+            (seconds / 86_400, seconds / 3_600 % 24, seconds / 60 % 60, seconds % 60);
         f.write_str("P")?;
         if days > 0 {
             write!(f, "{days}D")?;
@@ -197,7 +205,9 @@ impl Serialize for IsoDuration {
 
 impl<'de> Deserialize<'de> for IsoDuration {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        std::borrow::Cow::<'de, str>::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+        std::borrow::Cow::<'de, str>::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
     }
 }
 
@@ -210,9 +220,24 @@ mod tests {
         for text in ["PT8H", "P1DT30M", "PT0S", "PT1.5S", "P14D", "PT1H1M1S"] {
             assert_eq!(text.parse::<IsoDuration>().map(|d| d.to_string()), Ok(text.to_owned()));
         }
-        assert_eq!("PT0.1234567891S".parse::<IsoDuration>().map(|d| d.to_string()), Ok("PT0.123456S".to_owned()));
+        assert_eq!(
+            "PT0.1234567891S".parse::<IsoDuration>().map(|d| d.to_string()),
+            Ok("PT0.123456S".to_owned())
+        );
         assert_eq!("P2W".parse::<IsoDuration>().map(|d| d.to_string()), Ok("P14D".to_owned()));
-        for text in ["", "P", "PT", "P1Y", "P1M", "PT1M1H", "8H", "PT1.5H", "PT1H1H", "P999999999999D", "PT.S"] {
+        for text in [
+            "",
+            "P",
+            "PT",
+            "P1Y",
+            "P1M",
+            "PT1M1H",
+            "8H",
+            "PT1.5H",
+            "PT1H1H",
+            "P999999999999D",
+            "PT.S",
+        ] {
             assert!(text.parse::<IsoDuration>().is_err(), "{text:?}");
         }
     }

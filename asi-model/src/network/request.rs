@@ -1,4 +1,5 @@
-//! Dynamic data requests: what a partner wants to hear about an operation, how often, and in which composition.
+//! Dynamic data requests: what a partner wants to hear about an operation, how often, and in which
+//! composition.
 
 use std::{borrow::Cow, fmt, time::Duration};
 
@@ -156,7 +157,9 @@ impl<'de> Deserialize<'de> for FieldType {
                     .and_then(|id| self.visit_u64(id))
             }
             fn visit_str<E: de::Error>(self, name: &str) -> Result<FieldType, E> {
-                name.parse().map(FieldType).map_err(|()| E::invalid_value(de::Unexpected::Str(name), &self))
+                name.parse()
+                    .map(FieldType)
+                    .map_err(|()| E::invalid_value(de::Unexpected::Str(name), &self))
             }
         }
         deserializer.deserialize_any(Visitor)
@@ -227,7 +230,9 @@ impl std::str::FromStr for Semantic {
         let is_iri = text.split_once(':').is_some_and(|(scheme, rest)| {
             !rest.is_empty()
                 && scheme.starts_with(|c: char| c.is_ascii_alphabetic())
-                && scheme.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'))
+                && scheme
+                    .bytes()
+                    .all(|b| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.'))
         });
         let is_foreign = |c: char| c.is_whitespace() || c.is_control() || is_noncharacter(c);
         if is_iri && text.len() <= 2048 && !text.contains(is_foreign) {
@@ -248,7 +253,10 @@ impl<'de> Deserialize<'de> for Semantic {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = Cow::<'de, str>::deserialize(deserializer)?;
         text.parse().map_err(|()| {
-            de::Error::invalid_value(de::Unexpected::Str(&text), &"a semantic as PRODUCED_QUANTITY, or an IRI")
+            de::Error::invalid_value(
+                de::Unexpected::Str(&text),
+                &"a semantic as PRODUCED_QUANTITY, or an IRI",
+            )
         })
     }
 }

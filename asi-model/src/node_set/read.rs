@@ -76,13 +76,17 @@ pub(super) struct Names {
 
 impl Names {
     fn of(root: &Element) -> Self {
-        let uris = root.child("NamespaceUris").map(|list| list.children.as_slice()).unwrap_or_default();
-        let aliases = root.child("Aliases").map(|list| list.children.as_slice()).unwrap_or_default();
+        let uris =
+            root.child("NamespaceUris").map(|list| list.children.as_slice()).unwrap_or_default();
+        let aliases =
+            root.child("Aliases").map(|list| list.children.as_slice()).unwrap_or_default();
         Self {
             namespaces: uris.iter().map(|uri| Namespace::uri(uri.trimmed())).collect(),
             aliases: aliases
                 .iter()
-                .filter_map(|alias| Some((alias.attribute("Alias")?.to_owned(), alias.trimmed().to_owned())))
+                .filter_map(|alias| {
+                    Some((alias.attribute("Alias")?.to_owned(), alias.trimmed().to_owned()))
+                })
                 .collect(),
         }
     }
@@ -112,12 +116,18 @@ fn model(element: &Element) -> Model {
         uri: element.attribute("ModelUri").unwrap_or_default().to_owned(),
         version: element.attribute("Version").map(ToOwned::to_owned),
         publication_date: element.attribute("PublicationDate").and_then(value::read_time),
-        required: element.children.iter().filter(|child| child.name == "RequiredModel").map(model).collect(),
+        required: element
+            .children
+            .iter()
+            .filter(|child| child.name == "RequiredModel")
+            .map(model)
+            .collect(),
     }
 }
 
 fn failed(element: &Element, message: &str) -> NodeSetError {
-    let node_id = element.attribute("NodeId").unwrap_or("without NodeId").chars().take(120).collect();
+    let node_id =
+        element.attribute("NodeId").unwrap_or("without NodeId").chars().take(120).collect();
     NodeSetError::Node { node_id, message: message.to_owned() }
 }
 
@@ -128,7 +138,8 @@ fn class(element: &Element, names: &Names) -> Option<Result<NodeClass, NodeSetEr
         let text = element.attribute("DataType").unwrap_or("i=24");
         names.node_id(text).ok_or_else(|| failed(element, "the DataType is not a NodeId"))
     };
-    let value_rank = element.attribute("ValueRank").and_then(|rank| rank.parse().ok()).unwrap_or(-1);
+    let value_rank =
+        element.attribute("ValueRank").and_then(|rank| rank.parse().ok()).unwrap_or(-1);
     let is_abstract = flag("IsAbstract");
     Some(Ok(match element.name.as_str() {
         "UAObject" => NodeClass::Object,
@@ -139,7 +150,8 @@ fn class(element: &Element, names: &Names) -> Option<Result<NodeClass, NodeSetEr
                 Ok(id) => id,
                 Err(error) => return Some(Err(error)),
             };
-            let access: u8 = element.attribute("AccessLevel").and_then(|level| level.parse().ok()).unwrap_or(1);
+            let access: u8 =
+                element.attribute("AccessLevel").and_then(|level| level.parse().ok()).unwrap_or(1);
             let content = element.child("Value");
             let value = content.and_then(|content| value::read(content, names));
             NodeClass::Variable {
@@ -162,7 +174,9 @@ fn class(element: &Element, names: &Names) -> Option<Result<NodeClass, NodeSetEr
             is_abstract,
             enumeration: element
                 .child("Definition")
-                .map(|definition| definition.children.iter().filter_map(enumeration_value).collect())
+                .map(|definition| {
+                    definition.children.iter().filter_map(enumeration_value).collect()
+                })
                 .unwrap_or_default(),
         },
         _ => return None,
@@ -183,7 +197,9 @@ fn node(element: &Element, class: NodeClass, names: &Names) -> Result<Node, Node
         .and_then(|name| names.browse_name(name))
         .ok_or_else(|| failed(element, "the BrowseName is missing or malformed"))?;
     let mut references = Vec::new();
-    for reference in element.child("References").map(|list| list.children.as_slice()).unwrap_or_default() {
+    for reference in
+        element.child("References").map(|list| list.children.as_slice()).unwrap_or_default()
+    {
         let reference_type = reference.attribute("ReferenceType").and_then(|id| names.node_id(id));
         let target = names.node_id(reference.trimmed());
         let (Some(reference_type), Some(target)) = (reference_type, target) else {
@@ -197,7 +213,9 @@ fn node(element: &Element, class: NodeClass, names: &Names) -> Result<Node, Node
     }
     let name = browse_name.name.as_deref().unwrap_or_default();
     Ok(Node {
-        display_name: element.child("DisplayName").map_or_else(|| name.to_owned(), |name| name.text.clone()),
+        display_name: element
+            .child("DisplayName")
+            .map_or_else(|| name.to_owned(), |name| name.text.clone()),
         description: element.child("Description").map(|text| text.text.clone()),
         node_id,
         browse_name,

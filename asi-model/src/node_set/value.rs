@@ -10,8 +10,8 @@ use super::{
     xml::{Element, escape},
 };
 use crate::values::{
-    Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, Namespace, QualifiedName, Scalar, StatusCode,
-    StructureType, StructureValue, Variant,
+    Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, Namespace, QualifiedName,
+    Scalar, StatusCode, StructureType, StructureValue, Variant,
 };
 
 /// Calls `visit` for each namespace inside a value.
@@ -39,8 +39,8 @@ fn scalars(value: &Variant) -> &[Scalar] {
     }
 }
 
-/// True for what this form carries: no matrices, no values inside values, no structures but those of namespace 0, and
-/// no null texts, which would come back as empty ones.
+/// True for what this form carries: no matrices, no values inside values, no structures but those
+/// of namespace 0, and no null texts, which would come back as empty ones.
 pub(super) fn is_writable(value: &Variant) -> bool {
     let is_matrix = matches!(value, Variant::Array(array) if array.dimensions.is_some());
     let can_be = |scalar: &Scalar| match scalar {
@@ -63,7 +63,9 @@ pub(super) fn write(out: &mut String, value: &Variant, namespaces: &Namespaces) 
     match value {
         Variant::Null => {}
         Variant::Scalar(scalar) => {
-            element(out, "uax:", scalar.built_in_type().name(), |out| body(out, scalar, "uax:", namespaces));
+            element(out, "uax:", scalar.built_in_type().name(), |out| {
+                body(out, scalar, "uax:", namespaces)
+            });
         }
         Variant::Array(array) => {
             let name = array.element_type.name();
@@ -92,14 +94,23 @@ fn body(out: &mut String, scalar: &Scalar, prefix: &str, namespaces: &Namespaces
             out.push_str(&escape(value.as_deref().unwrap_or_default()))
         }
         Scalar::ByteString(value) => {
-            out.push_str(&base64::engine::general_purpose::STANDARD.encode(value.as_deref().unwrap_or_default()));
+            out.push_str(
+                &base64::engine::general_purpose::STANDARD
+                    .encode(value.as_deref().unwrap_or_default()),
+            );
         }
-        Scalar::Float(value) => out.push_str(&special(f64::from(*value)).unwrap_or_else(|| value.to_string())),
-        Scalar::Double(value) => out.push_str(&special(*value).unwrap_or_else(|| value.to_string())),
+        Scalar::Float(value) => {
+            out.push_str(&special(f64::from(*value)).unwrap_or_else(|| value.to_string()))
+        }
+        Scalar::Double(value) => {
+            out.push_str(&special(*value).unwrap_or_else(|| value.to_string()))
+        }
         Scalar::DateTime(value) => out.push_str(&value.to_string()),
         Scalar::Guid(value) => text(out, prefix, "String", &value.hyphenated().to_string()),
         Scalar::NodeId(value) => text(out, prefix, "Identifier", &namespaces.node_id(value)),
-        Scalar::ExpandedNodeId(value) => text(out, prefix, "Identifier", &namespaces.node_id(&value.node_id)),
+        Scalar::ExpandedNodeId(value) => {
+            text(out, prefix, "Identifier", &namespaces.node_id(&value.node_id))
+        }
         Scalar::StatusCode(value) => text(out, prefix, "Code", &value.0.to_string()),
         Scalar::LocalizedText(value) => {
             if let Some(locale) = &value.locale {
@@ -142,7 +153,9 @@ fn structure(out: &mut String, object: &ExtensionObject, prefix: &str, namespace
         return;
     };
     let xml_encoding = known.encoding_ids.first().unwrap_or(&known.type_id);
-    element(out, prefix, "TypeId", |out| text(out, prefix, "Identifier", &namespaces.node_id(xml_encoding)));
+    element(out, prefix, "TypeId", |out| {
+        text(out, prefix, "Identifier", &namespaces.node_id(xml_encoding))
+    });
     element(out, prefix, "Body", |out| {
         element(out, prefix, &known.name, |out| members(out, value, prefix, namespaces))
     });
@@ -152,10 +165,14 @@ fn members(out: &mut String, value: &StructureValue, prefix: &str, namespaces: &
     for (name, field) in &value.fields {
         match field {
             Variant::Null => {}
-            Variant::Scalar(scalar) => element(out, prefix, name, |out| body(out, scalar, prefix, namespaces)),
+            Variant::Scalar(scalar) => {
+                element(out, prefix, name, |out| body(out, scalar, prefix, namespaces))
+            }
             Variant::Array(array) => element(out, prefix, name, |out| {
                 for scalar in &array.elements {
-                    element(out, prefix, array.element_type.name(), |out| body(out, scalar, prefix, namespaces));
+                    element(out, prefix, array.element_type.name(), |out| {
+                        body(out, scalar, prefix, namespaces)
+                    });
                 }
             }),
         }
@@ -169,7 +186,11 @@ pub(super) fn read(value: &Element, names: &Names) -> Option<Variant> {
         let element_type: BuiltInType = element_name.parse().ok()?;
         let elements: Option<Vec<Scalar>> =
             content.children.iter().map(|child| read_scalar(child, element_type, names)).collect();
-        return Some(Variant::Array(Arc::new(Array { element_type, elements: elements?, dimensions: None })));
+        return Some(Variant::Array(Arc::new(Array {
+            element_type,
+            elements: elements?,
+            dimensions: None,
+        })));
     }
     read_scalar(content, content.name.parse().ok()?, names).map(Variant::Scalar)
 }
@@ -191,22 +212,34 @@ fn read_scalar(element: &Element, built_in_type: BuiltInType, names: &Names) -> 
         T::Guid => Scalar::Guid(element.child("String")?.trimmed().parse().ok()?),
         T::ByteString => {
             let compact: String = trimmed.split_ascii_whitespace().collect();
-            Scalar::ByteString(Some(base64::engine::general_purpose::STANDARD.decode(compact).ok()?.into()))
+            Scalar::ByteString(Some(
+                base64::engine::general_purpose::STANDARD.decode(compact).ok()?.into(),
+            ))
         }
-        #[allow(clippy::cast_possible_truncation)] // A Float was written with the digits of a Float.
+        #[allow(clippy::cast_possible_truncation)]
+        // A Float was written with the digits of a Float.
         T::Float => Scalar::Float(float(trimmed)? as f32),
         T::Double => Scalar::Double(float(trimmed)?),
-        T::NodeId => Scalar::NodeId(Box::new(names.node_id(element.child("Identifier")?.trimmed())?)),
-        T::ExpandedNodeId => {
-            Scalar::ExpandedNodeId(Box::new(names.node_id(element.child("Identifier")?.trimmed())?.into()))
+        T::NodeId => {
+            Scalar::NodeId(Box::new(names.node_id(element.child("Identifier")?.trimmed())?))
         }
-        T::StatusCode => Scalar::StatusCode(StatusCode(element.child("Code")?.trimmed().parse().ok()?)),
+        T::ExpandedNodeId => Scalar::ExpandedNodeId(Box::new(
+            names.node_id(element.child("Identifier")?.trimmed())?.into(),
+        )),
+        T::StatusCode => {
+            Scalar::StatusCode(StatusCode(element.child("Code")?.trimmed().parse().ok()?))
+        }
         T::LocalizedText => {
             let part = |name: &str| element.child(name).map(|part| Arc::from(part.text.as_str()));
-            Scalar::LocalizedText(Box::new(LocalizedText { locale: part("Locale"), text: part("Text") }))
+            Scalar::LocalizedText(Box::new(LocalizedText {
+                locale: part("Locale"),
+                text: part("Text"),
+            }))
         }
         T::QualifiedName => {
-            let index = element.child("NamespaceIndex").map_or(Some(0), |index| index.trimmed().parse().ok())?;
+            let index = element
+                .child("NamespaceIndex")
+                .map_or(Some(0), |index| index.trimmed().parse().ok())?;
             Scalar::QualifiedName(Box::new(QualifiedName {
                 namespace: names.namespace(Namespace::Index(index))?,
                 name: element.child("Name").map(|name| Arc::from(name.text.as_str())),
@@ -232,14 +265,28 @@ fn read_structure(element: &Element, names: &Names) -> Option<ExtensionObject> {
         let value = match content.child(&field.name) {
             None => Variant::Null,
             Some(child) if field.value_rank >= 0 => {
-                let elements: Option<Vec<Scalar>> =
-                    child.children.iter().map(|entry| read_scalar(entry, field.built_in_type, names)).collect();
-                let array = Array { element_type: field.built_in_type, elements: elements?, dimensions: None };
-                if array.elements.is_empty() { Variant::Null } else { Variant::Array(Arc::new(array)) }
+                let elements: Option<Vec<Scalar>> = child
+                    .children
+                    .iter()
+                    .map(|entry| read_scalar(entry, field.built_in_type, names))
+                    .collect();
+                let array = Array {
+                    element_type: field.built_in_type,
+                    elements: elements?,
+                    dimensions: None,
+                };
+                if array.elements.is_empty() {
+                    Variant::Null
+                } else {
+                    Variant::Array(Arc::new(array))
+                }
             }
             Some(child) => Variant::Scalar(read_scalar(child, field.built_in_type, names)?),
         };
         structure.fields.insert(Arc::clone(&field.name), value);
     }
-    Some(ExtensionObject { type_id: known.type_id.clone().into(), body: ExtensionBody::Structure(structure) })
+    Some(ExtensionObject {
+        type_id: known.type_id.clone().into(),
+        body: ExtensionBody::Structure(structure),
+    })
 }

@@ -68,7 +68,9 @@ impl Namespaces {
         match namespace {
             Namespace::Ua => 0,
             Namespace::Index(index) => usize::from(*index),
-            Namespace::Uri(uri) => self.0.iter().position(|known| **known == **uri).map_or(0, |at| at + 1),
+            Namespace::Uri(uri) => {
+                self.0.iter().position(|known| **known == **uri).map_or(0, |at| at + 1)
+            }
         }
     }
 
@@ -143,8 +145,8 @@ fn write_node(out: &mut String, node: &Node, namespaces: &Namespaces) {
             "UADataType"
         }
     };
-    if let NodeClass::Variable { data_type, value_rank, .. } | NodeClass::VariableType { data_type, value_rank, .. } =
-        &node.class
+    if let NodeClass::Variable { data_type, value_rank, .. }
+    | NodeClass::VariableType { data_type, value_rank, .. } = &node.class
     {
         attributes.push_str(&format!(" DataType=\"{}\"", escape(&namespaces.node_id(data_type))));
         if *value_rank != -1 {

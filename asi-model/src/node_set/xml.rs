@@ -29,7 +29,8 @@ impl Element {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// The text without the blanks that XML allows around a token; no others, which may belong to an identifier.
+    /// The text without the blanks that XML allows around a token; no others, which may belong to
+    /// an identifier.
     pub(super) fn trimmed(&self) -> &str {
         self.text.trim_matches([' ', '\t', '\r', '\n'])
     }
@@ -39,9 +40,12 @@ impl Element {
     }
 }
 
-/// Text for element content and attribute values. Characters that XML 1.0 cannot carry are replaced.
+/// Text for element content and attribute values. Characters that XML 1.0 cannot carry are
+/// replaced.
 pub(super) fn escape(text: &str) -> Cow<'_, str> {
-    let is_special = |c: char| matches!(c, '&' | '<' | '>' | '"' | '\'' | '\u{FFFE}' | '\u{FFFF}') || c.is_control();
+    let is_special = |c: char| {
+        matches!(c, '&' | '<' | '>' | '"' | '\'' | '\u{FFFE}' | '\u{FFFF}') || c.is_control()
+    };
     if !text.contains(is_special) {
         return Cow::Borrowed(text);
     }
@@ -53,7 +57,9 @@ pub(super) fn escape(text: &str) -> Cow<'_, str> {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&apos;"),
-            '\t' | '\n' | '\r' | '\u{7F}'..='\u{9F}' => out.push_str(&format!("&#{};", u32::from(c))),
+            '\t' | '\n' | '\r' | '\u{7F}'..='\u{9F}' => {
+                out.push_str(&format!("&#{};", u32::from(c)))
+            }
             '\u{0}'..='\u{1F}' | '\u{FFFE}' | '\u{FFFF}' => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),
         }
@@ -66,7 +72,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
     if bytes.len() > BYTES_MAX {
         return Err(NodeSetError::TooLarge { what: "bytes", count_max: BYTES_MAX });
     }
-    let text = std::str::from_utf8(bytes).map_err(|_| NodeSetError::malformed(0, "the document is not UTF-8"))?;
+    let text = std::str::from_utf8(bytes)
+        .map_err(|_| NodeSetError::malformed(0, "the document is not UTF-8"))?;
     let mut reader = Reader::from_str(text.trim_start_matches('\u{feff}'));
     let mut open = vec![Element::default()];
     let mut count = 0;
@@ -78,12 +85,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
             Event::Start(_) | Event::Empty(_) => {
                 count += 1;
                 if count > ELEMENTS_MAX {
-                    return Err(NodeSetError::TooLarge { what: "elements", count_max: ELEMENTS_MAX });
+                    return Err(NodeSetError::TooLarge {
+                        what: "elements",
+                        count_max: ELEMENTS_MAX,
+                    });
                 }
                 let is_empty = matches!(event, Event::Empty(_));
                 let (Event::Start(start) | Event::Empty(start)) = event else { continue };
-                let mut element = Element { name: start.local_name().as_ref().to_owned(), ..Element::default() };
-                // The reader's own search for repeated attributes takes quadratic time; here the first one counts.
+                let mut element =
+                    Element { name: start.local_name().as_ref().to_owned(), ..Element::default() };
+                // The reader's own search for repeated attributes takes quadratic time; here the
+                // first one counts.
                 for (number, attribute) in start.attributes().with_checks(false).enumerate() {
                     if number == ATTRIBUTES_MAX {
                         let what = "attributes in one element";
@@ -93,12 +105,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
                     let value = attribute
                         .normalized_value(XmlVersion::Implicit1_0)
                         .map_err(|error| malformed(error.to_string()))?;
-                    element.attributes.push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
+                    element
+                        .attributes
+                        .push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
                 }
                 if is_empty {
                     push_child(&mut open, element);
                 } else if open.len() >= DEPTH_MAX {
-                    return Err(NodeSetError::TooLarge { what: "levels of nesting", count_max: DEPTH_MAX });
+                    return Err(NodeSetError::TooLarge {
+                        what: "levels of nesting",
+                        count_max: DEPTH_MAX,
+                    });
                 } else {
                     open.push(element);
                 }
@@ -111,10 +128,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
                     push_child(&mut open, element);
                 }
             }
-            Event::Text(content) => push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0)),
-            Event::CData(content) => push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0)),
+            Event::Text(content) => {
+                push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0))
+            }
+            Event::CData(content) => {
+                push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0))
+            }
             Event::GeneralRef(reference) => {
-                let resolved = reference.resolve_char_ref().map_err(|error| malformed(error.to_string()))?;
+                let resolved =
+                    reference.resolve_char_ref().map_err(|error| malformed(error.to_string()))?;
                 let c = match resolved {
                     Some(c) => c,
                     None => match &*reference.xml_content(XmlVersion::Implicit1_0) {
@@ -128,7 +150,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
                 };
                 push_text(&mut open, c.encode_utf8(&mut [0; 4]));
             }
-            Event::DocType(_) => return Err(malformed("document types are not accepted".to_owned())),
+            Event::DocType(_) => {
+                return Err(malformed("document types are not accepted".to_owned()));
+            }
             Event::Eof => break,
             _ => {}
         }
@@ -136,7 +160,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
     let mut document = open.pop().filter(|_| open.is_empty()).unwrap_or_default();
     match document.children.len() {
         1 => Ok(document.children.remove(0)),
-        _ => Err(NodeSetError::malformed(0, "the document must have exactly one closed root element")),
+        _ => Err(NodeSetError::malformed(
+            0,
+            "the document must have exactly one closed root element",
+        )),
     }
 }
 

@@ -6,9 +6,9 @@ use proptest::prelude::*;
 use uuid::Uuid;
 
 use crate::values::{
-    Array, BuiltInType, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, ExtensionBody, ExtensionObject,
-    Identifier, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Server, StatusCode, StructureField,
-    StructureKind, StructureType, StructureValue, Variant,
+    Array, BuiltInType, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, ExtensionBody,
+    ExtensionObject, Identifier, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Server,
+    StatusCode, StructureField, StructureKind, StructureType, StructureValue, Variant,
 };
 
 pub(crate) fn range(low: f64, high: f64) -> ExtensionObject {
@@ -28,13 +28,15 @@ pub(crate) fn described() -> Vec<StructureType> {
         fields,
     };
     use BuiltInType as T;
-    let power = ["SecondsAggregated", "WattsMin", "WattsMax"].map(|name| StructureField::scalar(name, T::Double));
+    let power = ["SecondsAggregated", "WattsMin", "WattsMax"]
+        .map(|name| StructureField::scalar(name, T::Double));
     let optional = vec![
         StructureField { is_optional: true, ..StructureField::scalar("A", T::Int32) },
         StructureField::scalar("B", T::String),
         StructureField { is_optional: true, ..StructureField::scalar("C", T::UInt64) },
     ];
-    let union = vec![StructureField::scalar("Number", T::Int32), StructureField::scalar("Text", T::String)];
+    let union =
+        vec![StructureField::scalar("Number", T::Int32), StructureField::scalar("Text", T::String)];
     let nested = vec![
         StructureField::structure("Range", NodeId::ua(884)),
         StructureField::scalar("Any", T::Variant),
@@ -95,8 +97,10 @@ pub(crate) fn diagnostic_info() -> impl Strategy<Value = DiagnosticInfo> {
             inner_diagnostic_info: None,
         });
     let leaf = leaf.boxed();
-    (leaf.clone(), proptest::option::of(leaf))
-        .prop_map(|(outer, inner)| DiagnosticInfo { inner_diagnostic_info: inner.map(Box::new), ..outer })
+    (leaf.clone(), proptest::option::of(leaf)).prop_map(|(outer, inner)| DiagnosticInfo {
+        inner_diagnostic_info: inner.map(Box::new),
+        ..outer
+    })
 }
 
 /// Finite numbers, and both infinities; NaN is no equal of itself.
@@ -120,22 +124,29 @@ pub(crate) fn plain_scalar() -> impl Strategy<Value = Scalar> {
         proptest::option::of(arc_text()).prop_map(Scalar::String),
         date_time().prop_map(Scalar::DateTime),
         any::<u128>().prop_map(|bits| Scalar::Guid(Uuid::from_u128(bits))),
-        proptest::option::of(any::<Vec<u8>>()).prop_map(|bytes| Scalar::ByteString(bytes.map(Arc::from))),
+        proptest::option::of(any::<Vec<u8>>())
+            .prop_map(|bytes| Scalar::ByteString(bytes.map(Arc::from))),
         proptest::option::of(arc_text()).prop_map(Scalar::XmlElement),
         node_id().prop_map(|id| Scalar::NodeId(Box::new(id))),
         (
             node_id(),
-            prop_oneof![Just(Server::Local), (1_u32..).prop_map(Server::Index), arc_text().prop_map(Server::Uri)]
+            prop_oneof![
+                Just(Server::Local),
+                (1_u32..).prop_map(Server::Index),
+                arc_text().prop_map(Server::Uri)
+            ]
         )
-            .prop_map(|(node_id, server)| Scalar::ExpandedNodeId(Box::new(ExpandedNodeId { node_id, server }))),
+            .prop_map(|(node_id, server)| Scalar::ExpandedNodeId(Box::new(
+                ExpandedNodeId { node_id, server }
+            ))),
         any::<u32>().prop_map(|code| Scalar::StatusCode(StatusCode(code))),
-        (namespace(), arc_text()).prop_map(|(namespace, name)| Scalar::QualifiedName(Box::new(QualifiedName {
-            namespace,
-            name: Some(name)
-        }))),
+        (namespace(), arc_text()).prop_map(|(namespace, name)| Scalar::QualifiedName(Box::new(
+            QualifiedName { namespace, name: Some(name) }
+        ))),
         Just(Scalar::QualifiedName(Box::default())),
-        (proptest::option::of(arc_text()), proptest::option::of(arc_text()))
-            .prop_map(|(locale, text)| Scalar::LocalizedText(Box::new(LocalizedText { locale, text }))),
+        (proptest::option::of(arc_text()), proptest::option::of(arc_text())).prop_map(
+            |(locale, text)| Scalar::LocalizedText(Box::new(LocalizedText { locale, text }))
+        ),
         diagnostic_info().prop_map(|info| Scalar::DiagnosticInfo(Box::new(info))),
     ]
 }
@@ -149,7 +160,9 @@ pub(crate) fn structure_of(
     let mut structure = StructureValue::default();
     let mut fields = description.fields.iter().zip(values);
     match description.kind {
-        StructureKind::Plain => structure.fields = fields.map(|(field, value)| (field.name.clone(), value)).collect(),
+        StructureKind::Plain => {
+            structure.fields = fields.map(|(field, value)| (field.name.clone(), value)).collect()
+        }
         StructureKind::WithOptionalFields => {
             let mut bit = 0;
             let mut present = 0;
@@ -169,16 +182,22 @@ pub(crate) fn structure_of(
         StructureKind::Union => {
             let switch = switch % (u32::try_from(description.fields.len()).expect("few") + 1);
             structure.switch_field = Some(switch);
-            if let Some((field, value)) = fields.nth((switch as usize).wrapping_sub(1)).filter(|_| switch > 0) {
+            if let Some((field, value)) =
+                fields.nth((switch as usize).wrapping_sub(1)).filter(|_| switch > 0)
+            {
                 structure.fields.insert(field.name.clone(), value);
             }
         }
     }
-    ExtensionObject { type_id: description.type_id.clone().into(), body: ExtensionBody::Structure(structure) }
+    ExtensionObject {
+        type_id: description.type_id.clone().into(),
+        body: ExtensionBody::Structure(structure),
+    }
 }
 
 pub(crate) fn extension_object() -> impl Strategy<Value = ExtensionObject> {
-    let values = (any::<[i32; 3]>(), double(), double(), any::<u64>(), any::<Vec<i64>>(), arc_text());
+    let values =
+        (any::<[i32; 3]>(), double(), double(), any::<u64>(), any::<Vec<i64>>(), arc_text());
     let structured = (0..6_usize, values, any::<u32>(), any::<u32>()).prop_map(
         |(which, (ints, low, high, unsigned, numbers, text), mask, switch)| {
             let types = described();
@@ -209,11 +228,17 @@ pub(crate) fn extension_object() -> impl Strategy<Value = ExtensionObject> {
     let unknown = NodeId::string("urn:nobody", "knows");
     let opaque = any::<Vec<u8>>().prop_map({
         let unknown = unknown.clone();
-        move |bytes| ExtensionObject { type_id: unknown.clone().into(), body: ExtensionBody::Binary(bytes.into()) }
+        move |bytes| ExtensionObject {
+            type_id: unknown.clone().into(),
+            body: ExtensionBody::Binary(bytes.into()),
+        }
     });
     let xml = arc_text().prop_map({
         let unknown = unknown.clone();
-        move |text| ExtensionObject { type_id: unknown.clone().into(), body: ExtensionBody::Xml(text) }
+        move |text| ExtensionObject {
+            type_id: unknown.clone().into(),
+            body: ExtensionBody::Xml(text),
+        }
     });
     let json = any::<i32>().prop_map(move |number| ExtensionObject {
         type_id: unknown.clone().into(),
@@ -238,12 +263,16 @@ pub(crate) fn scalar() -> impl Strategy<Value = Scalar> {
 }
 
 /// A scalar, an array or a matrix.
-pub(crate) fn array_of(scalar: impl Strategy<Value = Scalar> + Clone + 'static) -> impl Strategy<Value = Variant> {
-    let matrix = (proptest::collection::vec(1_u32..4, 2..4), scalar.clone()).prop_map(|(dimensions, scalar)| {
-        let count = dimensions.iter().product::<u32>() as usize;
-        let elements = vec![scalar.clone(); count];
-        Array { element_type: scalar.built_in_type(), elements, dimensions: Some(dimensions) }
-    });
+pub(crate) fn array_of(
+    scalar: impl Strategy<Value = Scalar> + Clone + 'static,
+) -> impl Strategy<Value = Variant> {
+    let matrix = (proptest::collection::vec(1_u32..4, 2..4), scalar.clone()).prop_map(
+        |(dimensions, scalar)| {
+            let count = dimensions.iter().product::<u32>() as usize;
+            let elements = vec![scalar.clone(); count];
+            Array { element_type: scalar.built_in_type(), elements, dimensions: Some(dimensions) }
+        },
+    );
     let list = (scalar.clone(), 0_usize..5).prop_map(|(scalar, count)| Array {
         element_type: scalar.built_in_type(),
         elements: vec![scalar; count],
@@ -259,7 +288,9 @@ pub(crate) fn variant() -> impl Strategy<Value = Variant> {
     prop_oneof![1 => Just(Variant::Null), 20 => array_of(scalar().boxed())]
 }
 
-pub(crate) fn data_value(value: impl Strategy<Value = Variant>) -> impl Strategy<Value = DataValue> {
+pub(crate) fn data_value(
+    value: impl Strategy<Value = Variant>,
+) -> impl Strategy<Value = DataValue> {
     let time = || (date_time(), 0_u16..10_000);
     (value, any::<u32>(), proptest::option::of(time()), proptest::option::of(time())).prop_map(
         |(value, status, source, server)| DataValue {

@@ -6,13 +6,16 @@ use super::{Diagnostic, Leniency, Mismatch, shape::Shape};
 use crate::{
     json::{Kind, Node},
     pubsub::FieldMetaData,
-    values::{BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField, StructureType, Variant},
+    values::{
+        BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
+        StructureType, Variant,
+    },
 };
 
 /// How many diagnostics one input yields at most.
 const DIAGNOSTICS_MAX: usize = 64;
-/// How many structure fields one input yields at most, defaults of absent ones included: `[{},{},…]` under a foreign
-/// description is short to write and long to fill in.
+/// How many structure fields one input yields at most, defaults of absent ones included:
+/// `[{},{},…]` under a foreign description is short to write and long to fill in.
 const STRUCTURE_FIELDS_MAX: usize = 500_000;
 
 /// A value and the form in which it came.
@@ -27,8 +30,9 @@ pub enum DecodedValue {
 }
 
 impl DecodedValue {
-    /// The value with its quality. A Bad status code that stands in a value's place, and a data value inside a
-    /// variant, are what OPC 10000-14 §6.2.4.2 makes of values that are not Good; they become a value's quality again.
+    /// The value with its quality. A Bad status code that stands in a value's place, and a data
+    /// value inside a variant, are what OPC 10000-14 §6.2.4.2 makes of values that are not Good;
+    /// they become a value's quality again.
     #[must_use]
     pub fn into_data_value(self) -> DataValue {
         match self {
@@ -52,20 +56,29 @@ pub(crate) struct TypeHint<'h> {
 
 impl<'h> From<&'h FieldMetaData> for TypeHint<'h> {
     fn from(field: &'h FieldMetaData) -> Self {
-        Self { built_in_type: field.built_in_type, data_type: &field.data_type, value_rank: field.value_rank }
+        Self {
+            built_in_type: field.built_in_type,
+            data_type: &field.data_type,
+            value_rank: field.value_rank,
+        }
     }
 }
 
 impl<'h> From<&'h StructureField> for TypeHint<'h> {
     fn from(field: &'h StructureField) -> Self {
-        Self { built_in_type: field.built_in_type, data_type: &field.data_type, value_rank: field.value_rank }
+        Self {
+            built_in_type: field.built_in_type,
+            data_type: &field.data_type,
+            value_rank: field.value_rank,
+        }
     }
 }
 
 impl TypeHint<'_> {
     /// The structure type that a value of it must have, unless any may stand there.
     pub(super) fn structure(&self) -> Option<&NodeId> {
-        (self.built_in_type == BuiltInType::ExtensionObject && *self.data_type != STRUCTURE).then_some(self.data_type)
+        (self.built_in_type == BuiltInType::ExtensionObject && *self.data_type != STRUCTURE)
+            .then_some(self.data_type)
     }
 }
 
@@ -80,11 +93,21 @@ pub struct Decoder<'d> {
 }
 
 impl<'d> Decoder<'d> {
-    /// A decoder that knows structures beside those of namespace 0, and the namespaces behind indexes (the first is
-    /// index 1).
+    /// A decoder that knows structures beside those of namespace 0, and the namespaces behind
+    /// indexes (the first is index 1).
     #[must_use]
-    pub const fn new(leniency: Leniency, types: &'d [StructureType], namespaces: &'d [Arc<str>]) -> Self {
-        Self { leniency, types, namespaces, diagnostics: Vec::new(), structure_fields_left: STRUCTURE_FIELDS_MAX }
+    pub const fn new(
+        leniency: Leniency,
+        types: &'d [StructureType],
+        namespaces: &'d [Arc<str>],
+    ) -> Self {
+        Self {
+            leniency,
+            types,
+            namespaces,
+            diagnostics: Vec::new(),
+            structure_fields_left: STRUCTURE_FIELDS_MAX,
+        }
     }
 
     /// What was noteworthy so far.
@@ -112,7 +135,11 @@ impl<'d> Decoder<'d> {
     }
 
     /// Takes structure fields from the budget of this input.
-    pub(super) fn spend_fields<'t, 'a>(&mut self, node: Node<'t, 'a>, count: usize) -> Result<(), Mismatch<'t, 'a>> {
+    pub(super) fn spend_fields<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+        count: usize,
+    ) -> Result<(), Mismatch<'t, 'a>> {
         if self.can_spend_fields(count) {
             Ok(())
         } else {
@@ -165,10 +192,12 @@ impl<'d> Decoder<'d> {
         self.bare_or_guess(node, hint).map(DecodedValue::Bare)
     }
 
-    /// A described structure may have fields of its own that are called as an envelope's members; then metadata wins.
+    /// A described structure may have fields of its own that are called as an envelope's members;
+    /// then metadata wins.
     fn is_own_structure(&self, node: Node<'_, '_>, hint: Option<TypeHint<'_>>) -> bool {
         let Some(hint) = hint else { return false };
-        let Some(description) = hint.structure().and_then(|id| StructureType::find(self.types, id)) else {
+        let Some(description) = hint.structure().and_then(|id| StructureType::find(self.types, id))
+        else {
             return false;
         };
         let is_own = |name: &str| description.fields.iter().any(|field| &*field.name == name);
@@ -177,7 +206,10 @@ impl<'d> Decoder<'d> {
     }
 
     /// A variant: with type, or bare where the type cannot be told.
-    pub(crate) fn variant<'t, 'a>(&mut self, node: Node<'t, 'a>) -> Result<Variant, Mismatch<'t, 'a>> {
+    pub(crate) fn variant<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+    ) -> Result<Variant, Mismatch<'t, 'a>> {
         Ok(match self.value(node, None)? {
             DecodedValue::Variant(value) | DecodedValue::Bare(value) => value,
             DecodedValue::DataValue(value) => Variant::Scalar(Scalar::DataValue(Box::new(value))),
@@ -185,7 +217,10 @@ impl<'d> Decoder<'d> {
     }
 
     /// A data value in either form.
-    pub(super) fn data_value<'t, 'a>(&mut self, node: Node<'t, 'a>) -> Result<DataValue, Mismatch<'t, 'a>> {
+    pub(super) fn data_value<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+    ) -> Result<DataValue, Mismatch<'t, 'a>> {
         if node.kind() != Kind::Object {
             return Err(Mismatch::new(node, "a DataValue must be an object"));
         }
@@ -213,9 +248,15 @@ impl<'d> Decoder<'d> {
         Ok(DataValue {
             value,
             status: shape.status.map_or(Ok(StatusCode::GOOD), |status| self.status_code(status))?,
-            source_timestamp: shape.source_timestamp.map(|time| self.date_time(time)).transpose()?,
+            source_timestamp: shape
+                .source_timestamp
+                .map(|time| self.date_time(time))
+                .transpose()?,
             source_picoseconds: self.picoseconds(shape.source_picoseconds)?,
-            server_timestamp: shape.server_timestamp.map(|time| self.date_time(time)).transpose()?,
+            server_timestamp: shape
+                .server_timestamp
+                .map(|time| self.date_time(time))
+                .transpose()?,
             server_picoseconds: self.picoseconds(shape.server_picoseconds)?,
         })
     }
@@ -245,23 +286,29 @@ impl<'d> Decoder<'d> {
 
     fn picoseconds<'t, 'a>(&self, node: Option<Node<'t, 'a>>) -> Result<u16, Mismatch<'t, 'a>> {
         let Some(node) = node else { return Ok(0) };
-        node.integer().ok_or_else(|| Mismatch::new(node, "picoseconds must be a number from 0 to 65535"))
+        node.integer()
+            .ok_or_else(|| Mismatch::new(node, "picoseconds must be a number from 0 to 65535"))
     }
 
     /// The value of an object that names its type.
-    fn typed<'t, 'a>(&mut self, node: Node<'t, 'a>, shape: &Shape<'t, 'a>) -> Result<Variant, Mismatch<'t, 'a>> {
+    fn typed<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+        shape: &Shape<'t, 'a>,
+    ) -> Result<Variant, Mismatch<'t, 'a>> {
         let (type_node, body) = match shape.ua_type {
             Some(ua_type) => (ua_type, shape.value),
             None => (shape.type_id.unwrap_or(node), shape.body),
         };
-        let id: u64 = type_node
-            .integer()
-            .ok_or_else(|| Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25"))?;
+        let id: u64 = type_node.integer().ok_or_else(|| {
+            Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25")
+        })?;
         if id == 0 {
             return Ok(Variant::Null);
         }
-        let built_in_type = BuiltInType::from_id(id)
-            .ok_or_else(|| Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25"))?;
+        let built_in_type = BuiltInType::from_id(id).ok_or_else(|| {
+            Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25")
+        })?;
         match body {
             None => Ok(self.default_of(built_in_type)),
             Some(body) if body.kind() == Kind::Array => {

@@ -34,10 +34,14 @@ impl Decoder<'_> {
                 .elements()
                 .map(|length| length.integer::<u32>())
                 .collect::<Option<Vec<u32>>>()
-                .ok_or_else(|| Mismatch::new(list, "dimensions must be numbers from 0 to 4294967295"))?,
+                .ok_or_else(|| {
+                    Mismatch::new(list, "dimensions must be numbers from 0 to 4294967295")
+                })?,
             Some(other) => return Err(Mismatch::new(other, "dimensions must be an array")),
         };
-        let product = lengths.iter().try_fold(1_u64, |product, length| product.checked_mul(u64::from(*length)));
+        let product = lengths
+            .iter()
+            .try_fold(1_u64, |product, length| product.checked_mul(u64::from(*length)));
         if !lengths.is_empty() && product != Some(elements.len() as u64) {
             let message = Cow::from("the dimensions do not multiply to the number of elements");
             return Err(Mismatch::new(dimensions.unwrap_or(node), message));
@@ -79,7 +83,8 @@ impl Decoder<'_> {
         if node.kind() != Kind::Array || node.elements().count() != *length as usize {
             return Err(Mismatch::new(node, "the rows of a matrix must all have the same length"));
         }
-        node.elements().try_for_each(|element| self.flatten(element, inner, element_type, structure, elements))
+        node.elements()
+            .try_for_each(|element| self.flatten(element, inner, element_type, structure, elements))
     }
 
     pub(super) fn bare_or_guess<'t, 'a>(
@@ -98,28 +103,41 @@ impl Decoder<'_> {
     }
 
     /// A value whose type is known from metadata.
-    pub(super) fn bare<'t, 'a>(&mut self, node: Node<'t, 'a>, hint: TypeHint<'_>) -> Result<Variant, Mismatch<'t, 'a>> {
+    pub(super) fn bare<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+        hint: TypeHint<'_>,
+    ) -> Result<Variant, Mismatch<'t, 'a>> {
         let structure = hint.structure();
         match node.kind() {
             Kind::Null => Ok(Variant::Null),
             _ if hint.built_in_type == BuiltInType::Variant && hint.value_rank < 0 => {
                 self.variant(node).map(|value| Variant::Scalar(Scalar::Variant(Box::new(value))))
             }
-            Kind::Array if hint.value_rank == -1 => Err(Mismatch::new(node, "expected a single value, not an array")),
-            Kind::Array if node.elements().next().is_some_and(|first| first.kind() == Kind::Array) => {
+            Kind::Array if hint.value_rank == -1 => {
+                Err(Mismatch::new(node, "expected a single value, not an array"))
+            }
+            Kind::Array
+                if node.elements().next().is_some_and(|first| first.kind() == Kind::Array) =>
+            {
                 self.matrix(node, hint.built_in_type, structure)
             }
             Kind::Array => {
                 let elements = self.elements(node, hint.built_in_type, structure)?;
                 self.array(node, hint.built_in_type, elements, None)
             }
-            Kind::Object if hint.value_rank >= 0 => match (node.get("Array"), node.get("Dimensions")) {
-                (Some(array), Some(dimensions)) if array.kind() == Kind::Array => {
-                    let elements = self.elements(array, hint.built_in_type, structure)?;
-                    self.array(array, hint.built_in_type, elements, Some(dimensions))
+            Kind::Object if hint.value_rank >= 0 => {
+                match (node.get("Array"), node.get("Dimensions")) {
+                    (Some(array), Some(dimensions)) if array.kind() == Kind::Array => {
+                        let elements = self.elements(array, hint.built_in_type, structure)?;
+                        self.array(array, hint.built_in_type, elements, Some(dimensions))
+                    }
+                    _ => Err(Mismatch::new(
+                        node,
+                        "expected an array, or an object with Array and Dimensions",
+                    )),
                 }
-                _ => Err(Mismatch::new(node, "expected an array, or an object with Array and Dimensions")),
-            },
+            }
             _ if hint.value_rank >= 0 => Err(Mismatch::new(node, "expected an array")),
             _ => self.scalar(node, hint.built_in_type, structure).map(Variant::Scalar),
         }
@@ -130,10 +148,13 @@ impl Decoder<'_> {
         match node.kind() {
             Kind::Null => Variant::Null,
             Kind::Array => {
-                let elements: Vec<Variant> = node.elements().map(|element| self.guess(element)).collect();
+                let elements: Vec<Variant> =
+                    node.elements().map(|element| self.guess(element)).collect();
                 let first = elements.first().and_then(Variant::built_in_type);
-                let is_uniform = elements.iter().all(|e| e.as_scalar().is_some() && e.built_in_type() == first);
-                let element_type = if is_uniform { first } else { None }.unwrap_or(BuiltInType::Variant);
+                let is_uniform =
+                    elements.iter().all(|e| e.as_scalar().is_some() && e.built_in_type() == first);
+                let element_type =
+                    if is_uniform { first } else { None }.unwrap_or(BuiltInType::Variant);
                 let elements = elements
                     .into_iter()
                     .map(|element| match element {
@@ -151,9 +172,12 @@ impl Decoder<'_> {
             Kind::String => Variant::Scalar(Scalar::String(node.text().map(Arc::from))),
             Kind::Number => match node.integer::<i64>() {
                 Some(integer) => integer.into(),
-                None => {
-                    node.raw().parse::<f64>().ok().filter(|value| value.is_finite()).map_or(Variant::Null, f64::into)
-                }
+                None => node
+                    .raw()
+                    .parse::<f64>()
+                    .ok()
+                    .filter(|value| value.is_finite())
+                    .map_or(Variant::Null, f64::into),
             },
         }
     }

@@ -10,8 +10,8 @@ use super::{
 use crate::{
     json::{Kind, Node, push_separated},
     values::{
-        BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, Scalar, Server, StructureField,
-        StructureKind, StructureType, StructureValue, Variant,
+        BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, Scalar, Server,
+        StructureField, StructureKind, StructureType, StructureValue, Variant,
     },
 };
 
@@ -29,24 +29,32 @@ impl<'d> Decoder<'d> {
             if let Some(type_id) = node.get("UaTypeId") {
                 return self.extension_object_105(node, type_id);
             }
-            if let Some(type_id) = node.get("TypeId").filter(|_| self.is_envelope_104(node, declared)) {
+            if let Some(type_id) =
+                node.get("TypeId").filter(|_| self.is_envelope_104(node, declared))
+            {
                 return self.extension_object_104(node, type_id);
             }
             if declared.is_none() && node.members().next().is_none() {
-                return Ok(ExtensionObject { type_id: NodeId::null().into(), body: ExtensionBody::None });
+                return Ok(ExtensionObject {
+                    type_id: NodeId::null().into(),
+                    body: ExtensionBody::None,
+                });
             }
         }
         let type_id = declared.cloned().unwrap_or(NodeId::null());
         self.of_type(type_id.into(), Some(node))
     }
 
-    /// A user's structure may have a field called TypeId; the envelope has nothing beside TypeId, Encoding and Body.
+    /// A user's structure may have a field called TypeId; the envelope has nothing beside TypeId,
+    /// Encoding and Body.
     fn is_envelope_104(&self, node: Node<'_, '_>, declared: Option<&NodeId>) -> bool {
         let is_own_field = declared
             .and_then(|id| StructureType::find(self.types, id))
             .is_some_and(|known| known.fields.iter().any(|field| &*field.name == "TypeId"));
         !is_own_field
-            && node.members().all(|(name, _)| ["TypeId", "Encoding", "Body"].iter().any(|own| name.is_text(own)))
+            && node
+                .members()
+                .all(|(name, _)| ["TypeId", "Encoding", "Body"].iter().any(|own| name.is_text(own)))
     }
 
     fn extension_object_104<'t, 'a>(
@@ -58,7 +66,8 @@ impl<'d> Decoder<'d> {
             Kind::Number => NodeId::ua(integer(type_node, "a NodeId")?).into(),
             _ => self.expanded_node_id(type_node)?,
         };
-        let encoding = node.get("Encoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
+        let encoding =
+            node.get("Encoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
         self.encoded(node, type_id, encoding.unwrap_or(0), node.get("Body"))
     }
 
@@ -68,13 +77,15 @@ impl<'d> Decoder<'d> {
         type_node: Node<'t, 'a>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let type_id = self.expanded_node_id(type_node)?;
-        let encoding = node.get("UaEncoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
+        let encoding =
+            node.get("UaEncoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
         if let Some(body) = node.get("UaBody") {
             return self.encoded(node, type_id, encoding.unwrap_or(0), Some(body));
         }
         if let Some(description) = StructureType::find(self.types, &type_id.node_id) {
             let structure = self.structure(node, description)?;
-            let type_id = ExpandedNodeId { node_id: description.type_id.clone(), server: type_id.server };
+            let type_id =
+                ExpandedNodeId { node_id: description.type_id.clone(), server: type_id.server };
             return Ok(ExtensionObject { type_id, body: ExtensionBody::Structure(structure) });
         }
         // The other members are the structure; kept as they came.
@@ -101,7 +112,12 @@ impl<'d> Decoder<'d> {
                 _ => ExtensionBody::None,
             },
             (2, Some(body)) => ExtensionBody::Xml(text(body)?.into()),
-            _ => return Err(Mismatch::new(node, "the encoding must be 0 (JSON), 1 (binary) or 2 (XML)")),
+            _ => {
+                return Err(Mismatch::new(
+                    node,
+                    "the encoding must be 0 (JSON), 1 (binary) or 2 (XML)",
+                ));
+            }
         };
         Ok(ExtensionObject { type_id, body })
     }
@@ -112,12 +128,15 @@ impl<'d> Decoder<'d> {
         type_id: ExpandedNodeId,
         body: Option<Node<'t, 'a>>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
-        let Some(body) = body else { return Ok(ExtensionObject { type_id, body: ExtensionBody::None }) };
+        let Some(body) = body else {
+            return Ok(ExtensionObject { type_id, body: ExtensionBody::None });
+        };
         let body = match StructureType::find(self.types, &type_id.node_id) {
             None => ExtensionBody::Json(Arc::from(body.raw())),
             Some(description) => {
                 let structure = self.structure(body, description)?;
-                let type_id = ExpandedNodeId { node_id: description.type_id.clone(), server: type_id.server };
+                let type_id =
+                    ExpandedNodeId { node_id: description.type_id.clone(), server: type_id.server };
                 return Ok(ExtensionObject { type_id, body: ExtensionBody::Structure(structure) });
             }
         };
@@ -153,7 +172,8 @@ impl<'d> Decoder<'d> {
                     };
                     structure.fields.insert(Arc::clone(&field.name), value);
                 }
-                structure.encoding_mask = (kind == StructureKind::WithOptionalFields).then_some(mask);
+                structure.encoding_mask =
+                    (kind == StructureKind::WithOptionalFields).then_some(mask);
                 self.note_foreign_members(node, description)?;
                 Ok(structure)
             }
@@ -165,8 +185,10 @@ impl<'d> Decoder<'d> {
         node: Node<'t, 'a>,
         description: &StructureType,
     ) -> Result<StructureValue, Mismatch<'t, 'a>> {
-        let switch =
-            node.get("SwitchField").map(|switch| integer::<u32>(switch, "the number of a field")).transpose()?;
+        let switch = node
+            .get("SwitchField")
+            .map(|switch| integer::<u32>(switch, "the number of a field"))
+            .transpose()?;
         let named = || {
             description.fields.iter().enumerate().find_map(|(index, field)| {
                 node.get(&field.name).map(|value| (u32::try_from(index + 1).unwrap_or(0), value))
@@ -177,14 +199,14 @@ impl<'d> Decoder<'d> {
             (Some(switch), None) => (switch, named().map(|(_, value)| value)),
             (None, _) => named().map_or((0, None), |(switch, value)| (switch, Some(value))),
         };
-        let mut structure = StructureValue { switch_field: Some(switch), ..StructureValue::default() };
+        let mut structure =
+            StructureValue { switch_field: Some(switch), ..StructureValue::default() };
         if switch == 0 {
             return Ok(structure);
         }
-        let field = description
-            .fields
-            .get(switch as usize - 1)
-            .ok_or_else(|| Mismatch::new(node, format!("{} has no field number {switch}", description.name)))?;
+        let field = description.fields.get(switch as usize - 1).ok_or_else(|| {
+            Mismatch::new(node, format!("{} has no field number {switch}", description.name))
+        })?;
         let value = match value.filter(|value| !value.is_null()) {
             Some(value) => self.bare(value, field.into())?,
             None => self.default_field(field, 0),
@@ -193,8 +215,8 @@ impl<'d> Decoder<'d> {
         Ok(structure)
     }
 
-    /// A member by its exact name; for structures of namespace 0 also in other letter case, which the figures of the
-    /// DIGICOR paper show.
+    /// A member by its exact name; for structures of namespace 0 also in other letter case, which
+    /// the figures of the DIGICOR paper show.
     fn member<'t, 'a>(
         &mut self,
         node: Node<'t, 'a>,
@@ -207,11 +229,16 @@ impl<'d> Decoder<'d> {
         if description.type_id.namespace != crate::values::Namespace::Ua {
             return Ok(None);
         }
-        let similar = node.members().find(|(key, _)| key.text().is_some_and(|key| key.eq_ignore_ascii_case(name)));
+        let similar = node
+            .members()
+            .find(|(key, _)| key.text().is_some_and(|key| key.eq_ignore_ascii_case(name)));
         match similar {
             None => Ok(None),
             Some((key, value)) => {
-                self.tolerate(key, "the field's name is written in other letter case than the standard's")?;
+                self.tolerate(
+                    key,
+                    "the field's name is written in other letter case than the standard's",
+                )?;
                 Ok(Some(value))
             }
         }
@@ -224,8 +251,9 @@ impl<'d> Decoder<'d> {
     ) -> Result<(), Mismatch<'t, 'a>> {
         for (key, _) in node.members() {
             let name = key.text().unwrap_or_default();
-            let is_known = description.fields.iter().any(|field| field.name.eq_ignore_ascii_case(&name))
-                || matches!(&*name, "UaTypeId" | "EncodingMask");
+            let is_known =
+                description.fields.iter().any(|field| field.name.eq_ignore_ascii_case(&name))
+                    || matches!(&*name, "UaTypeId" | "EncodingMask");
             if !is_known {
                 self.tolerate(key, "the structure has no such field; it is ignored")?;
             }
@@ -237,10 +265,13 @@ impl<'d> Decoder<'d> {
         if field.value_rank >= 0 {
             return Variant::Null;
         }
-        let described = (field.built_in_type == BuiltInType::ExtensionObject && depth < DEFAULT_DEPTH_MAX)
+        let described = (field.built_in_type == BuiltInType::ExtensionObject
+            && depth < DEFAULT_DEPTH_MAX)
             .then(|| StructureType::find(self.types, &field.data_type))
             .flatten();
-        let Some(description) = described else { return Variant::Scalar(default_scalar(field.built_in_type)) };
+        let Some(description) = described else {
+            return Variant::Scalar(default_scalar(field.built_in_type));
+        };
         // A default that the budget no longer allows stays null.
         if !self.can_spend_fields(description.fields.len()) {
             return Variant::Null;
@@ -253,7 +284,9 @@ impl<'d> Decoder<'d> {
         }
         if description.kind != StructureKind::Union {
             for inner in description.fields.iter().filter(|inner| !inner.is_optional) {
-                structure.fields.insert(Arc::clone(&inner.name), self.default_field(inner, depth + 1));
+                structure
+                    .fields
+                    .insert(Arc::clone(&inner.name), self.default_field(inner, depth + 1));
             }
         }
         Variant::Scalar(Scalar::ExtensionObject(Box::new(ExtensionObject {

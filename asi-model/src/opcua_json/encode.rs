@@ -5,14 +5,17 @@ use std::sync::Arc;
 use super::DataEncoding;
 use crate::{
     json::write,
-    values::{Array, DataValue, DiagnosticInfo, EnumType, Scalar, StatusCode, StructureType, Variant},
+    values::{
+        Array, DataValue, DiagnosticInfo, EnumType, Scalar, StatusCode, StructureType, Variant,
+    },
 };
 
 /// Writes values in one encoding, straight into a buffer.
 #[derive(Debug, Clone, Copy)]
 pub struct Encoder<'e> {
     pub(super) encoding: DataEncoding,
-    /// Namespaces that a 1.04 NodeId may name by index; the first is index 1. Others are written as URIs.
+    /// Namespaces that a 1.04 NodeId may name by index; the first is index 1. Others are written as
+    /// URIs.
     pub(super) namespaces: &'e [Arc<str>],
     /// Descriptions of structures beside those of namespace 0.
     pub(super) types: &'e [StructureType],
@@ -31,12 +34,16 @@ impl Encoder<'static> {
 impl<'e> Encoder<'e> {
     /// An encoder with the namespaces and structures that the receiver knows from metadata.
     #[must_use]
-    pub const fn described(encoding: DataEncoding, namespaces: &'e [Arc<str>], types: &'e [StructureType]) -> Self {
+    pub const fn described(
+        encoding: DataEncoding,
+        namespaces: &'e [Arc<str>],
+        types: &'e [StructureType],
+    ) -> Self {
         Self { encoding, namespaces, types, enum_types: &[] }
     }
 
-    /// With the enumerations that the receiver knows from metadata: where forms for people are written, their values
-    /// inside structures stand with their names.
+    /// With the enumerations that the receiver knows from metadata: where forms for people are
+    /// written, their values inside structures stand with their names.
     #[must_use]
     pub const fn with_enum_types(self, enum_types: &'e [EnumType]) -> Self {
         Self { enum_types, ..self }
@@ -82,7 +89,9 @@ impl<'e> Encoder<'e> {
                     out.extend_from_slice(b"\"Value\":");
                     self.variant(out, &value.value);
                 }
-                DataEncoding::Compact105 | DataEncoding::Verbose105 => self.typed_members(out, &value.value),
+                DataEncoding::Compact105 | DataEncoding::Verbose105 => {
+                    self.typed_members(out, &value.value)
+                }
             }
         }
         self.quality_members(out, value);
@@ -113,8 +122,11 @@ impl<'e> Encoder<'e> {
     /// `"Type":n,"Body":…` or `"UaType":n,"Value":…`, of a value that is not null.
     fn typed_members(&self, out: &mut Vec<u8>, value: &Variant) {
         let Some(built_in_type) = value.built_in_type() else { return };
-        let (type_name, value_name): (&[u8], &[u8]) =
-            if self.encoding.is_105() { (b"\"UaType\":", b",\"Value\":") } else { (b"\"Type\":", b",\"Body\":") };
+        let (type_name, value_name): (&[u8], &[u8]) = if self.encoding.is_105() {
+            (b"\"UaType\":", b",\"Value\":")
+        } else {
+            (b"\"Type\":", b",\"Body\":")
+        };
         out.extend_from_slice(type_name);
         write::unsigned(out, u64::from(built_in_type.id()));
         out.extend_from_slice(value_name);
@@ -167,8 +179,18 @@ impl<'e> Encoder<'e> {
             self.status_code(out, value.status);
         }
         let times = [
-            ("SourceTimestamp", value.source_timestamp, "SourcePicoseconds", value.source_picoseconds),
-            ("ServerTimestamp", value.server_timestamp, "ServerPicoseconds", value.server_picoseconds),
+            (
+                "SourceTimestamp",
+                value.source_timestamp,
+                "SourcePicoseconds",
+                value.source_picoseconds,
+            ),
+            (
+                "ServerTimestamp",
+                value.server_timestamp,
+                "ServerPicoseconds",
+                value.server_picoseconds,
+            ),
         ];
         for (time_name, time, picoseconds_name, picoseconds) in times {
             if let Some(time) = time {

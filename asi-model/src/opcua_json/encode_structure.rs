@@ -7,8 +7,8 @@ use super::{
 use crate::{
     json::{Limits, Tape, write},
     values::{
-        BuiltInType, EnumType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, STRUCTURE, Scalar, Server,
-        StructureField, StructureKind, StructureType, StructureValue, Variant,
+        BuiltInType, EnumType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, STRUCTURE,
+        Scalar, Server, StructureField, StructureKind, StructureType, StructureValue, Variant,
     },
 };
 
@@ -21,7 +21,9 @@ impl Encoder<'_> {
         match self.encoding {
             DataEncoding::Reversible104 => self.extension_object_104(out, object),
             DataEncoding::NonReversible104 => self.body(out, object),
-            DataEncoding::Compact105 | DataEncoding::Verbose105 => self.extension_object_105(out, object),
+            DataEncoding::Compact105 | DataEncoding::Verbose105 => {
+                self.extension_object_105(out, object)
+            }
         }
     }
 
@@ -32,7 +34,9 @@ impl Encoder<'_> {
             ExtensionBody::None => {}
             ExtensionBody::Binary(_) => out.extend_from_slice(b",\"Encoding\":1,\"Body\":"),
             ExtensionBody::Xml(_) => out.extend_from_slice(b",\"Encoding\":2,\"Body\":"),
-            ExtensionBody::Structure(_) | ExtensionBody::Json(_) => out.extend_from_slice(b",\"Body\":"),
+            ExtensionBody::Structure(_) | ExtensionBody::Json(_) => {
+                out.extend_from_slice(b",\"Body\":")
+            }
         }
         if !matches!(object.body, ExtensionBody::None) {
             self.body(out, object);
@@ -45,19 +49,23 @@ impl Encoder<'_> {
         write::string(out, &object.type_id.to_string());
         match &object.body {
             ExtensionBody::None => {}
-            ExtensionBody::Structure(structure) => self.members(out, structure, self.described_by(object)),
-            ExtensionBody::Json(text) => match text.trim().strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
-                Some(members) if can_be_inlined(text) => {
-                    if !members.trim().is_empty() {
-                        out.push(b',');
-                        out.extend_from_slice(members.as_bytes());
+            ExtensionBody::Structure(structure) => {
+                self.members(out, structure, self.described_by(object))
+            }
+            ExtensionBody::Json(text) => {
+                match text.trim().strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
+                    Some(members) if can_be_inlined(text) => {
+                        if !members.trim().is_empty() {
+                            out.push(b',');
+                            out.extend_from_slice(members.as_bytes());
+                        }
+                    }
+                    _ => {
+                        out.extend_from_slice(b",\"UaBody\":");
+                        out.extend_from_slice(text.as_bytes());
                     }
                 }
-                _ => {
-                    out.extend_from_slice(b",\"UaBody\":");
-                    out.extend_from_slice(text.as_bytes());
-                }
-            },
+            }
             ExtensionBody::Binary(_) => {
                 out.extend_from_slice(b",\"UaEncoding\":1,\"UaBody\":");
                 self.body(out, object);
@@ -81,12 +89,19 @@ impl Encoder<'_> {
             ExtensionBody::Json(text) => out.extend_from_slice(text.as_bytes()),
             ExtensionBody::Binary(bytes) => write::base64(out, bytes),
             ExtensionBody::Xml(text) => write::string(out, text),
-            ExtensionBody::Structure(structure) => self.structure(out, structure, self.described_by(object)),
+            ExtensionBody::Structure(structure) => {
+                self.structure(out, structure, self.described_by(object))
+            }
         }
     }
 
     /// A structure without its type.
-    fn structure(&self, out: &mut Vec<u8>, structure: &StructureValue, description: Option<&StructureType>) {
+    fn structure(
+        &self,
+        out: &mut Vec<u8>,
+        structure: &StructureValue,
+        description: Option<&StructureType>,
+    ) {
         let is_union = description.is_some_and(|found| found.kind == StructureKind::Union);
         if is_union && self.encoding == DataEncoding::NonReversible104 {
             return match structure.fields.first() {
@@ -99,9 +114,15 @@ impl Encoder<'_> {
         out.push(b'}');
     }
 
-    fn members(&self, out: &mut Vec<u8>, structure: &StructureValue, description: Option<&StructureType>) {
+    fn members(
+        &self,
+        out: &mut Vec<u8>,
+        structure: &StructureValue,
+        description: Option<&StructureType>,
+    ) {
         let kind = description.map_or(StructureKind::Plain, |found| found.kind);
-        let says_presence = matches!(self.encoding, DataEncoding::Reversible104 | DataEncoding::Compact105);
+        let says_presence =
+            matches!(self.encoding, DataEncoding::Reversible104 | DataEncoding::Compact105);
         match kind {
             StructureKind::Union if says_presence => {
                 write_name(out, "SwitchField");
@@ -135,8 +156,9 @@ impl Encoder<'_> {
 
     /// A field: bare, and a structure of a declared concrete type without naming it.
     fn field(&self, out: &mut Vec<u8>, value: &Variant, field: Option<&StructureField>) {
-        let is_concrete = field
-            .is_some_and(|field| field.built_in_type == BuiltInType::ExtensionObject && field.data_type != STRUCTURE);
+        let is_concrete = field.is_some_and(|field| {
+            field.built_in_type == BuiltInType::ExtensionObject && field.data_type != STRUCTURE
+        });
         if !is_concrete {
             return match field.and_then(|field| self.enum_type(field)) {
                 Some(known) => self.enumeration(out, value, known),
@@ -166,7 +188,8 @@ impl Encoder<'_> {
 impl Encoder<'_> {
     /// The enumeration of a field, where its values are written with their names.
     fn enum_type(&self, field: &StructureField) -> Option<&EnumType> {
-        let is_for_people = matches!(self.encoding, DataEncoding::NonReversible104 | DataEncoding::Verbose105);
+        let is_for_people =
+            matches!(self.encoding, DataEncoding::NonReversible104 | DataEncoding::Verbose105);
         let is_enumeration = is_for_people && field.built_in_type == BuiltInType::Int32;
         is_enumeration.then(|| EnumType::find(self.enum_types, &field.data_type)).flatten()
     }
@@ -203,15 +226,19 @@ fn field_of<'s>(description: Option<&'s StructureType>, name: &str) -> Option<&'
 
 fn is_null(value: &Variant) -> bool {
     match value {
-        Variant::Null | Variant::Scalar(Scalar::String(None) | Scalar::ByteString(None) | Scalar::XmlElement(None)) => {
-            true
-        }
+        Variant::Null
+        | Variant::Scalar(
+            Scalar::String(None) | Scalar::ByteString(None) | Scalar::XmlElement(None),
+        ) => true,
         Variant::Scalar(Scalar::Variant(inner)) => inner.is_null(),
-        Variant::Scalar(Scalar::LocalizedText(text)) => text.locale.is_none() && text.text.is_none(),
+        Variant::Scalar(Scalar::LocalizedText(text)) => {
+            text.locale.is_none() && text.text.is_none()
+        }
         Variant::Scalar(Scalar::QualifiedName(name)) => name.name.is_none(),
         Variant::Scalar(Scalar::ExtensionObject(object)) => {
             matches!(object.body, ExtensionBody::None)
-                && object.type_id == ExpandedNodeId { node_id: NodeId::null(), server: Server::Local }
+                && object.type_id
+                    == ExpandedNodeId { node_id: NodeId::null(), server: Server::Local }
         }
         _ => false,
     }
@@ -221,6 +248,8 @@ fn is_null(value: &Variant) -> bool {
 fn can_be_inlined(text: &str) -> bool {
     let limits = Limits { bytes_max: usize::MAX, depth_max: 100, tokens_max: usize::MAX };
     Tape::read(text.as_bytes(), limits).is_ok_and(|tape| {
-        !tape.root().members().any(|(name, _)| ["UaTypeId", "UaEncoding", "UaBody"].iter().any(|own| name.is_text(own)))
+        !tape.root().members().any(|(name, _)| {
+            ["UaTypeId", "UaEncoding", "UaBody"].iter().any(|own| name.is_text(own))
+        })
     })
 }

@@ -9,8 +9,8 @@ use super::{
     *,
 };
 use crate::values::{
-    Array, BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, Namespace, NodeId,
-    QualifiedName, Scalar, Server,
+    Array, BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, Namespace,
+    NodeId, QualifiedName, Scalar, Server,
 };
 
 fn read(text: &str, leniency: Leniency) -> Result<(DecodedValue, Vec<Diagnostic>), ValueError> {
@@ -49,7 +49,11 @@ fn fixtures_have_their_verdicts() {
         (&format!(r#"{{"Type":22,"Body":{{"TypeId":{{"Id":15375}},"Body":{{{range}}}}}}}"#), A, A),
         (&format!(r#"{{"Type":22,"Body":{{"TypeId":{{"Id":886}},"Body":{{{range}}}}}}}"#), A, A),
         (r#"{"Type":22,"Body":{"TypeId":{"Id":884},"Body":{"low":0,"high":359.99}}}"#, R, W),
-        (r#"{"Value":{"Type":11,"Body":12.3},"SourceTimestamp":"2019-03-26T18:28:54.2940194Z"}"#, A, A),
+        (
+            r#"{"Value":{"Type":11,"Body":12.3},"SourceTimestamp":"2019-03-26T18:28:54.2940194Z"}"#,
+            A,
+            A,
+        ),
         (r#"{"UaType":11,"Value":12.3,"SourceTimestamp":"2019-03-26T18:28:54.2940194Z"}"#, A, A),
         (r#"{"Value":12.3,"SourceTimestamp":"2019-03-26T18:28:54.2940194Z"}"#, W, W),
         (r#"{"SourceTimestamp":"2019-03-26T20:28:54+02:00","UaType":11,"Value":1}"#, A, A),
@@ -92,9 +96,21 @@ fn every_type_is_written_as_the_table_says() {
         (Scalar::Boolean(true), "true", "true", "true", "true"),
         (Scalar::SByte(-1), "-1", "-1", "-1", "-1"),
         (Scalar::Int64(-5), "\"-5\"", "\"-5\"", "\"-5\"", "\"-5\""),
-        (Scalar::Double(f64::NEG_INFINITY), "\"-Infinity\"", "\"-Infinity\"", "\"-Infinity\"", "\"-Infinity\""),
+        (
+            Scalar::Double(f64::NEG_INFINITY),
+            "\"-Infinity\"",
+            "\"-Infinity\"",
+            "\"-Infinity\"",
+            "\"-Infinity\"",
+        ),
         (Scalar::String(None), "null", "null", "null", "null"),
-        (Scalar::ByteString(Some(Arc::from(*b"abc"))), "\"YWJj\"", "\"YWJj\"", "\"YWJj\"", "\"YWJj\""),
+        (
+            Scalar::ByteString(Some(Arc::from(*b"abc"))),
+            "\"YWJj\"",
+            "\"YWJj\"",
+            "\"YWJj\"",
+            "\"YWJj\"",
+        ),
         (
             Scalar::NodeId(Box::new(node.clone())),
             r#"{"IdType":1,"Id":"abc","Namespace":"urn:x"}"#,
@@ -179,7 +195,8 @@ fn matrices_nest_or_lie_flat() {
     ] {
         assert_eq!(String::from_utf8(encode_variant(&matrix, encoding)), Ok(expected.to_owned()));
     }
-    let (value, _) = read(r#"{"Type":6,"Body":[[1,2,3],[4,5,6]]}"#, Leniency::Lenient).expect("a matrix");
+    let (value, _) =
+        read(r#"{"Type":6,"Body":[[1,2,3],[4,5,6]]}"#, Leniency::Lenient).expect("a matrix");
     assert_eq!(value, DecodedValue::Variant(matrix));
     assert!(read(r#"{"Type":6,"Body":[[1,2,3],[4,5]]}"#, Leniency::Lenient).is_err());
 }
@@ -190,7 +207,10 @@ fn namespaces_travel_as_indexes_where_a_table_is_known() {
     let id = Variant::Scalar(Scalar::NodeId(Box::new(NodeId::string("urn:b", "x"))));
     let mut out = Vec::new();
     Encoder::described(DataEncoding::Reversible104, &table, &[]).variant(&mut out, &id);
-    assert_eq!(String::from_utf8_lossy(&out), r#"{"Type":17,"Body":{"IdType":1,"Id":"x","Namespace":2}}"#);
+    assert_eq!(
+        String::from_utf8_lossy(&out),
+        r#"{"Type":17,"Body":{"IdType":1,"Id":"x","Namespace":2}}"#
+    );
     let (value, _) = decode_value(&out, Leniency::Strict, &[], &table).expect("a value");
     assert_eq!(value, DecodedValue::Variant(id));
 }
@@ -299,7 +319,8 @@ fn json_like() -> impl Strategy<Value = String> {
     ];
     leaf.prop_recursive(6, 60, 6, move |inner| {
         prop_oneof![
-            proptest::collection::vec(inner.clone(), 0..5).prop_map(|list| format!("[{}]", list.join(","))),
+            proptest::collection::vec(inner.clone(), 0..5)
+                .prop_map(|list| format!("[{}]", list.join(","))),
             proptest::collection::vec((word.clone(), inner), 0..6).prop_map(|members| {
                 let members: Vec<String> =
                     members.into_iter().map(|(name, value)| format!("{name:?}:{value}")).collect();
@@ -320,15 +341,29 @@ fn enumerations_in_structures_have_names_for_people() {
         name: "State".into(),
         kind: StructureKind::Plain,
         fields: vec![
-            StructureField { data_type: mode.clone(), ..StructureField::scalar("Mode", BuiltInType::Int32) },
-            StructureField { data_type: mode.clone(), ..StructureField::scalar("Past", BuiltInType::Int32).array() },
+            StructureField {
+                data_type: mode.clone(),
+                ..StructureField::scalar("Mode", BuiltInType::Int32)
+            },
+            StructureField {
+                data_type: mode.clone(),
+                ..StructureField::scalar("Past", BuiltInType::Int32).array()
+            },
             StructureField::scalar("Count", BuiltInType::Int32),
         ],
     }];
     let automatic = EnumValue { value: 3, name: "AUTO_MATIC".into(), ..EnumValue::default() };
-    let enum_types =
-        [EnumType { type_id: mode, name: "Mode".into(), built_in_type: BuiltInType::Int32, values: vec![automatic] }];
-    let past = Array { element_type: BuiltInType::Int32, elements: vec![3.into(), (-7).into()], dimensions: None };
+    let enum_types = [EnumType {
+        type_id: mode,
+        name: "Mode".into(),
+        built_in_type: BuiltInType::Int32,
+        values: vec![automatic],
+    }];
+    let past = Array {
+        element_type: BuiltInType::Int32,
+        elements: vec![3.into(), (-7).into()],
+        dimensions: None,
+    };
     let values = vec![3.into(), Variant::Array(Arc::new(past)), 3.into()];
     let state = structure_of(&types[0], values, 0, 0);
     let value = Variant::Scalar(Scalar::ExtensionObject(Box::new(state)));
@@ -338,10 +373,13 @@ fn enumerations_in_structures_have_names_for_people() {
         (DataEncoding::Verbose105, r#""Mode":"AUTO_MATIC_3","Past":["AUTO_MATIC_3",-7],"Count":3"#),
     ] {
         let mut out = Vec::new();
-        Encoder::described(encoding, &[], &types).with_enum_types(&enum_types).variant(&mut out, &value);
+        Encoder::described(encoding, &[], &types)
+            .with_enum_types(&enum_types)
+            .variant(&mut out, &value);
         let text = String::from_utf8_lossy(&out);
         assert!(text.contains(expected), "{text}");
-        let (found, notes) = decode_value(&out, Leniency::Strict, &types, &[]).expect("our own value");
+        let (found, notes) =
+            decode_value(&out, Leniency::Strict, &types, &[]).expect("our own value");
         assert_eq!((found, notes), (DecodedValue::Variant(value.clone()), vec![]), "{text}");
     }
 }

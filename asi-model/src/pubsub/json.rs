@@ -1,4 +1,5 @@
-//! PubSub messages as JSON (OPC 10000-14 §7.2.5), in three encodings out and every header layout in.
+//! PubSub messages as JSON (OPC 10000-14 §7.2.5), in three encodings out and every header layout
+//! in.
 
 mod decode;
 mod decode_message;
@@ -92,7 +93,9 @@ impl serde::Serialize for Encoding {
 
 impl<'de> serde::Deserialize<'de> for Encoding {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        std::borrow::Cow::<'de, str>::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+        std::borrow::Cow::<'de, str>::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
     }
 }
 

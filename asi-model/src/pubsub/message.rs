@@ -19,7 +19,8 @@ pub enum PubSubMessage {
     MetaData(Box<MetaDataMessage>),
     /// `ua-status`: how the publisher is.
     Status(StatusMessage),
-    /// A message type this version does not know. To be ignored (OPC 10000-14 §7.2.5.1), never an error.
+    /// A message type this version does not know. To be ignored (OPC 10000-14 §7.2.5.1), never an
+    /// error.
     Other {
         /// The message type as it came.
         message_type: Arc<str>,
@@ -63,8 +64,8 @@ impl PubSubMessage {
     }
 }
 
-/// `ua-data` (OPC 10000-14 §7.2.5.3): DataSetMessages of one publisher. The header members are absent where the
-/// publisher left its header off.
+/// `ua-data` (OPC 10000-14 §7.2.5.3): DataSetMessages of one publisher. The header members are
+/// absent where the publisher left its header off.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NetworkMessage {
     /// Unique per message.
@@ -82,7 +83,8 @@ pub struct NetworkMessage {
 /// The version of a data set's metadata (ConfigurationVersionDataType).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct MetaDataVersion {
-    /// VersionTime; changes when fields are removed, inserted or retyped. In Verbund the writer's *epoch*.
+    /// VersionTime; changes when fields are removed, inserted or retyped. In Verbund the writer's
+    /// *epoch*.
     pub major: u32,
     /// VersionTime; changes also when fields are appended.
     pub minor: u32,
@@ -117,19 +119,23 @@ impl DataSetMessageKind {
     /// The kind with this wire name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::KeyFrame, Self::DeltaFrame, Self::Event, Self::KeepAlive].into_iter().find(|kind| kind.name() == name)
+        [Self::KeyFrame, Self::DeltaFrame, Self::Event, Self::KeepAlive]
+            .into_iter()
+            .find(|kind| kind.name() == name)
     }
 }
 
 /// How the fields of a DataSetMessage are written (DataSetFieldContentMask).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FieldRepresentation {
-    /// Type and value; no times. A status that is not Good replaces (Bad) or wraps (Uncertain) the value.
+    /// Type and value; no times. A status that is not Good replaces (Bad) or wraps (Uncertain) the
+    /// value.
     #[default]
     Variant,
     /// Value, status and times.
     DataValue,
-    /// The bare value; only metadata tells its type. Accepted on input; emitted as [`Self::Variant`] in `digicor`.
+    /// The bare value; only metadata tells its type. Accepted on input; emitted as
+    /// [`Self::Variant`] in `digicor`.
     Raw,
 }
 
@@ -249,7 +255,8 @@ pub enum PubSubState {
 
 impl PubSubState {
     /// All states; the index is the numeric form.
-    pub const ALL: [Self; 5] = [Self::Disabled, Self::Paused, Self::Operational, Self::Error, Self::PreOperational];
+    pub const ALL: [Self; 5] =
+        [Self::Disabled, Self::Paused, Self::Operational, Self::Error, Self::PreOperational];
 
     /// The standard's name.
     #[must_use]

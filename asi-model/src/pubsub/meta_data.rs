@@ -11,8 +11,8 @@ use crate::{
     network::{ReportField, Semantic},
     units::{self, EngineeringUnit},
     values::{
-        BuiltInType, EnumType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, SimpleType, StructureType,
-        Variant,
+        BuiltInType, EnumType, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, SimpleType,
+        StructureType, Variant,
     },
 };
 
@@ -66,7 +66,8 @@ pub enum MetaDataChange {
 }
 
 impl DataSetMetaData {
-    /// How this metadata must be versioned after `old`; names, descriptions and versions do not count.
+    /// How this metadata must be versioned after `old`; names, descriptions and versions do not
+    /// count.
     #[must_use]
     pub fn change_since(&self, old: &Self) -> MetaDataChange {
         let is_kept = self.fields.len() >= old.fields.len()
@@ -91,7 +92,8 @@ pub struct FieldMetaData {
     pub description: Option<LocalizedText>,
     /// True where it also travels in the transport's header (field flag 0).
     pub is_promoted: bool,
-    /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant for abstract types.
+    /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant for
+    /// abstract types.
     pub built_in_type: BuiltInType,
     /// Its data type.
     pub data_type: NodeId,
@@ -110,7 +112,11 @@ pub struct FieldMetaData {
 impl FieldMetaData {
     /// A field of a built-in type.
     #[must_use]
-    pub fn new(name: impl Into<Arc<str>>, built_in_type: BuiltInType, data_set_field_id: Uuid) -> Self {
+    pub fn new(
+        name: impl Into<Arc<str>>,
+        built_in_type: BuiltInType,
+        data_set_field_id: Uuid,
+    ) -> Self {
         Self {
             name: name.into(),
             description: None,
@@ -134,8 +140,10 @@ impl FieldMetaData {
     ) -> Self {
         let mut meta = Self::new(field.name.as_str(), field.field_type.0, data_set_field_id);
         meta.value_rank = field.value_rank;
-        meta.description =
-            field.description.as_deref().map(|text| LocalizedText { locale: None, text: Some(Arc::from(text)) });
+        meta.description = field
+            .description
+            .as_deref()
+            .map(|text| LocalizedText { locale: None, text: Some(Arc::from(text)) });
         if let Some(unit) = field.unit.as_deref().and_then(units::lookup) {
             meta.set_engineering_unit(unit);
         }
@@ -160,15 +168,23 @@ impl FieldMetaData {
 
     /// Says the field's unit.
     pub fn set_engineering_unit(&mut self, unit: EngineeringUnit) {
-        let name = QualifiedName { namespace: Namespace::Ua, name: Some(Arc::from(PROPERTY_ENGINEERING_UNITS)) };
-        self.set_property(name, Variant::Scalar(Scalar::ExtensionObject(Box::new(unit.to_extension_object()))));
+        let name = QualifiedName {
+            namespace: Namespace::Ua,
+            name: Some(Arc::from(PROPERTY_ENGINEERING_UNITS)),
+        };
+        self.set_property(
+            name,
+            Variant::Scalar(Scalar::ExtensionObject(Box::new(unit.to_extension_object()))),
+        );
     }
 
     /// The field's unit, where it is said and known.
     #[must_use]
     pub fn engineering_unit(&self) -> Option<EngineeringUnit> {
         match self.property(PROPERTY_ENGINEERING_UNITS)? {
-            Variant::Scalar(Scalar::ExtensionObject(object)) => EngineeringUnit::from_extension_object(object),
+            Variant::Scalar(Scalar::ExtensionObject(object)) => {
+                EngineeringUnit::from_extension_object(object)
+            }
             _ => None,
         }
     }
@@ -187,12 +203,18 @@ impl FieldMetaData {
 
     /// Adds or replaces a text property of the ASI namespace.
     pub fn set_text_property(&mut self, name: &str, text: &str) {
-        let name = QualifiedName { namespace: Namespace::uri(ASI_NAMESPACE_URI), name: Some(Arc::from(name)) };
+        let name = QualifiedName {
+            namespace: Namespace::uri(ASI_NAMESPACE_URI),
+            name: Some(Arc::from(name)),
+        };
         self.set_property(name, text.into());
     }
 
     fn property(&self, name: &str) -> Option<&Variant> {
-        self.properties.iter().find(|(key, _)| key.name.as_deref() == Some(name)).map(|(_, value)| value)
+        self.properties
+            .iter()
+            .find(|(key, _)| key.name.as_deref() == Some(name))
+            .map(|(_, value)| value)
     }
 
     fn set_property(&mut self, name: QualifiedName, value: Variant) {
@@ -206,7 +228,11 @@ impl FieldMetaData {
 /// Finds the metadata that a message's bare values need (raw data, 1.05 Verbose).
 pub trait MetaDataLookup {
     /// The newest metadata of a writer.
-    fn meta_data(&self, publisher_id: Option<&str>, data_set_writer_id: Option<u16>) -> Option<&DataSetMetaData>;
+    fn meta_data(
+        &self,
+        publisher_id: Option<&str>,
+        data_set_writer_id: Option<u16>,
+    ) -> Option<&DataSetMetaData>;
 }
 
 impl MetaDataLookup for () {

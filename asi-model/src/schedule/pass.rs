@@ -12,7 +12,8 @@ use crate::{
 /// Most conflicts reported.
 const CONFLICTS_MAX: usize = 100;
 
-/// Most passes forward. With fewer maximum gaps than this every conflict is found, else those that this many tell.
+/// Most passes forward. With fewer maximum gaps than this every conflict is found, else those that
+/// this many tell.
 const PASSES_MAX: usize = 64;
 
 /// Ticks of 100 ns; `None` is unknown. Sums saturate: a chain of long gaps leads beyond all time.
@@ -54,16 +55,22 @@ fn ticks(duration: Duration) -> i64 {
     i64::try_from(duration.as_nanos() / 100).unwrap_or(i64::MAX / 4)
 }
 
-fn gap(relation: &OperationRelation, kind: ConditionKind) -> impl Iterator<Item = (usize, i64)> + '_ {
+fn gap(
+    relation: &OperationRelation,
+    kind: ConditionKind,
+) -> impl Iterator<Item = (usize, i64)> + '_ {
     relation
         .condition_list
         .iter()
         .enumerate()
         .filter(move |(_, condition)| condition.condition_kind == kind)
-        .filter_map(|(index, condition)| condition.duration.map(|duration| (index, ticks(duration.0))))
+        .filter_map(|(index, condition)| {
+            condition.duration.map(|duration| (index, ticks(duration.0)))
+        })
 }
 
-/// True where the relation binds the predecessor's finish (else its start), and the successor's start (else finish).
+/// True where the relation binds the predecessor's finish (else its start), and the successor's
+/// start (else finish).
 const fn ends(relation_type: RelationType) -> (bool, bool) {
     match relation_type {
         RelationType::FinishToStart => (true, true),
@@ -76,8 +83,12 @@ const fn ends(relation_type: RelationType) -> (bool, bool) {
 impl<'n> Pass<'n> {
     pub(super) fn new(network: &'n OperationNetwork) -> Self {
         let count = network.operation_list.len();
-        let positions: HashMap<&OperationId, usize> =
-            network.operation_list.iter().enumerate().map(|(index, o)| (&o.operation_id, index)).collect();
+        let positions: HashMap<&OperationId, usize> = network
+            .operation_list
+            .iter()
+            .enumerate()
+            .map(|(index, o)| (&o.operation_id, index))
+            .collect();
         let mut pass = Self {
             network,
             links: Vec::new(),
@@ -91,16 +102,20 @@ impl<'n> Pass<'n> {
             conflicts: Vec::new(),
         };
         for (index, relation) in network.operation_relation_list.iter().enumerate() {
-            let ends =
-                (positions.get(&relation.predecessor_operation_id), positions.get(&relation.successor_operation_id));
+            let ends = (
+                positions.get(&relation.predecessor_operation_id),
+                positions.get(&relation.successor_operation_id),
+            );
             if let (Some(&from), Some(&to)) = ends
                 && from != to
             {
                 pass.incoming[to].push(pass.links.len());
                 pass.outgoing[from].push(pass.links.len());
-                let minimum_gap = gap(relation, ConditionKind::MinimumGap).map(|(_, gap)| gap).max().unwrap_or(0);
-                let maximum_gap =
-                    gap(relation, ConditionKind::MaximumGap).map(|(condition, gap)| (gap, condition)).min();
+                let minimum_gap =
+                    gap(relation, ConditionKind::MinimumGap).map(|(_, gap)| gap).max().unwrap_or(0);
+                let maximum_gap = gap(relation, ConditionKind::MaximumGap)
+                    .map(|(condition, gap)| (gap, condition))
+                    .min();
                 pass.links.push(Link { relation: index, from, to, minimum_gap, maximum_gap });
             }
         }
@@ -130,7 +145,8 @@ impl<'n> Pass<'n> {
     }
 
     pub(super) fn run(mut self) -> Schedule {
-        // Nothing happens before time begins: so conflicts of gaps show where no time is planned at all.
+        // Nothing happens before time begins: so conflicts of gaps show where no time is planned at
+        // all.
         let unsettled = self.settle(Some(DateTime::MIN.ticks()));
         for position in 0..self.order.len() {
             self.forward(self.order[position], true);
@@ -144,8 +160,8 @@ impl<'n> Pass<'n> {
         self.result(&latest_start, &latest_finish)
     }
 
-    /// Passes forward until the maximum gaps are kept, with nothing before `base`. Returns the links whose maximum gaps
-    /// never are.
+    /// Passes forward until the maximum gaps are kept, with nothing before `base`. Returns the
+    /// links whose maximum gaps never are.
     fn settle(&mut self, base: Time) -> Vec<usize> {
         self.floor = vec![Floor { start: base, finish: base }; self.start.len()];
         let gaps = self.links.iter().filter(|link| link.maximum_gap.is_some()).count();
@@ -163,14 +179,18 @@ impl<'n> Pass<'n> {
         if gaps < PASSES_MAX { raised } else { Vec::new() }
     }
 
-    /// Lets each predecessor be no earlier than the maximum gap to its successor allows. Returns the links that did.
+    /// Lets each predecessor be no earlier than the maximum gap to its successor allows. Returns
+    /// the links that did.
     fn raise_floors(&mut self) -> Vec<usize> {
         let mut raised = Vec::new();
         for (index, link) in self.links.iter().enumerate() {
             let Some((maximum, _)) = link.maximum_gap else { continue };
-            let (by_finish, bounds_start) = ends(self.network.operation_relation_list[link.relation].relation_type);
+            let (by_finish, bounds_start) =
+                ends(self.network.operation_relation_list[link.relation].relation_type);
             let reached = if bounds_start { self.start[link.to] } else { self.finish[link.to] };
-            let Some(least) = reached.map(|reached| reached.saturating_sub(maximum)) else { continue };
+            let Some(least) = reached.map(|reached| reached.saturating_sub(maximum)) else {
+                continue;
+            };
             let predecessor = &self.network.operation_list[link.from];
             let (planned, found, floor) = if by_finish {
                 (predecessor.planned_end, self.finish[link.from], &mut self.floor[link.from].finish)
@@ -223,9 +243,11 @@ impl<'n> Pass<'n> {
             }
         }
         // A late finish moves the start of a plan of fixed length.
-        let forced_by_finish = finish.zip(self.duration[at]).map(|(finish, duration)| finish.saturating_sub(duration));
+        let forced_by_finish =
+            finish.zip(self.duration[at]).map(|(finish, duration)| finish.saturating_sub(duration));
         let forced_start = start.max(forced_by_finish);
-        if let (Some(planned), Some(forced)) = (operation.planned_start.map(DateTime::ticks), forced_start)
+        if let (Some(planned), Some(forced)) =
+            (operation.planned_start.map(DateTime::ticks), forced_start)
             && forced > planned
             && is_reported
         {
@@ -239,7 +261,8 @@ impl<'n> Pass<'n> {
         }
         let planned_start = operation.planned_start.map(DateTime::ticks);
         let planned_end = operation.planned_end.map(DateTime::ticks);
-        // A conflict is reported where it arises; what follows is judged by the plan, lest one fault breeds many.
+        // A conflict is reported where it arises; what follows is judged by the plan, lest one
+        // fault breeds many.
         let start = if planned_start.is_some() { planned_start } else { forced_start };
         let length = self.duration[at].unwrap_or(0);
         let earliest_finish = start.map(|start| start.saturating_add(length)).max(finish);
@@ -275,7 +298,10 @@ impl<'n> Pass<'n> {
             let (by_finish, bounds_start) = ends(relation.relation_type);
             let successor = &relation.successor_operation_id;
             for (condition_index, condition) in relation.condition_list.iter().enumerate() {
-                let place = ConflictPlace::Condition { relation: relation_index, condition: condition_index };
+                let place = ConflictPlace::Condition {
+                    relation: relation_index,
+                    condition: condition_index,
+                };
                 let (what, earliest) = match condition.condition_kind {
                     ConditionKind::StartNoLaterThan => ("start", self.start[to]),
                     ConditionKind::FinishNoLaterThan => ("finish", self.finish[to]),
@@ -285,7 +311,9 @@ impl<'n> Pass<'n> {
                     && earliest > bound.ticks()
                 {
                     let earliest = DateTime::from_ticks(earliest);
-                    let message = format!("{successor} must {what} by {bound}, but cannot {what} before {earliest}.");
+                    let message = format!(
+                        "{successor} must {what} by {bound}, but cannot {what} before {earliest}."
+                    );
                     self.conflict(place, message);
                 }
             }
@@ -293,7 +321,9 @@ impl<'n> Pass<'n> {
             let predecessor = &self.network.operation_list[from];
             let fixed = if by_finish { predecessor.planned_end } else { predecessor.planned_start };
             let reached = if bounds_start { self.start[to] } else { self.finish[to] };
-            for (condition_index, maximum) in gap(relation, ConditionKind::MaximumGap).collect::<Vec<_>>() {
+            for (condition_index, maximum) in
+                gap(relation, ConditionKind::MaximumGap).collect::<Vec<_>>()
+            {
                 if let (Some(fixed), Some(reached)) = (fixed, reached)
                     && reached.saturating_sub(fixed.ticks()) > maximum
                 {
@@ -302,7 +332,10 @@ impl<'n> Pass<'n> {
                         relation.predecessor_operation_id,
                         DateTime::from_ticks(reached)
                     );
-                    let place = ConflictPlace::Condition { relation: relation_index, condition: condition_index };
+                    let place = ConflictPlace::Condition {
+                        relation: relation_index,
+                        condition: condition_index,
+                    };
                     self.conflict(place, message);
                 }
             }
@@ -320,11 +353,15 @@ impl<'n> Pass<'n> {
             }
             let mut start: Time = None;
             let mut finish: Time = end;
-            let lower = |bound: &mut Time, time: i64| *bound = Some(bound.map_or(time, |known| known.min(time)));
+            let lower = |bound: &mut Time, time: i64| {
+                *bound = Some(bound.map_or(time, |known| known.min(time)))
+            };
             for &index in &self.outgoing[at] {
                 let link = &self.links[index];
-                let (by_finish, bounds_start) = ends(self.network.operation_relation_list[link.relation].relation_type);
-                let bound = if bounds_start { latest_start[link.to] } else { latest_finish[link.to] };
+                let (by_finish, bounds_start) =
+                    ends(self.network.operation_relation_list[link.relation].relation_type);
+                let bound =
+                    if bounds_start { latest_start[link.to] } else { latest_finish[link.to] };
                 if let Some(bound) = bound {
                     let bound: i64 = bound;
                     let bound = bound.saturating_sub(link.minimum_gap);
@@ -332,10 +369,16 @@ impl<'n> Pass<'n> {
                 }
             }
             for &index in &self.incoming[at] {
-                for condition in &self.network.operation_relation_list[self.links[index].relation].condition_list {
+                for condition in
+                    &self.network.operation_relation_list[self.links[index].relation].condition_list
+                {
                     match (condition.condition_kind, condition.time) {
-                        (ConditionKind::StartNoLaterThan, Some(time)) => lower(&mut start, time.ticks()),
-                        (ConditionKind::FinishNoLaterThan, Some(time)) => lower(&mut finish, time.ticks()),
+                        (ConditionKind::StartNoLaterThan, Some(time)) => {
+                            lower(&mut start, time.ticks())
+                        }
+                        (ConditionKind::FinishNoLaterThan, Some(time)) => {
+                            lower(&mut finish, time.ticks())
+                        }
                         _ => {}
                     }
                 }
@@ -357,8 +400,13 @@ impl<'n> Pass<'n> {
         let time = |time: Time| time.map(DateTime::from_ticks);
         let mut operations = Vec::with_capacity(self.start.len());
         for (at, operation) in self.network.operation_list.iter().enumerate() {
-            let slack = match (self.finish[at].or(self.start[at]), latest_finish[at].or(latest_start[at])) {
-                (Some(earliest), Some(latest)) => u64::try_from(latest.saturating_sub(earliest)).ok(),
+            let slack = match (
+                self.finish[at].or(self.start[at]),
+                latest_finish[at].or(latest_start[at]),
+            ) {
+                (Some(earliest), Some(latest)) => {
+                    u64::try_from(latest.saturating_sub(earliest)).ok()
+                }
                 _ => None,
             };
             // A negative slack belongs to a conflict; such an operation is critical all the same.
@@ -370,14 +418,19 @@ impl<'n> Pass<'n> {
                 latest_start: time(latest_start[at]),
                 latest_finish: time(latest_finish[at]),
                 slack: slack.map(|ticks| {
-                    IsoDuration(Duration::new(ticks / 10_000_000, u32::try_from(ticks % 10_000_000).unwrap_or(0) * 100))
+                    IsoDuration(Duration::new(
+                        ticks / 10_000_000,
+                        u32::try_from(ticks % 10_000_000).unwrap_or(0) * 100,
+                    ))
                 }),
                 is_critical: is_planned && slack.is_none_or(|slack| slack == 0),
             });
         }
-        let mut critical: Vec<usize> = self.order.iter().copied().filter(|at| operations[*at].is_critical).collect();
+        let mut critical: Vec<usize> =
+            self.order.iter().copied().filter(|at| operations[*at].is_critical).collect();
         critical.sort_by_key(|at| (self.start[*at], self.finish[*at]));
-        let critical_path = critical.into_iter().map(|at| operations[at].operation_id.clone()).collect();
+        let critical_path =
+            critical.into_iter().map(|at| operations[at].operation_id.clone()).collect();
         Schedule { operations, critical_path, conflicts: self.conflicts }
     }
 }

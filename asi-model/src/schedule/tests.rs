@@ -5,12 +5,15 @@ use serde_json::{Value, json};
 
 use super::*;
 
-/// Operations as (id, planned start hour, planned end hour), relations as (from, to, type, conditions).
+/// Operations as (id, planned start hour, planned end hour), relations as (from, to, type,
+/// conditions).
 fn network(
     operations: &[(&str, Option<u32>, Option<u32>)],
     relations: &[(&str, &str, &str, Value)],
 ) -> OperationNetwork {
-    let hour = |hour: &Option<u32>| hour.map(|h| format!("2026-01-{:02}T{:02}:00:00Z", 1 + h / 24, h % 24));
+    let hour = |hour: &Option<u32>| {
+        hour.map(|h| format!("2026-01-{:02}T{:02}:00:00Z", 1 + h / 24, h % 24))
+    };
     let operations: Vec<Value> = operations
         .iter()
         .map(|(id, start, end)| {
@@ -44,7 +47,12 @@ fn hours(time: Option<DateTime>) -> Option<i64> {
 fn times_run_forward_and_backward() {
     // a(0-4) -> b(5-7) -> d(10-12); a -> c (free, 3 h as planned later) -> d.
     let network = network(
-        &[("a", Some(0), Some(4)), ("b", Some(5), Some(7)), ("c", None, None), ("d", Some(10), Some(12))],
+        &[
+            ("a", Some(0), Some(4)),
+            ("b", Some(5), Some(7)),
+            ("c", None, None),
+            ("d", Some(10), Some(12)),
+        ],
         &[
             ("a", "b", "FINISH_TO_START", json!([])),
             ("a", "c", "FINISH_TO_START", duration("MINIMUM_GAP", "PT2H")),
@@ -118,7 +126,8 @@ fn conflicts_are_found() {
         ([("a", None, None), ("b", Some(1), Some(2))], ("START_TO_FINISH", json!([])), None),
     ] {
         let network = network(&operations, &[("a", "b", relation.0, relation.1.clone())]);
-        let places: Vec<_> = Schedule::of(&network).conflicts.into_iter().map(|conflict| conflict.place).collect();
+        let places: Vec<_> =
+            Schedule::of(&network).conflicts.into_iter().map(|conflict| conflict.place).collect();
         assert_eq!(places, expected.into_iter().collect::<Vec<_>>(), "{operations:?} {relation:?}");
     }
 }
@@ -167,10 +176,12 @@ fn endless_chains_do_not_overflow() {
 
 /// What is drawn for an operation: start hour, length, and whether each end is planned.
 type OperationDraw = (u32, u32, bool, bool);
-/// What is drawn for a relation: its ends, its type, and conditions of a kind with an hour or a length.
+/// What is drawn for a relation: its ends, its type, and conditions of a kind with an hour or a
+/// length.
 type RelationDraw = (usize, usize, usize, Vec<(usize, u32)>);
 
-const TYPES: [&str; 4] = ["FINISH_TO_START", "START_TO_START", "FINISH_TO_FINISH", "START_TO_FINISH"];
+const TYPES: [&str; 4] =
+    ["FINISH_TO_START", "START_TO_START", "FINISH_TO_FINISH", "START_TO_FINISH"];
 const KINDS: [&str; 6] = [
     "START_NO_EARLIER_THAN",
     "START_NO_LATER_THAN",
@@ -180,12 +191,14 @@ const KINDS: [&str; 6] = [
     "MAXIMUM_GAP",
 ];
 
-/// Whether times exist that keep everything, by relaxing each inequality `to >= from + distance` until nothing moves.
+/// Whether times exist that keep everything, by relaxing each inequality `to >= from + distance`
+/// until nothing moves.
 fn is_feasible(operations: &[OperationDraw], relations: &[RelationDraw]) -> bool {
     let origin = 2 * operations.len();
     let (start, finish) = (|at: usize| 2 * at, |at: usize| 2 * at + 1);
     let mut bounds: Vec<(usize, usize, i64)> = Vec::new();
-    let mut fix = |end: usize, hour: i64| bounds.extend([(origin, end, hour), (end, origin, -hour)]);
+    let mut fix =
+        |end: usize, hour: i64| bounds.extend([(origin, end, hour), (end, origin, -hour)]);
     for (at, &(hour, length, has_start, has_end)) in operations.iter().enumerate() {
         if has_start {
             fix(start(at), i64::from(hour));
@@ -274,8 +287,10 @@ proptest! {
 
 #[test]
 fn a_cycle_does_not_hang_it() {
-    let relations = [("a", "b", "FINISH_TO_START", json!([])), ("b", "a", "FINISH_TO_START", json!([]))];
-    let schedule = Schedule::of(&network(&[("a", Some(0), Some(1)), ("b", Some(2), Some(3))], &relations));
+    let relations =
+        [("a", "b", "FINISH_TO_START", json!([])), ("b", "a", "FINISH_TO_START", json!([]))];
+    let schedule =
+        Schedule::of(&network(&[("a", Some(0), Some(1)), ("b", Some(2), Some(3))], &relations));
     assert_eq!(schedule.operations.len(), 2);
     assert_eq!(schedule.critical_path, []);
 }

@@ -1,5 +1,5 @@
-//! Schemas of the PubSub messages in the encodings that connectors write. Their types keep meaning apart from
-//! encoding, so the schemas are stated here.
+//! Schemas of the PubSub messages in the encodings that connectors write. Their types keep meaning
+//! apart from encoding, so the schemas are stated here.
 
 use serde_json::{Value, json};
 

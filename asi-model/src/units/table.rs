@@ -1,7 +1,8 @@
-//! The table of units: UNECE Recommendation 20 (and 21 for packages, with the leading X of Recommendation 20).
+//! The table of units: UNECE Recommendation 20 (and 21 for packages, with the leading X of
+//! Recommendation 20).
 //!
-//! The first unit of a quantity with factor 1 is its base unit. Units without a fixed relation stand under
-//! [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
+//! The first unit of a quantity with factor 1 is its base unit. Units without a fixed relation
+//! stand under [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
 
 use super::{EngineeringUnit, Quantity};
 

@@ -39,9 +39,16 @@ pub(super) fn check(
             .map(|(_, operation)| network.operation_list[*operation].operation_id.as_str())
             .collect();
         let more = if cycle.len() > NAMED_MAX { ", ..." } else { "" };
-        let message = format!("The relations form a cycle through {}{more}; remove one of them.", names.join(", "));
+        let message = format!(
+            "The relations form a cycle through {}{more}; remove one of them.",
+            names.join(", ")
+        );
         let relation = cycle.iter().map(|(relation, _)| *relation).max().unwrap_or_default();
-        reader.faults.push(format!("{pointer}/operationRelationList/{relation}"), FaultCode::Cycle, message);
+        reader.faults.push(
+            format!("{pointer}/operationRelationList/{relation}"),
+            FaultCode::Cycle,
+            message,
+        );
         for (_, operation) in cycle {
             is_settled[operation] = true;
         }
@@ -59,8 +66,9 @@ fn settle(edges: &[Option<(usize, usize)>], is_settled: &mut [bool]) {
             open_predecessors[to] += 1;
         }
     }
-    let mut ready: Vec<usize> =
-        (0..is_settled.len()).filter(|at| !is_settled[*at] && open_predecessors[*at] == 0).collect();
+    let mut ready: Vec<usize> = (0..is_settled.len())
+        .filter(|at| !is_settled[*at] && open_predecessors[*at] == 0)
+        .collect();
     while let Some(at) = ready.pop() {
         is_settled[at] = true;
         for &to in &successors[at] {
@@ -72,9 +80,13 @@ fn settle(edges: &[Option<(usize, usize)>], is_settled: &mut [bool]) {
     }
 }
 
-/// A cycle among the operations that are not settled: each with the relation that leads to it. Every one of them has
-/// a predecessor that is not settled either, so walking backwards must come round.
-fn find_cycle(edges: &[Option<(usize, usize)>], is_settled: &[bool]) -> Option<Vec<(usize, usize)>> {
+/// A cycle among the operations that are not settled: each with the relation that leads to it.
+/// Every one of them has a predecessor that is not settled either, so walking backwards must come
+/// round.
+fn find_cycle(
+    edges: &[Option<(usize, usize)>],
+    is_settled: &[bool],
+) -> Option<Vec<(usize, usize)>> {
     let mut predecessor: Vec<Option<(usize, usize)>> = vec![None; is_settled.len()];
     for (relation, edge) in edges.iter().enumerate() {
         if let Some((from, to)) = *edge

@@ -7,15 +7,29 @@ use crate::{
 };
 
 /// An absolute kind needs a time, a gap a duration, and neither the other.
-pub(super) fn check_bound(kind: ConditionKind, has_time: bool, has_duration: bool, pointer: &str, reader: &mut Reader) {
+pub(super) fn check_bound(
+    kind: ConditionKind,
+    has_time: bool,
+    has_duration: bool,
+    pointer: &str,
+    reader: &mut Reader,
+) {
     if kind.is_gap() {
         if !has_duration {
             let message = "A gap needs a duration, as PT8H.";
-            reader.faults.push(format!("{pointer}/duration"), FaultCode::ConditionNeedsDuration, message);
+            reader.faults.push(
+                format!("{pointer}/duration"),
+                FaultCode::ConditionNeedsDuration,
+                message,
+            );
         }
         if has_time {
             let message = "A gap has a duration, not a time; remove the time.";
-            reader.faults.push(format!("{pointer}/time"), FaultCode::ConditionNeedsDuration, message);
+            reader.faults.push(
+                format!("{pointer}/time"),
+                FaultCode::ConditionNeedsDuration,
+                message,
+            );
         }
     } else {
         if !has_time {
@@ -23,8 +37,13 @@ pub(super) fn check_bound(kind: ConditionKind, has_time: bool, has_duration: boo
             reader.faults.push(format!("{pointer}/time"), FaultCode::ConditionNeedsTime, message);
         }
         if has_duration {
-            let message = "A condition of this kind has a time, not a duration; remove the duration.";
-            reader.faults.push(format!("{pointer}/duration"), FaultCode::ConditionNeedsTime, message);
+            let message =
+                "A condition of this kind has a time, not a duration; remove the duration.";
+            reader.faults.push(
+                format!("{pointer}/duration"),
+                FaultCode::ConditionNeedsTime,
+                message,
+            );
         }
     }
 }
@@ -33,18 +52,34 @@ pub(super) fn check_bound(kind: ConditionKind, has_time: bool, has_duration: boo
 pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Reader) {
     for (index, condition) in relation.condition_list.iter().enumerate() {
         let place = format!("{pointer}/conditionList/{index}");
-        // Read from a text, this was judged where the text is; an unreadable bound is no missing one.
+        // Read from a text, this was judged where the text is; an unreadable bound is no missing
+        // one.
         if reader.faults.is_empty() {
             let (has_time, has_duration) = (condition.time.is_some(), condition.duration.is_some());
             check_bound(condition.condition_kind, has_time, has_duration, &place, reader);
         }
     }
     use ConditionKind as K;
-    let gaps =
-        |kind| relation.condition_list.iter().filter(move |c| c.condition_kind == kind).filter_map(|c| c.duration);
-    let times = |kind| relation.condition_list.iter().filter(move |c| c.condition_kind == kind).filter_map(|c| c.time);
+    let gaps = |kind| {
+        relation
+            .condition_list
+            .iter()
+            .filter(move |c| c.condition_kind == kind)
+            .filter_map(|c| c.duration)
+    };
+    let times = |kind| {
+        relation
+            .condition_list
+            .iter()
+            .filter(move |c| c.condition_kind == kind)
+            .filter_map(|c| c.time)
+    };
     let contradictions = [
-        (gaps(K::MinimumGap).max() > gaps(K::MaximumGap).min() && gaps(K::MaximumGap).next().is_some(), "gap"),
+        (
+            gaps(K::MinimumGap).max() > gaps(K::MaximumGap).min()
+                && gaps(K::MaximumGap).next().is_some(),
+            "gap",
+        ),
         (
             times(K::StartNoEarlierThan).max() > times(K::StartNoLaterThan).min()
                 && times(K::StartNoLaterThan).next().is_some(),
@@ -58,7 +93,11 @@ pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Re
     ];
     for (_, what) in contradictions.into_iter().filter(|(is_contradiction, _)| *is_contradiction) {
         let message = format!("The lower bound of the {what} lies above its upper bound.");
-        reader.faults.push(format!("{pointer}/conditionList"), FaultCode::ConditionsContradict, message);
+        reader.faults.push(
+            format!("{pointer}/conditionList"),
+            FaultCode::ConditionsContradict,
+            message,
+        );
     }
 }
 
@@ -66,8 +105,12 @@ pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Re
 pub(super) fn check_feasible(network: &OperationNetwork, pointer: &str, reader: &mut Reader) {
     for Conflict { place, message } in Schedule::of(network).conflicts {
         let place = match place {
-            ConflictPlace::PlannedStart { operation } => format!("{pointer}/operationList/{operation}/plannedStart"),
-            ConflictPlace::PlannedEnd { operation } => format!("{pointer}/operationList/{operation}/plannedEnd"),
+            ConflictPlace::PlannedStart { operation } => {
+                format!("{pointer}/operationList/{operation}/plannedStart")
+            }
+            ConflictPlace::PlannedEnd { operation } => {
+                format!("{pointer}/operationList/{operation}/plannedEnd")
+            }
             ConflictPlace::Condition { relation, condition } => {
                 format!("{pointer}/operationRelationList/{relation}/conditionList/{condition}")
             }

@@ -4,7 +4,8 @@ use crate::{json::JsonError, messages::Fault};
 
 macro_rules! fault_codes {
     ($($(#[$doc:meta])* $name:ident = $code:literal,)*) => {
-        /// What can be wrong with a message. The codes are part of the wire contract and never change.
+        /// What can be wrong with a message. The codes are part of the wire contract and never
+        /// change.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum FaultCode { $($(#[$doc])* $name,)* }
 
@@ -111,13 +112,21 @@ pub(super) struct Faults {
 }
 
 impl Faults {
-    pub(super) fn push(&mut self, pointer: impl Into<String>, code: FaultCode, message: impl Into<String>) {
+    pub(super) fn push(
+        &mut self,
+        pointer: impl Into<String>,
+        code: FaultCode,
+        message: impl Into<String>,
+    ) {
         if self.list.len() >= FAULTS_MAX {
             self.unlisted += 1;
             return;
         }
-        let fault =
-            Fault { pointer: cut(pointer.into()), code: code.as_str().to_owned(), message: cut(message.into()) };
+        let fault = Fault {
+            pointer: cut(pointer.into()),
+            code: code.as_str().to_owned(),
+            message: cut(message.into()),
+        };
         self.list.push(fault);
     }
 
@@ -133,22 +142,27 @@ impl Faults {
     /// A body that is not JSON at all.
     pub(super) fn unreadable(&mut self, error: &JsonError) {
         let (code, message) = match error {
-            JsonError::TooLarge { bytes, bytes_max } => {
-                (FaultCode::TooLarge, format!("The body has {bytes} bytes; at most {bytes_max} are accepted."))
-            }
+            JsonError::TooLarge { bytes, bytes_max } => (
+                FaultCode::TooLarge,
+                format!("The body has {bytes} bytes; at most {bytes_max} are accepted."),
+            ),
             JsonError::TooDeep { depth_max, offset } => (
                 FaultCode::TooDeep,
-                format!("Arrays and objects are nested deeper than {depth_max} levels at byte {offset}."),
+                format!(
+                    "Arrays and objects are nested deeper than {depth_max} levels at byte {offset}."
+                ),
             ),
-            JsonError::TooManyValues { tokens_max } => {
-                (FaultCode::TooManyValues, format!("The body has more than {tokens_max} values and names."))
-            }
+            JsonError::TooManyValues { tokens_max } => (
+                FaultCode::TooManyValues,
+                format!("The body has more than {tokens_max} values and names."),
+            ),
             JsonError::NotUtf8 { offset } => {
                 (FaultCode::NotJson, format!("The body is not UTF-8 from byte {offset} on."))
             }
-            JsonError::Unexpected { expected, offset } => {
-                (FaultCode::NotJson, format!("The body is not JSON: expected {expected} at byte {offset}."))
-            }
+            JsonError::Unexpected { expected, offset } => (
+                FaultCode::NotJson,
+                format!("The body is not JSON: expected {expected} at byte {offset}."),
+            ),
         };
         self.push("", code, message);
     }
@@ -162,7 +176,10 @@ impl Faults {
             self.list.push(Fault {
                 pointer: String::new(),
                 code: FaultCode::TooManyFaults.as_str().to_owned(),
-                message: format!("There are {} more faults; mend the listed ones first.", self.unlisted),
+                message: format!(
+                    "There are {} more faults; mend the listed ones first.",
+                    self.unlisted
+                ),
             });
         }
         self.list

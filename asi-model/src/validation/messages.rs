@@ -5,10 +5,11 @@ use crate::{
     ids::{FactoryId, OrganisationId},
     json::{Kind, Node},
     messages::{
-        Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, AssetRequest, Comment,
-        Decision, DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement, Lease,
-        LeaseParty, LeaseRequest, LeaseResult, MappingState, OperationNetworkMessage, PlatformMessage, RateStatement,
-        Receipt, Withdraw, WriterReceipt,
+        Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer,
+        AssetRequest, Comment, Decision, DecisionTarget, DisclosureStatement, FactoryMessage,
+        Fault, Gap, GapCause, HoursStatement, Lease, LeaseParty, LeaseRequest, LeaseResult,
+        MappingState, OperationNetworkMessage, PlatformMessage, RateStatement, Receipt, Withdraw,
+        WriterReceipt,
     },
 };
 
@@ -44,9 +45,12 @@ pub(super) fn platform_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 6] = ["operation-network", "withdraw", "comment", "asset-request", "receipt", "lease"];
+    const TYPES: [&str; 6] =
+        ["operation-network", "withdraw", "comment", "asset-request", "receipt", "lease"];
     let message = match message_type(reader, root, &TYPES)? {
-        "operation-network" => PlatformMessage::OperationNetwork(operation_network(reader, root, expected)?),
+        "operation-network" => {
+            PlatformMessage::OperationNetwork(operation_network(reader, root, expected)?)
+        }
         "withdraw" => PlatformMessage::Withdraw(Withdraw {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, expected),
@@ -69,7 +73,8 @@ pub(super) fn factory_message(reader: &mut Reader, root: Node<'_, '_>) -> Option
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 6] = ["acknowledgement", "decision", "gap", "comment", "asset-offer", "lease-request"];
+    const TYPES: [&str; 6] =
+        ["acknowledgement", "decision", "gap", "comment", "asset-offer", "lease-request"];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
         "decision" => FactoryMessage::Decision(decision(reader, root)?),
@@ -86,7 +91,11 @@ pub(super) fn factory_message(reader: &mut Reader, root: Node<'_, '_>) -> Option
     })
 }
 
-fn message_type(reader: &mut Reader, root: Node<'_, '_>, known: &[&'static str]) -> Option<&'static str> {
+fn message_type(
+    reader: &mut Reader,
+    root: Node<'_, '_>,
+    known: &[&'static str],
+) -> Option<&'static str> {
     reader.required(root, "messageType", |reader, node| {
         let found = known.iter().find(|name| node.is_text(name)).copied();
         if found.is_none() {
@@ -116,7 +125,11 @@ fn revision(reader: &mut Reader, root: Node<'_, '_>) -> u64 {
     let revision = reader.required(root, "revision", |reader, node| {
         let revision = reader.integer(node, "a revision as a number from 0")?;
         if revision > REVISION_MAX {
-            reader.fault(node, FaultCode::InvalidValue, format!("A revision may be at most {REVISION_MAX}."));
+            reader.fault(
+                node,
+                FaultCode::InvalidValue,
+                format!("A revision may be at most {REVISION_MAX}."),
+            );
         }
         Some(revision)
     });
@@ -137,7 +150,13 @@ fn operation_network(
     // Only unreadable ids of the network spoil the check of its references.
     reader.unreadable_ids -= unreadable_before;
     network::check(&operation_network, "/operationNetwork", Some(&factory_id), reader);
-    Some(OperationNetworkMessage { message_id, factory_id, collaboration_id, revision, operation_network })
+    Some(OperationNetworkMessage {
+        message_id,
+        factory_id,
+        collaboration_id,
+        revision,
+        operation_network,
+    })
 }
 
 fn comment(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> Comment {
@@ -153,7 +172,9 @@ fn comment(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>
 }
 
 fn kinds(reader: &mut Reader, root: Node<'_, '_>) -> Vec<AssetKind> {
-    let kinds = reader.list(root, "kindList", ASSET_KINDS.len(), |reader, node| reader.choice(node, &ASSET_KINDS));
+    let kinds = reader.list(root, "kindList", ASSET_KINDS.len(), |reader, node| {
+        reader.choice(node, &ASSET_KINDS)
+    });
     not_empty(reader, root, "kindList");
     kinds
 }
@@ -181,7 +202,11 @@ pub(super) fn recipients(reader: &mut Reader, object: Node<'_, '_>) -> Vec<Organ
     recipients
 }
 
-fn asset_request(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> AssetRequest {
+fn asset_request(
+    reader: &mut Reader,
+    root: Node<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> AssetRequest {
     AssetRequest {
         message_id: reader.required_id(root, "messageId"),
         factory_id: factory_id(reader, root, expected),
@@ -209,11 +234,15 @@ fn writer_receipt(reader: &mut Reader, node: Node<'_, '_>) -> Option<WriterRecei
 }
 
 fn writer_id(reader: &mut Reader, object: Node<'_, '_>) -> Option<u16> {
-    reader.required(object, "dataSetWriterId", |reader, node| reader.integer(node, "a number from 0 to 65535"))
+    reader.required(object, "dataSetWriterId", |reader, node| {
+        reader.integer(node, "a number from 0 to 65535")
+    })
 }
 
 fn number(reader: &mut Reader, object: Node<'_, '_>, name: &str) -> Option<u32> {
-    reader.required(object, name, |reader, node| reader.integer(node, "a number from 0 to 4294967295"))
+    reader.required(object, name, |reader, node| {
+        reader.integer(node, "a number from 0 to 4294967295")
+    })
 }
 
 fn acknowledgement(reader: &mut Reader, root: Node<'_, '_>) -> Acknowledgement {
@@ -227,7 +256,10 @@ fn acknowledgement(reader: &mut Reader, root: Node<'_, '_>) -> Acknowledgement {
         factory_id: factory_id(reader, root, None),
         correlation_id: reader.required_id(root, "correlationId"),
         operation_network_id: reader.optional(root, "operationNetworkId", Reader::id),
-        revision: root.get("revision").filter(|node| !node.is_null()).map(|_| revision(reader, root)),
+        revision: root
+            .get("revision")
+            .filter(|node| !node.is_null())
+            .map(|_| revision(reader, root)),
         result: reader
             .required(root, "result", |reader, node| reader.choice(node, &RESULTS))
             .unwrap_or(AcknowledgementResult::Rejected),
@@ -245,8 +277,11 @@ fn acknowledgement(reader: &mut Reader, root: Node<'_, '_>) -> Acknowledgement {
 }
 
 fn decision(reader: &mut Reader, root: Node<'_, '_>) -> Option<Decision> {
-    const STATES: [(&str, MappingState); 3] =
-        [("PENDING", MappingState::Pending), ("MAPPED", MappingState::Mapped), ("REFUSED", MappingState::Refused)];
+    const STATES: [(&str, MappingState); 3] = [
+        ("PENDING", MappingState::Pending),
+        ("MAPPED", MappingState::Mapped),
+        ("REFUSED", MappingState::Refused),
+    ];
     let message_id = reader.required_id(root, "messageId");
     let factory_id = factory_id(reader, root, None);
     let target = if root.get("assetId").is_some() {
@@ -264,7 +299,8 @@ fn decision(reader: &mut Reader, root: Node<'_, '_>) -> Option<Decision> {
             field_name: reader.required_id(root, "fieldName"),
         }
     };
-    let mapping_state = reader.required(root, "mappingState", |reader, node| reader.choice(node, &STATES));
+    let mapping_state =
+        reader.required(root, "mappingState", |reader, node| reader.choice(node, &STATES));
     let reason = reader.optional(root, "reason", Reader::text);
     let decided_at = reader.required(root, "decidedAt", Reader::time);
     let disclosure = reader.optional(root, "disclosure", disclosure).map(Box::new);
@@ -287,8 +323,9 @@ fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureState
     Some(DisclosureStatement {
         description: reader.required(node, "description", Reader::text).unwrap_or_default(),
         rounding_step: reader.optional(node, "roundingStep", Reader::quantity),
-        significant_digits: reader
-            .optional(node, "significantDigits", |reader, node| reader.integer(node, "digits as a number from 0")),
+        significant_digits: reader.optional(node, "significantDigits", |reader, node| {
+            reader.integer(node, "digits as a number from 0")
+        }),
         aggregate: reader.optional(node, "aggregate", aggregate),
         minimum_interval_ms: millis(reader, "minimumIntervalMs"),
         rate_limit_list: reader.optional_list(node, "rateLimitList", RATE_LIMITS_MAX, rate),
@@ -296,7 +333,9 @@ fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureState
         delay_ms: millis(reader, "delayMs"),
         band_list: reader.optional_list(node, "bandList", BANDS_MAX, Reader::number),
         hours_list: reader.optional_list(node, "hoursList", HOURS_MAX, hours),
-        is_withheld_in_states: reader.optional(node, "isWithheldInStates", Reader::boolean).unwrap_or_default(),
+        is_withheld_in_states: reader
+            .optional(node, "isWithheldInStates", Reader::boolean)
+            .unwrap_or_default(),
     })
 }
 
@@ -304,10 +343,12 @@ fn hours(reader: &mut Reader, node: Node<'_, '_>) -> Option<HoursStatement> {
     if !reader.is_object(node, "Hours") {
         return None;
     }
-    let day_list = reader.list(node, "dayList", DAYS.len(), |reader, node| reader.choice(node, &DAYS));
+    let day_list =
+        reader.list(node, "dayList", DAYS.len(), |reader, node| reader.choice(node, &DAYS));
     let from = reader.required(node, "from", Reader::name);
     let until = reader.required(node, "until", Reader::name);
-    let offset = |reader: &mut Reader, node: Node<'_, '_>| reader.integer(node, "minutes ahead of UTC");
+    let offset =
+        |reader: &mut Reader, node: Node<'_, '_>| reader.integer(node, "minutes ahead of UTC");
     let utc_offset_minutes = reader.optional(node, "utcOffsetMinutes", offset).unwrap_or_default();
     let day_list = day_list.into_iter().map(str::to_owned).collect();
     Some(HoursStatement { day_list, from: from?, until: until?, utc_offset_minutes })
@@ -368,10 +409,12 @@ fn lease_request(reader: &mut Reader, root: Node<'_, '_>) -> Option<LeaseRequest
 }
 
 fn lease(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> Option<Lease> {
-    const RESULTS: [(&str, LeaseResult); 2] = [("GRANTED", LeaseResult::Granted), ("REFUSED", LeaseResult::Refused)];
+    const RESULTS: [(&str, LeaseResult); 2] =
+        [("GRANTED", LeaseResult::Granted), ("REFUSED", LeaseResult::Refused)];
     let result = reader.required(root, "result", |reader, node| reader.choice(node, &RESULTS));
-    let lease_number =
-        reader.required(root, "leaseNumber", |reader, node| reader.integer(node, "a lease's number from 0"));
+    let lease_number = reader.required(root, "leaseNumber", |reader, node| {
+        reader.integer(node, "a lease's number from 0")
+    });
     Some(Lease {
         message_id: reader.required_id(root, "messageId"),
         factory_id: factory_id(reader, root, expected),

@@ -3,14 +3,15 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{
-    FaultCode, LIST_MAX, OPERATIONS_MAX, RELATIONS_MAX, acyclic, conditions, messages::not_empty, operations,
-    reader::Reader, report_format,
+    FaultCode, LIST_MAX, OPERATIONS_MAX, RELATIONS_MAX, acyclic, conditions, messages::not_empty,
+    operations, reader::Reader, report_format,
 };
 use crate::{
     ids::{FactoryId, OperationId},
     json::Node,
     network::{
-        ConditionKind, Operation, OperationKind, OperationNetwork, OperationRelation, RelationCondition, RelationType,
+        ConditionKind, Operation, OperationKind, OperationNetwork, OperationRelation,
+        RelationCondition, RelationType,
     },
 };
 
@@ -39,7 +40,12 @@ pub(super) fn read(reader: &mut Reader, node: Node<'_, '_>) -> Option<OperationN
         name: reader.optional(node, "name", Reader::name),
         description: reader.optional(node, "description", Reader::text),
         operation_list: reader.list(node, "operationList", OPERATIONS_MAX, operations::operation),
-        operation_relation_list: reader.optional_list(node, "operationRelationList", RELATIONS_MAX, relation),
+        operation_relation_list: reader.optional_list(
+            node,
+            "operationRelationList",
+            RELATIONS_MAX,
+            relation,
+        ),
     })
 }
 
@@ -62,10 +68,12 @@ fn condition(reader: &mut Reader, node: Node<'_, '_>) -> Option<RelationConditio
     if !reader.is_object(node, "A condition") {
         return None;
     }
-    let kind = reader.required(node, "conditionKind", |reader, node| reader.choice(node, &CONDITION_KINDS));
+    let kind = reader
+        .required(node, "conditionKind", |reader, node| reader.choice(node, &CONDITION_KINDS));
     let time = reader.optional(node, "time", Reader::time);
-    let duration = reader
-        .optional(node, "duration", |reader, node| reader.parsed(node, "an ISO 8601 duration as PT8H or P1DT30M"));
+    let duration = reader.optional(node, "duration", |reader, node| {
+        reader.parsed(node, "an ISO 8601 duration as PT8H or P1DT30M")
+    });
     let condition_id = reader.required_id(node, "conditionId");
     if let Some(kind) = kind {
         // Judged by what is written, so that an unreadable bound is not called missing.
@@ -81,18 +89,31 @@ fn condition(reader: &mut Reader, node: Node<'_, '_>) -> Option<RelationConditio
 }
 
 /// The meaning of a network: `part_of` is the factory whose part it is, if it is one.
-pub(super) fn check(network: &OperationNetwork, pointer: &str, part_of: Option<&FactoryId>, reader: &mut Reader) {
+pub(super) fn check(
+    network: &OperationNetwork,
+    pointer: &str,
+    part_of: Option<&FactoryId>,
+    reader: &mut Reader,
+) {
     if reader.has_left_out {
         return;
     }
     check_ids(network, pointer, reader);
-    let operations: HashMap<&OperationId, usize> =
-        network.operation_list.iter().enumerate().map(|(index, operation)| (&operation.operation_id, index)).collect();
+    let operations: HashMap<&OperationId, usize> = network
+        .operation_list
+        .iter()
+        .enumerate()
+        .map(|(index, operation)| (&operation.operation_id, index))
+        .collect();
     for (index, operation) in network.operation_list.iter().enumerate() {
         let place = format!("{pointer}/operationList/{index}");
         check_operation(operation, &place, part_of, &operations, reader);
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
-            report_format::check(request, &format!("{place}/dynamicDataRequestList/{number}"), reader);
+            report_format::check(
+                request,
+                &format!("{place}/dynamicDataRequestList/{number}"),
+                reader,
+            );
         }
     }
     for (index, relation) in network.operation_relation_list.iter().enumerate() {
@@ -114,7 +135,11 @@ fn check_ids(network: &OperationNetwork, pointer: &str, reader: &mut Reader) {
     let mut requests = Unique::new("dynamic data request");
     for (index, operation) in network.operation_list.iter().enumerate() {
         let place = format!("{pointer}/operationList/{index}");
-        operations.check(operation.operation_id.as_str(), || format!("{place}/operationId"), reader);
+        operations.check(
+            operation.operation_id.as_str(),
+            || format!("{place}/operationId"),
+            reader,
+        );
         for (number, requirement) in operation.equipment_requirement_list.iter().enumerate() {
             requirements.check(
                 requirement.equipment_requirement_id.as_str(),
@@ -132,7 +157,11 @@ fn check_ids(network: &OperationNetwork, pointer: &str, reader: &mut Reader) {
     }
     for (index, relation) in network.operation_relation_list.iter().enumerate() {
         let place = format!("{pointer}/operationRelationList/{index}");
-        relations.check(relation.operation_relation_id.as_str(), || format!("{place}/operationRelationId"), reader);
+        relations.check(
+            relation.operation_relation_id.as_str(),
+            || format!("{place}/operationRelationId"),
+            reader,
+        );
         for (number, condition) in relation.condition_list.iter().enumerate() {
             conditions.check(
                 condition.condition_id.as_str(),
@@ -155,8 +184,10 @@ impl<'n> Unique<'n> {
 
     fn check(&mut self, id: &'n str, pointer: impl FnOnce() -> String, reader: &mut Reader) {
         if !self.seen.insert(id) {
-            let message =
-                format!("The network already has the {} {id}; ids must be unique within a network.", self.kind);
+            let message = format!(
+                "The network already has the {} {id}; ids must be unique within a network.",
+                self.kind
+            );
             reader.faults.push(pointer(), FaultCode::DuplicateId, message);
         }
     }
@@ -179,22 +210,38 @@ fn check_operation(
         report_format::check_unit(unit, || format!("{place}/quantityUnit"), reader);
     }
     check_owner(operation, place, part_of, reader);
-    if let OperationKind::Inspection { inspected_operation_id: Some(inspected), .. } = &operation.kind {
+    if let OperationKind::Inspection { inspected_operation_id: Some(inspected), .. } =
+        &operation.kind
+    {
         let pointer = || format!("{place}/inspectedOperationId");
         if *inspected == operation.operation_id {
-            reader.faults.push(pointer(), FaultCode::SelfReference, "An operation cannot inspect itself.");
+            reader.faults.push(
+                pointer(),
+                FaultCode::SelfReference,
+                "An operation cannot inspect itself.",
+            );
         } else {
             check_known(inspected, pointer, operations, reader);
         }
     }
 }
 
-fn check_owner(operation: &Operation, place: &str, part_of: Option<&FactoryId>, reader: &mut Reader) {
+fn check_owner(
+    operation: &Operation,
+    place: &str,
+    part_of: Option<&FactoryId>,
+    reader: &mut Reader,
+) {
     let id = &operation.operation_id;
     if operation.stub {
         if operation.owning_factory_id.is_none() {
-            let message = format!("The operation {id} is a stub and must name its owningFactoryId.");
-            reader.faults.push(format!("{place}/owningFactoryId"), FaultCode::OwnerMissing, message);
+            let message =
+                format!("The operation {id} is a stub and must name its owningFactoryId.");
+            reader.faults.push(
+                format!("{place}/owningFactoryId"),
+                FaultCode::OwnerMissing,
+                message,
+            );
         }
         let details = [
             ("dynamicDataRequestList", operation.dynamic_data_request_list.is_empty()),
@@ -207,7 +254,9 @@ fn check_owner(operation: &Operation, place: &str, part_of: Option<&FactoryId>, 
     } else if let (Some(factory), Some(owner)) = (part_of, &operation.owning_factory_id)
         && owner != factory
     {
-        let message = format!("The operation {id} belongs to {owner}; in this factory's part it must be a stub.");
+        let message = format!(
+            "The operation {id} belongs to {owner}; in this factory's part it must be a stub."
+        );
         reader.faults.push(format!("{place}/owningFactoryId"), FaultCode::WrongOwner, message);
     }
 }
@@ -227,7 +276,11 @@ fn check_relation(
     }
     if relation.predecessor_operation_id == relation.successor_operation_id {
         let message = "A relation must connect two different operations.";
-        reader.faults.push(format!("{place}/successorOperationId"), FaultCode::SelfReference, message);
+        reader.faults.push(
+            format!("{place}/successorOperationId"),
+            FaultCode::SelfReference,
+            message,
+        );
     }
 }
 

@@ -21,7 +21,12 @@ pub(super) fn operation(reader: &mut Reader, node: Node<'_, '_>) -> Option<Opera
         planned_end: reader.optional(node, "plannedEnd", Reader::time),
         planned_quantity: reader.optional(node, "plannedQuantity", Reader::quantity),
         quantity_unit: reader.optional(node, "quantityUnit", Reader::name),
-        equipment_requirement_list: reader.optional_list(node, "equipmentRequirementList", LIST_MAX, equipment),
+        equipment_requirement_list: reader.optional_list(
+            node,
+            "equipmentRequirementList",
+            LIST_MAX,
+            equipment,
+        ),
         dynamic_data_request_list: reader.optional_list(
             node,
             "dynamicDataRequestList",
@@ -52,9 +57,9 @@ fn kind(reader: &mut Reader, node: Node<'_, '_>) -> OperationKind {
             origin: reader.optional(node, "origin", Reader::name),
             destination: reader.optional(node, "destination", Reader::name),
         },
-        Some(Wanted::Production) | None => {
-            OperationKind::Production { product_id: reader.optional(node, "productId", Reader::name) }
-        }
+        Some(Wanted::Production) | None => OperationKind::Production {
+            product_id: reader.optional(node, "productId", Reader::name),
+        },
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reading members of JSON objects into types, noting every fault and going on.
 //!
-//! Where an identifier cannot be read, a placeholder stands in for it, so that the rest is checked all the same; a
-//! message with faults never leaves the validation.
+//! Where an identifier cannot be read, a placeholder stands in for it, so that the rest is checked
+//! all the same; a message with faults never leaves the validation.
 
 use std::str::FromStr;
 
@@ -18,13 +18,19 @@ pub(super) struct Reader {
     pub(super) faults: Faults,
     /// How many identifiers have placeholders.
     pub(super) unreadable_ids: usize,
-    /// True where list elements had to be left out, so that positions no longer agree with the text.
+    /// True where list elements had to be left out, so that positions no longer agree with the
+    /// text.
     pub(super) has_left_out: bool,
 }
 
 impl Reader {
     /// Notes a fault at a node.
-    pub(super) fn fault(&mut self, node: Node<'_, '_>, code: FaultCode, message: impl Into<String>) {
+    pub(super) fn fault(
+        &mut self,
+        node: Node<'_, '_>,
+        code: FaultCode,
+        message: impl Into<String>,
+    ) {
         // A pointer costs a walk from the root; nobody needs more than the list holds.
         if self.faults.is_full() {
             self.faults.count_unlisted();
@@ -34,7 +40,11 @@ impl Reader {
     }
 
     fn wrong_type<T>(&mut self, node: Node<'_, '_>, wanted: &str) -> Option<T> {
-        self.fault(node, FaultCode::WrongType, format!("Expected {wanted}, but found {}.", node.kind().name()));
+        self.fault(
+            node,
+            FaultCode::WrongType,
+            format!("Expected {wanted}, but found {}.", node.kind().name()),
+        );
         None
     }
 
@@ -43,7 +53,11 @@ impl Reader {
         let is_object = node.kind() == Kind::Object;
         if !is_object {
             self.has_left_out = true;
-            self.fault(node, FaultCode::WrongType, format!("{what} must be an object, but is {}.", node.kind().name()));
+            self.fault(
+                node,
+                FaultCode::WrongType,
+                format!("{what} must be an object, but is {}.", node.kind().name()),
+            );
         }
         is_object
     }
@@ -63,7 +77,11 @@ impl Reader {
             }
             None => {
                 let pointer = format!("{}/{name}", object.pointer());
-                self.faults.push(pointer, FaultCode::MissingMember, format!("The member {name} is missing."));
+                self.faults.push(
+                    pointer,
+                    FaultCode::MissingMember,
+                    format!("The member {name} is missing."),
+                );
                 None
             }
         }
@@ -87,7 +105,8 @@ impl Reader {
         count_max: usize,
         mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
     ) -> Vec<T> {
-        let list = self.required(object, name, |reader, node| reader.elements(node, count_max, &mut read));
+        let list =
+            self.required(object, name, |reader, node| reader.elements(node, count_max, &mut read));
         list.unwrap_or_default()
     }
 
@@ -99,7 +118,8 @@ impl Reader {
         count_max: usize,
         mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
     ) -> Vec<T> {
-        let list = self.optional(object, name, |reader, node| reader.elements(node, count_max, &mut read));
+        let list =
+            self.optional(object, name, |reader, node| reader.elements(node, count_max, &mut read));
         list.unwrap_or_default()
     }
 
@@ -114,7 +134,11 @@ impl Reader {
         }
         if node.elements().count() > count_max {
             self.has_left_out = true;
-            self.fault(node, FaultCode::TooManyElements, format!("The list may have at most {count_max} elements."));
+            self.fault(
+                node,
+                FaultCode::TooManyElements,
+                format!("The list may have at most {count_max} elements."),
+            );
             return None;
         }
         Some(node.elements().filter_map(|element| read(self, element)).collect())
@@ -122,7 +146,9 @@ impl Reader {
 
     /// An identifier.
     pub(super) fn id<T: FromStr<Err = InvalidId>>(&mut self, node: Node<'_, '_>) -> Option<T> {
-        let Some(text) = node.text() else { return self.wrong_type(node, "an identifier as a string") };
+        let Some(text) = node.text() else {
+            return self.wrong_type(node, "an identifier as a string");
+        };
         match text.parse() {
             Ok(id) => Some(id),
             Err(InvalidId { kind, pattern, .. }) => {
@@ -142,7 +168,11 @@ impl Reader {
     }
 
     /// An identifier that must be there, or a placeholder after the fault.
-    pub(super) fn required_id<T: FromStr<Err = InvalidId>>(&mut self, object: Node<'_, '_>, name: &str) -> T {
+    pub(super) fn required_id<T: FromStr<Err = InvalidId>>(
+        &mut self,
+        object: Node<'_, '_>,
+        name: &str,
+    ) -> T {
         match self.required(object, name, |reader, node| reader.id(node)) {
             Some(id) => id,
             None => {
@@ -157,14 +187,21 @@ impl Reader {
     fn bounded_text(&mut self, node: Node<'_, '_>, chars_max: usize) -> Option<String> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
         if text.chars().nth(chars_max).is_some() {
-            self.fault(node, FaultCode::TextTooLong, format!("The text may have at most {chars_max} characters."));
+            self.fault(
+                node,
+                FaultCode::TextTooLong,
+                format!("The text may have at most {chars_max} characters."),
+            );
             return None;
         }
         // XML, and with it NodeSet2, has no way to write these.
-        let is_unwritable = |c: char| (c < ' ' && !matches!(c, '\t' | '\n' | '\r')) || is_noncharacter(c);
+        let is_unwritable =
+            |c: char| (c < ' ' && !matches!(c, '\t' | '\n' | '\r')) || is_noncharacter(c);
         if let Some((index, c)) = text.chars().enumerate().find(|(_, c)| is_unwritable(*c)) {
-            let message =
-                format!("The text has the control character U+{:04X} at position {index}; remove it.", c as u32);
+            let message = format!(
+                "The text has the control character U+{:04X} at position {index}; remove it.",
+                c as u32
+            );
             self.fault(node, FaultCode::InvalidValue, message);
             return None;
         }
@@ -195,7 +232,11 @@ impl Reader {
         let Some(text) = node.text() else { return self.wrong_type(node, "a time as a string") };
         let time = crate::json::write::parse_date_time(&text);
         if time.is_none() {
-            self.fault(node, FaultCode::InvalidValue, "A time must be RFC 3339, as 2019-04-18T06:00:00Z.");
+            self.fault(
+                node,
+                FaultCode::InvalidValue,
+                "A time must be RFC 3339, as 2019-04-18T06:00:00Z.",
+            );
         }
         time
     }
@@ -211,12 +252,20 @@ impl Reader {
     }
 
     /// One of several names.
-    pub(super) fn choice<T: Clone>(&mut self, node: Node<'_, '_>, choices: &[(&str, T)]) -> Option<T> {
+    pub(super) fn choice<T: Clone>(
+        &mut self,
+        node: Node<'_, '_>,
+        choices: &[(&str, T)],
+    ) -> Option<T> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
         let found = choices.iter().find(|(name, _)| *name == text).map(|(_, value)| value.clone());
         if found.is_none() {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            self.fault(node, FaultCode::InvalidValue, format!("Expected one of {}.", names.join(", ")));
+            self.fault(
+                node,
+                FaultCode::InvalidValue,
+                format!("Expected one of {}.", names.join(", ")),
+            );
         }
         found
     }
@@ -238,7 +287,11 @@ impl Reader {
         let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
         let value = digits.parse().ok().filter(|value: &f64| value.is_finite() && *value >= 0.0);
         if value.is_none() {
-            self.fault(node, FaultCode::InvalidValue, "The number must not be negative or beyond 1e308.");
+            self.fault(
+                node,
+                FaultCode::InvalidValue,
+                "The number must not be negative or beyond 1e308.",
+            );
         }
         value
     }

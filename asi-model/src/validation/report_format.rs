@@ -11,15 +11,21 @@ use crate::{
     ids::FieldName,
     json::{Kind, Node},
     network::{
-        DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit, VALUE_RANK_SCALAR,
+        DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic,
+        UpdateFrequencyUnit, VALUE_RANK_SCALAR,
     },
     units,
     values::BuiltInType,
 };
 
 /// Payload members that every report has beside its fields.
-pub(super) const RESERVED_NAMES: [&str; 5] =
-    ["reportName", "dynamicDataRequestId", "operationId", "operationNetworkId", "shopfloorTimestamp"];
+pub(super) const RESERVED_NAMES: [&str; 5] = [
+    "reportName",
+    "dynamicDataRequestId",
+    "operationId",
+    "operationNetworkId",
+    "shopfloorTimestamp",
+];
 /// Most dimensions of a field.
 const DIMENSIONS_MAX: i32 = 8;
 
@@ -38,7 +44,11 @@ pub(super) fn request(reader: &mut Reader, node: Node<'_, '_>) -> Option<Dynamic
     let format = reader.required(node, "reportDataFormat", format);
     Some(DynamicDataRequest {
         dynamic_data_request_id: reader.required_id(node, "dynamicDataRequestId"),
-        dynamic_data_request_publisher_id: reader.optional(node, "dynamicDataRequestPublisherId", Reader::id),
+        dynamic_data_request_publisher_id: reader.optional(
+            node,
+            "dynamicDataRequestPublisherId",
+            Reader::id,
+        ),
         requester_id: reader.required_id(node, "requesterId"),
         recipient_list: recipients(reader, node),
         purpose: reader.required(node, "purpose", Reader::said).unwrap_or_default(),
@@ -47,14 +57,20 @@ pub(super) fn request(reader: &mut Reader, node: Node<'_, '_>) -> Option<Dynamic
         description: reader.optional(node, "description", Reader::text),
         buffer_id: reader.optional(node, "bufferId", Reader::name),
         update_frequency: reader.optional(node, "updateFrequency", |reader, node| {
-            let frequency = reader.integer(node, "how often per unit, as a number from 1 to 4294967295")?;
+            let frequency =
+                reader.integer(node, "how often per unit, as a number from 1 to 4294967295")?;
             if frequency == 0 {
-                reader.fault(node, FaultCode::InvalidValue, "The update frequency must be at least 1.");
+                reader.fault(
+                    node,
+                    FaultCode::InvalidValue,
+                    "The update frequency must be at least 1.",
+                );
             }
             Some(frequency)
         }),
-        update_frequency_unit: reader
-            .optional(node, "updateFrequencyUnit", |reader, node| reader.choice(node, &FREQUENCY_UNITS)),
+        update_frequency_unit: reader.optional(node, "updateFrequencyUnit", |reader, node| {
+            reader.choice(node, &FREQUENCY_UNITS)
+        }),
         report_data_format: format
             .unwrap_or(ReportDataFormat { report_name: String::new(), report_field_list: vec![] }),
     })
@@ -90,7 +106,9 @@ fn field(reader: &mut Reader, node: Node<'_, '_>) -> Option<ReportField> {
         name: reader.required_id(node, "name"),
         field_type: FieldType(field_type.unwrap_or(BuiltInType::Variant)),
         value_rank: reader
-            .optional(node, "valueRank", |reader, node| reader.integer(node, "a value rank as a number"))
+            .optional(node, "valueRank", |reader, node| {
+                reader.integer(node, "a value rank as a number")
+            })
             .unwrap_or(VALUE_RANK_SCALAR),
         description: reader.optional(node, "description", Reader::text),
         unit: reader.optional(node, "unit", Reader::name),
@@ -123,7 +141,11 @@ pub(super) fn check(request: &DynamicDataRequest, pointer: &str, reader: &mut Re
         reader.faults.push(format!("{pointer}/validUntil"), FaultCode::TimeFrameInverted, message);
     }
     if request.update_frequency.is_some() != request.update_frequency_unit.is_some() {
-        let missing = if request.update_frequency.is_some() { "updateFrequencyUnit" } else { "updateFrequency" };
+        let missing = if request.update_frequency.is_some() {
+            "updateFrequencyUnit"
+        } else {
+            "updateFrequency"
+        };
         reader.faults.push(
             format!("{pointer}/{missing}"),
             FaultCode::UpdateFrequencyIncomplete,
@@ -137,22 +159,31 @@ fn check_fields(fields: &[ReportField], pointer: &str, reader: &mut Reader) {
     let names: HashSet<&str> = fields.iter().map(|field| field.name.as_str()).collect();
     let mut seen: HashSet<&FieldName> = HashSet::new();
     for (index, field) in fields.iter().enumerate() {
-        let place = |member: &str| format!("{pointer}/reportDataFormat/reportFieldList/{index}/{member}");
+        let place =
+            |member: &str| format!("{pointer}/reportDataFormat/reportFieldList/{index}/{member}");
         let name = field.name.as_str();
         if !seen.insert(&field.name) {
             let message = format!("The report already has a field {name}.");
             reader.faults.push(place("name"), FaultCode::DuplicateField, message);
         }
         if RESERVED_NAMES.contains(&name) {
-            let message = format!("Every report has a member {name} of its own; choose another name.");
+            let message =
+                format!("Every report has a member {name} of its own; choose another name.");
             reader.faults.push(place("name"), FaultCode::ReservedFieldName, message);
         }
-        if let Some(measured) = name.strip_suffix("Unit").filter(|measured| names.contains(measured)) {
-            let message = format!("{name} is the unit member of the field {measured}; choose another name.");
+        if let Some(measured) =
+            name.strip_suffix("Unit").filter(|measured| names.contains(measured))
+        {
+            let message =
+                format!("{name} is the unit member of the field {measured}; choose another name.");
             reader.faults.push(place("name"), FaultCode::UnitFieldCollision, message);
         }
-        if field.value_rank != VALUE_RANK_SCALAR && !(1..=DIMENSIONS_MAX).contains(&field.value_rank) {
-            let message = format!("The value rank must be -1 (single value) or 1 to {DIMENSIONS_MAX} (dimensions).");
+        if field.value_rank != VALUE_RANK_SCALAR
+            && !(1..=DIMENSIONS_MAX).contains(&field.value_rank)
+        {
+            let message = format!(
+                "The value rank must be -1 (single value) or 1 to {DIMENSIONS_MAX} (dimensions)."
+            );
             reader.faults.push(place("valueRank"), FaultCode::InvalidValueRank, message);
         }
         if let Some(unit) = &field.unit {
@@ -165,8 +196,9 @@ fn check_fields(fields: &[ReportField], pointer: &str, reader: &mut Reader) {
 /// A unit by its code or alias.
 pub(super) fn check_unit(unit: &str, pointer: impl FnOnce() -> String, reader: &mut Reader) {
     if units::lookup(unit).is_none() {
-        let message =
-            format!("The unit {unit} is not known: use a UNECE Recommendation 20 code as H87, or its name as PIECE.");
+        let message = format!(
+            "The unit {unit} is not known: use a UNECE Recommendation 20 code as H87, or its name as PIECE."
+        );
         reader.faults.push(pointer(), FaultCode::UnknownUnit, message);
     }
 }
@@ -176,10 +208,13 @@ fn check_semantic(field: &ReportField, pointer: String, reader: &mut Reader) {
     let Some(semantic) = &field.semantic else { return };
     let field_type = field.field_type.0;
     let (fits, wanted) = match semantic {
-        Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity | Semantic::PercentComplete => {
-            (field_type.is_numeric(), "a single number")
+        Semantic::ProducedQuantity
+        | Semantic::GoodQuantity
+        | Semantic::ScrapQuantity
+        | Semantic::PercentComplete => (field_type.is_numeric(), "a single number"),
+        Semantic::OperationState => {
+            (field_type.is_integer() || field_type == T::String, "a single String or integer")
         }
-        Semantic::OperationState => (field_type.is_integer() || field_type == T::String, "a single String or integer"),
         Semantic::ActualStart | Semantic::ActualEnd | Semantic::ExpectedEnd => {
             (field_type == T::DateTime, "a single DateTime")
         }

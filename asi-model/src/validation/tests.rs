@@ -10,13 +10,16 @@ fn factory() -> FactoryId {
 
 /// The example of the contract.
 fn request() -> Value {
-    serde_json::from_str(include_str!("../../examples/operation-network.json")).expect("the example is JSON")
+    serde_json::from_str(include_str!("../../examples/operation-network.json"))
+        .expect("the example is JSON")
 }
 
 fn faults_of(message: &Value) -> Vec<(String, String)> {
     match parse_platform_message(message.to_string().as_bytes(), &factory()) {
         Ok(_) => Vec::new(),
-        Err(rejection) => rejection.faults.into_iter().map(|fault| (fault.pointer, fault.code)).collect(),
+        Err(rejection) => {
+            rejection.faults.into_iter().map(|fault| (fault.pointer, fault.code)).collect()
+        }
     }
 }
 
@@ -37,14 +40,16 @@ fn check(pointer: &str, replacement: Value, expected: &[(&str, &str)]) {
         _ => panic!("{pointer} has no parent"),
     }
     let found = faults_of(&message);
-    let found: Vec<(&str, &str)> = found.iter().map(|(pointer, code)| (pointer.as_str(), code.as_str())).collect();
+    let found: Vec<(&str, &str)> =
+        found.iter().map(|(pointer, code)| (pointer.as_str(), code.as_str())).collect();
     assert_eq!(found, expected, "{pointer}");
 }
 
 const NET: &str = "/operationNetwork";
 const OP: &str = "/operationNetwork/operationList/0";
 const REQ: &str = "/operationNetwork/operationList/0/dynamicDataRequestList/0";
-const FIELDS: &str = "/operationNetwork/operationList/0/dynamicDataRequestList/0/reportDataFormat/reportFieldList";
+const FIELDS: &str =
+    "/operationNetwork/operationList/0/dynamicDataRequestList/0/reportDataFormat/reportFieldList";
 const REL: &str = "/operationNetwork/operationRelationList/0";
 
 #[test]
@@ -70,17 +75,49 @@ fn structure_is_checked() {
             (&format!("{REL}/successorOperationId"), "UNKNOWN_OPERATION"),
         ],
     );
-    check(&format!("{OP}/operationType"), json!("MAKING"), &[(&format!("{OP}/operationType"), "INVALID_VALUE")]);
-    check(&format!("{OP}/plannedStart"), json!("today"), &[(&format!("{OP}/plannedStart"), "INVALID_VALUE")]);
-    check(&format!("{OP}/plannedQuantity"), json!(-1), &[(&format!("{OP}/plannedQuantity"), "INVALID_VALUE")]);
-    check(&format!("{OP}/operationId"), json!("a\u{0}"), &[(&format!("{OP}/operationId"), "INVALID_ID")]);
-    check(&format!("{OP}/name"), json!("x".repeat(300)), &[(&format!("{OP}/name"), "TEXT_TOO_LONG")]);
+    check(
+        &format!("{OP}/operationType"),
+        json!("MAKING"),
+        &[(&format!("{OP}/operationType"), "INVALID_VALUE")],
+    );
+    check(
+        &format!("{OP}/plannedStart"),
+        json!("today"),
+        &[(&format!("{OP}/plannedStart"), "INVALID_VALUE")],
+    );
+    check(
+        &format!("{OP}/plannedQuantity"),
+        json!(-1),
+        &[(&format!("{OP}/plannedQuantity"), "INVALID_VALUE")],
+    );
+    check(
+        &format!("{OP}/operationId"),
+        json!("a\u{0}"),
+        &[(&format!("{OP}/operationId"), "INVALID_ID")],
+    );
+    check(
+        &format!("{OP}/name"),
+        json!("x".repeat(300)),
+        &[(&format!("{OP}/name"), "TEXT_TOO_LONG")],
+    );
     check(&format!("{OP}/name"), json!("a\u{8}"), &[(&format!("{OP}/name"), "INVALID_VALUE")]);
     check(&format!("{OP}/description"), json!("tab\tline\r\n\u{9f}"), &[]);
-    check(&format!("{OP}/description"), json!("\u{FFFE}"), &[(&format!("{OP}/description"), "INVALID_VALUE")]);
+    check(
+        &format!("{OP}/description"),
+        json!("\u{FFFE}"),
+        &[(&format!("{OP}/description"), "INVALID_VALUE")],
+    );
     check(&format!("{REQ}/purpose"), json!(" "), &[(&format!("{REQ}/purpose"), "INVALID_VALUE")]);
-    check(&format!("{REQ}/recipientList"), json!([]), &[(&format!("{REQ}/recipientList"), "EMPTY_LIST")]);
-    check(&format!("{REQ}/recipientList"), json!(["a", "a"]), &[(&format!("{REQ}/recipientList/1"), "DUPLICATE_ID")]);
+    check(
+        &format!("{REQ}/recipientList"),
+        json!([]),
+        &[(&format!("{REQ}/recipientList"), "EMPTY_LIST")],
+    );
+    check(
+        &format!("{REQ}/recipientList"),
+        json!(["a", "a"]),
+        &[(&format!("{REQ}/recipientList/1"), "DUPLICATE_ID")],
+    );
     check(&format!("{OP}/unknownMember"), json!({ "x": [1] }), &[]);
 }
 
@@ -89,20 +126,48 @@ fn fields_are_checked() {
     let field = |name: &str| json!({ "name": name, "type": 9 });
     check(&format!("{FIELDS}/0/type"), json!(0), &[(&format!("{FIELDS}/0/type"), "UNKNOWN_TYPE")]);
     check(&format!("{FIELDS}/0/type"), json!(26), &[(&format!("{FIELDS}/0/type"), "UNKNOWN_TYPE")]);
-    check(&format!("{FIELDS}/0/type"), json!("Integer"), &[(&format!("{FIELDS}/0/type"), "UNKNOWN_TYPE")]);
+    check(
+        &format!("{FIELDS}/0/type"),
+        json!("Integer"),
+        &[(&format!("{FIELDS}/0/type"), "UNKNOWN_TYPE")],
+    );
     check(&format!("{FIELDS}/0/type"), json!("UInt64"), &[]);
-    check(&format!("{FIELDS}/0/unit"), json!("FURLONG"), &[(&format!("{FIELDS}/0/unit"), "UNKNOWN_UNIT")]);
-    check(&format!("{FIELDS}/0/valueRank"), json!(0), &[(&format!("{FIELDS}/0/valueRank"), "INVALID_VALUE_RANK")]);
-    check(&format!("{FIELDS}/0/semantic"), json!("PROGRESS"), &[(&format!("{FIELDS}/0/semantic"), "INVALID_VALUE")]);
+    check(
+        &format!("{FIELDS}/0/unit"),
+        json!("FURLONG"),
+        &[(&format!("{FIELDS}/0/unit"), "UNKNOWN_UNIT")],
+    );
+    check(
+        &format!("{FIELDS}/0/valueRank"),
+        json!(0),
+        &[(&format!("{FIELDS}/0/valueRank"), "INVALID_VALUE_RANK")],
+    );
+    check(
+        &format!("{FIELDS}/0/semantic"),
+        json!("PROGRESS"),
+        &[(&format!("{FIELDS}/0/semantic"), "INVALID_VALUE")],
+    );
     check(&format!("{FIELDS}/0/semantic"), json!("urn:x:y"), &[]);
     check(
         &format!("{FIELDS}/0/semantic"),
         json!("ACTUAL_END"),
         &[(&format!("{FIELDS}/0/semantic"), "SEMANTIC_TYPE_MISMATCH")],
     );
-    check(&format!("{FIELDS}/0/name"), json!("operationId"), &[(&format!("{FIELDS}/0/name"), "RESERVED_FIELD_NAME")]);
-    check(&format!("{FIELDS}/0/name"), json!("1st"), &[(&format!("{FIELDS}/0/name"), "INVALID_ID")]);
-    check(&format!("{FIELDS}/-"), field("progressStatus"), &[(&format!("{FIELDS}/1/name"), "DUPLICATE_FIELD")]);
+    check(
+        &format!("{FIELDS}/0/name"),
+        json!("operationId"),
+        &[(&format!("{FIELDS}/0/name"), "RESERVED_FIELD_NAME")],
+    );
+    check(
+        &format!("{FIELDS}/0/name"),
+        json!("1st"),
+        &[(&format!("{FIELDS}/0/name"), "INVALID_ID")],
+    );
+    check(
+        &format!("{FIELDS}/-"),
+        field("progressStatus"),
+        &[(&format!("{FIELDS}/1/name"), "DUPLICATE_FIELD")],
+    );
     check(
         &format!("{FIELDS}/-"),
         field("progressStatusUnit"),
@@ -198,10 +263,15 @@ fn all_faults_come_at_once() {
     let mut message = request();
     message["factoryId"] = json!("OTHER");
     message["operationNetwork"]["operationList"][0]["plannedStart"] = json!("soon");
-    message["operationNetwork"]["operationRelationList"][0]["successorOperationId"] = json!("Nothing");
+    message["operationNetwork"]["operationRelationList"][0]["successorOperationId"] =
+        json!("Nothing");
     assert_eq!(faults_of(&message).len(), 3);
-    let rejection = parse_platform_message(message.to_string().as_bytes(), &factory()).expect_err("three faults");
-    assert_eq!(rejection.message_id.as_ref().map(|id| id.as_str()), Some("0190c0de-0000-7000-8000-000000000001"));
+    let rejection = parse_platform_message(message.to_string().as_bytes(), &factory())
+        .expect_err("three faults");
+    assert_eq!(
+        rejection.message_id.as_ref().map(|id| id.as_str()),
+        Some("0190c0de-0000-7000-8000-000000000001")
+    );
     assert_eq!(rejection.operation_network_id.as_ref().map(|id| id.as_str()), Some("frame-4711"));
     assert_eq!(rejection.revision, Some(3));
 }
@@ -226,9 +296,10 @@ fn rubbish_is_named() {
 #[test]
 fn faults_are_bounded() {
     let mut message = request();
-    let broken: Vec<Value> = (0..400).map(|_| json!({ "name": 5, "type": "x".repeat(900) })).collect();
-    message["operationNetwork"]["operationList"][0]["dynamicDataRequestList"][0]["reportDataFormat"]["reportFieldList"] =
-        json!(broken);
+    let broken: Vec<Value> =
+        (0..400).map(|_| json!({ "name": 5, "type": "x".repeat(900) })).collect();
+    message["operationNetwork"]["operationList"][0]["dynamicDataRequestList"][0]["reportDataFormat"]
+        ["reportFieldList"] = json!(broken);
     let faults = faults_of(&message);
     assert_eq!(faults.len(), FAULTS_MAX + 1);
     assert_eq!(faults[FAULTS_MAX].1, "TOO_MANY_FAULTS");

@@ -7,7 +7,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use time::{OffsetDateTime, format_description::well_known::Rfc3339};
 
 /// An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
-// Held as its ticks and one more, so that an `Option<DateTime>` takes no more room: every value has two of them.
+// Held as its ticks and one more, so that an `Option<DateTime>` takes no more room: every value has
+// two of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(with = "String", extend("format" = "date-time"))]
 pub struct DateTime(NonZeroI64);
@@ -78,7 +79,10 @@ impl DateTime {
     #[must_use]
     pub fn since(self, earlier: Self) -> std::time::Duration {
         let ticks = u64::try_from(self.ticks() - earlier.ticks()).unwrap_or(0);
-        std::time::Duration::new(ticks / 10_000_000, u32::try_from(ticks % 10_000_000).unwrap_or(0) * 100)
+        std::time::Duration::new(
+            ticks / 10_000_000,
+            u32::try_from(ticks % 10_000_000).unwrap_or(0) * 100,
+        )
     }
 
     /// Rounded down to a multiple of `step` since the Unix epoch; unchanged where the step is zero.
@@ -95,7 +99,8 @@ impl DateTime {
     /// OPC UA VersionTime (OPC 10000-4 §7.44): seconds since 2000-01-01T00:00:00Z.
     #[must_use]
     pub fn version_time(self) -> u32 {
-        u32::try_from((self.ticks() - UNIX_EPOCH_TICKS) / TICKS_PER_SECOND - 946_684_800).unwrap_or(0)
+        u32::try_from((self.ticks() - UNIX_EPOCH_TICKS) / TICKS_PER_SECOND - 946_684_800)
+            .unwrap_or(0)
     }
 }
 
@@ -126,8 +131,8 @@ impl From<DateTime> for OffsetDateTime {
 }
 
 impl fmt::Display for DateTime {
-    /// RFC 3339 with as many fraction digits as needed, at most seven. [`DateTime::MIN`] is the standard's
-    /// `0001-01-01T00:00:00Z`.
+    /// RFC 3339 with as many fraction digits as needed, at most seven. [`DateTime::MIN`] is the
+    /// standard's `0001-01-01T00:00:00Z`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if *self == Self::MIN {
             return f.write_str("0001-01-01T00:00:00Z");
@@ -160,8 +165,8 @@ impl fmt::Display for DateTime {
 impl FromStr for DateTime {
     type Err = InvalidDateTime;
 
-    /// Any RFC 3339 time; an offset is converted, digits beyond 100 ns are dropped, years before 1601 are
-    /// [`DateTime::MIN`].
+    /// Any RFC 3339 time; an offset is converted, digits beyond 100 ns are dropped, years before
+    /// 1601 are [`DateTime::MIN`].
     fn from_str(text: &str) -> Result<Self, InvalidDateTime> {
         let invalid = || InvalidDateTime { found: text.chars().take(80).collect() };
         if text.len() > 64 {
@@ -208,7 +213,10 @@ mod tests {
     #[test]
     fn steps_round_down() {
         let time: DateTime = "2019-04-18T18:20:37.9Z".parse().expect("valid");
-        assert_eq!(time.floor_to(std::time::Duration::from_secs(15)).to_string(), "2019-04-18T18:20:30Z");
+        assert_eq!(
+            time.floor_to(std::time::Duration::from_secs(15)).to_string(),
+            "2019-04-18T18:20:30Z"
+        );
         assert_eq!(time.version_time(), 608_926_837);
     }
 }

@@ -1,5 +1,5 @@
-//! Descriptions of data types that are no structures: enumerations (EnumDescription, OPC 10000-5 §12.34) and other names
-//! for simple types (SimpleTypeDescription, §12.35).
+//! Descriptions of data types that are no structures: enumerations (EnumDescription, OPC 10000-5
+//! §12.34) and other names for simple types (SimpleTypeDescription, §12.35).
 
 use std::sync::{Arc, LazyLock};
 
@@ -19,7 +19,8 @@ pub struct EnumType {
 }
 
 impl EnumType {
-    /// The description of an enumeration: among the given ones, else among those that structures of namespace 0 use.
+    /// The description of an enumeration: among the given ones, else among those that structures of
+    /// namespace 0 use.
     #[must_use]
     pub fn find<'a>(described: &'a [Self], id: &NodeId) -> Option<&'a Self> {
         described.iter().chain(KNOWN.iter()).find(|known| known.type_id == *id)
@@ -28,7 +29,11 @@ impl EnumType {
     /// The name of a value, where it has one.
     #[must_use]
     pub fn name_of(&self, value: i64) -> Option<&str> {
-        self.values.iter().find(|known| known.value == value).map(|known| &*known.name).filter(|name| !name.is_empty())
+        self.values
+            .iter()
+            .find(|known| known.value == value)
+            .map(|known| &*known.name)
+            .filter(|name| !name.is_empty())
     }
 }
 
@@ -38,7 +43,9 @@ static KNOWN: LazyLock<[EnumType; 1]> = LazyLock::new(|| {
         type_id: NodeId::ua(12077),
         name: "AxisScaleEnumeration".into(),
         built_in_type: BuiltInType::Int32,
-        values: values.map(|(name, value)| EnumValue { value, name: name.into(), ..EnumValue::default() }).collect(),
+        values: values
+            .map(|(name, value)| EnumValue { value, name: name.into(), ..EnumValue::default() })
+            .collect(),
     }]
 });
 

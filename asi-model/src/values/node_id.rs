@@ -103,13 +103,19 @@ impl NodeId {
     /// A string NodeId in the namespace of a URI.
     #[must_use]
     pub fn string(namespace_uri: &str, identifier: &str) -> Self {
-        Self { namespace: Namespace::uri(namespace_uri), identifier: Identifier::String(Arc::from(identifier)) }
+        Self {
+            namespace: Namespace::uri(namespace_uri),
+            identifier: Identifier::String(Arc::from(identifier)),
+        }
     }
 
     /// A numeric NodeId in the namespace of a URI.
     #[must_use]
     pub fn numeric(namespace_uri: &str, identifier: u32) -> Self {
-        Self { namespace: Namespace::uri(namespace_uri), identifier: Identifier::Numeric(identifier) }
+        Self {
+            namespace: Namespace::uri(namespace_uri),
+            identifier: Identifier::Numeric(identifier),
+        }
     }
 
     /// The null NodeId `i=0`.
@@ -133,7 +139,8 @@ impl fmt::Display for Identifier {
     }
 }
 
-/// Writes a URI that a `;` will end (OPC 10000-6 §5.1.12): `;` and `%` inside it are percent-encoded.
+/// Writes a URI that a `;` will end (OPC 10000-6 §5.1.12): `;` and `%` inside it are
+/// percent-encoded.
 fn write_uri(f: &mut fmt::Formatter<'_>, uri: &str) -> fmt::Result {
     for part in uri.split_inclusive([';', '%']) {
         let (text, special) = match part.as_bytes().last() {
@@ -200,8 +207,8 @@ impl From<NodeId> for ExpandedNodeId {
 }
 
 impl fmt::Display for QualifiedName {
-    /// The text form of 1.05: `nsu=<uri>;name`, `1:name`, or the bare name in namespace 0 (with `0:` where the name
-    /// itself would be taken for one of the others). A null name is empty.
+    /// The text form of 1.05: `nsu=<uri>;name`, `1:name`, or the bare name in namespace 0 (with
+    /// `0:` where the name itself would be taken for one of the others). A null name is empty.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = self.name.as_deref().unwrap_or_default();
         match &self.namespace {
@@ -263,7 +270,9 @@ fn parse_identifier(text: &str) -> Option<Identifier> {
         "i=" => Identifier::Numeric(id.parse().ok()?),
         "s=" => Identifier::String(Arc::from(id)),
         "g=" => Identifier::Guid(id.parse().ok()?),
-        "b=" => Identifier::Opaque(base64::engine::general_purpose::STANDARD.decode(id).ok()?.into()),
+        "b=" => {
+            Identifier::Opaque(base64::engine::general_purpose::STANDARD.decode(id).ok()?.into())
+        }
         _ => return None,
     })
 }
@@ -300,7 +309,9 @@ impl Serialize for NodeId {
 
 impl<'de> Deserialize<'de> for NodeId {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        std::borrow::Cow::<'de, str>::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+        std::borrow::Cow::<'de, str>::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
     }
 }
 
@@ -310,7 +321,13 @@ mod tests {
 
     #[test]
     fn text_form_round_trips() {
-        for text in ["i=884", "nsu=urn:press;s=Cell.Counter", "nsu=urn:a%3Bb%25c;i=7", "ns=3;s=x;y=z", "b=AQID"] {
+        for text in [
+            "i=884",
+            "nsu=urn:press;s=Cell.Counter",
+            "nsu=urn:a%3Bb%25c;i=7",
+            "ns=3;s=x;y=z",
+            "b=AQID",
+        ] {
             assert_eq!(text.parse::<NodeId>().map(|id| id.to_string()), Ok(text.to_owned()));
         }
         for text in ["", "i=", "i=-1", "nsu=urn:x", "q=1", "nsu=urn:%41;i=1"] {

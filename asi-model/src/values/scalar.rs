@@ -9,7 +9,8 @@ use super::{DataValue, DateTime, ExpandedNodeId, NodeId, QualifiedName, StatusCo
 
 macro_rules! built_in_types {
     ($($name:ident = $id:literal),* $(,)?) => {
-        /// The 25 built-in types with their standard ids. On the wire an id or a name; we emit the id.
+        /// The 25 built-in types with their standard ids. On the wire an id or a name; we emit the
+        /// id.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         #[allow(missing_docs)]
@@ -55,7 +56,8 @@ impl BuiltInType {
         self as u8
     }
 
-    /// One of the integer or floating point types: those that may have a unit and be scaled or rounded.
+    /// One of the integer or floating point types: those that may have a unit and be scaled or
+    /// rounded.
     #[must_use]
     pub const fn is_numeric(self) -> bool {
         matches!(self.id(), 2..=11)
@@ -74,8 +76,8 @@ impl fmt::Display for BuiltInType {
     }
 }
 
-/// A single value of a built-in type. Texts and bytes are shared, so that a clone costs no copy; `None` is the null
-/// string or null bytes, which differ from empty ones.
+/// A single value of a built-in type. Texts and bytes are shared, so that a clone costs no copy;
+/// `None` is the null string or null bytes, which differ from empty ones.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs)]
 pub enum Scalar {
@@ -141,7 +143,8 @@ impl Scalar {
         }
     }
 
-    /// The number as `f64`, for the numeric types and Boolean; 64-bit integers beyond 2^53 lose digits.
+    /// The number as `f64`, for the numeric types and Boolean; 64-bit integers beyond 2^53 lose
+    /// digits.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn as_f64(&self) -> Option<f64> {
@@ -178,7 +181,8 @@ impl Scalar {
         })
     }
 
-    /// An integer as the wanted integer type; `None` where it does not fit or the type is not an integer one.
+    /// An integer as the wanted integer type; `None` where it does not fit or the type is not an
+    /// integer one.
     #[must_use]
     pub fn from_i128(value: i128, wanted: BuiltInType) -> Option<Self> {
         use BuiltInType as T;
@@ -269,8 +273,8 @@ pub struct Array {
     pub element_type: BuiltInType,
     /// The elements, the last dimension varying fastest.
     pub elements: Vec<Scalar>,
-    /// The lengths of a matrix' dimensions (two or more); `None` for a plain array. Their product is the number of
-    /// elements.
+    /// The lengths of a matrix' dimensions (two or more); `None` for a plain array. Their product
+    /// is the number of elements.
     pub dimensions: Option<Vec<u32>>,
 }
 

@@ -6,7 +6,20 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An OPC UA status code: severity in the two highest bits, sub code below, flag bits at the end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    PartialOrd,
+    Ord,
+    Default,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+)]
 #[serde(transparent)]
 pub struct StatusCode(pub u32);
 
@@ -15,7 +28,8 @@ macro_rules! codes {
         impl StatusCode {
             $($(#[$doc])* pub const $constant: Self = Self($value);)*
 
-            /// The standard's symbolic name, where this table knows the code. Flag bits are ignored.
+            /// The standard's symbolic name, where this table knows the code. Flag bits are
+            /// ignored.
             #[must_use]
             pub fn symbol(self) -> Option<&'static str> {
                 match self.0 & 0xFFFF_0000 {

@@ -1,5 +1,5 @@
-//! Descriptions of structures: what fields a structure has (StructureDefinition, OPC 10000-3 §8.48), and the ones of
-//! namespace 0 that plants use.
+//! Descriptions of structures: what fields a structure has (StructureDefinition, OPC 10000-3
+//! §8.48), and the ones of namespace 0 that plants use.
 
 use std::sync::{Arc, LazyLock};
 
@@ -37,9 +37,11 @@ pub enum StructureKind {
 pub struct StructureField {
     /// Its name, case-sensitive.
     pub name: Arc<str>,
-    /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant where any value may stand.
+    /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant where any
+    /// value may stand.
     pub built_in_type: BuiltInType,
-    /// Its data type; for a structure its description's `type_id`, or `i=22` where any structure may stand.
+    /// Its data type; for a structure its description's `type_id`, or `i=22` where any structure
+    /// may stand.
     pub data_type: NodeId,
     /// What it means.
     pub description: Option<LocalizedText>,
@@ -120,7 +122,12 @@ static KNOWN: LazyLock<Vec<StructureType>> = LazyLock::new(|| {
     };
     let doubles = |names: [&str; 3]| names.map(|name| F::scalar(name, T::Double)).to_vec();
     vec![
-        known(884, &[885, 886, 15375], "Range", vec![F::scalar("Low", T::Double), F::scalar("High", T::Double)]),
+        known(
+            884,
+            &[885, 886, 15375],
+            "Range",
+            vec![F::scalar("Low", T::Double), F::scalar("High", T::Double)],
+        ),
         known(
             887,
             &[888, 889, 15376],
@@ -156,7 +163,12 @@ static KNOWN: LazyLock<Vec<StructureType>> = LazyLock::new(|| {
                 F::scalar("AxisSteps", T::Double).array(),
             ],
         ),
-        known(12080, &[12082, 12090, 15380], "XVType", vec![F::scalar("X", T::Double), F::scalar("Value", T::Float)]),
+        known(
+            12080,
+            &[12082, 12090, 15380],
+            "XVType",
+            vec![F::scalar("X", T::Double), F::scalar("Value", T::Float)],
+        ),
         known(
             14533,
             &[14802, 14846, 15041],

@@ -56,7 +56,9 @@ fn a_report_takes_a_handful_of_allocations() {
         messages: vec![DataSetMessage {
             data_set_writer_id: Some(1),
             sequence_number: Some(4711),
-            fields: (1..=6).map(|n| PayloadField::new(format!("field{n}"), "ProgressReport")).collect(),
+            fields: (1..=6)
+                .map(|n| PayloadField::new(format!("field{n}"), "ProgressReport"))
+                .collect(),
             ..DataSetMessage::default()
         }],
         ..NetworkMessage::default()

@@ -1,4 +1,5 @@
-//! The fuzz targets' committed inputs, replayed in every run: no panic, and what is read is read alike once written.
+//! The fuzz targets' committed inputs, replayed in every run: no panic, and what is read is read
+//! alike once written.
 
 use std::path::Path;
 
@@ -33,10 +34,13 @@ fn replay(bytes: &[u8]) {
         let _ = instance::to_json(&nodes, "m");
         assert!(node_set::read(node_set::write(&nodes).as_bytes()).is_ok());
     }
-    if let Ok((DecodedValue::Variant(value), _)) = decode_value(bytes, Leniency::Lenient, &[], &[]) {
+    if let Ok((DecodedValue::Variant(value), _)) = decode_value(bytes, Leniency::Lenient, &[], &[])
+    {
         let text = encode_variant(&value, DataEncoding::Reversible104);
         let again = decode_value(&text, Leniency::Lenient, &[], &[]).unwrap().0;
-        let (DecodedValue::Variant(again) | DecodedValue::Bare(again)) = again else { panic!("a variant") };
+        let (DecodedValue::Variant(again) | DecodedValue::Bare(again)) = again else {
+            panic!("a variant")
+        };
         // As text, since NaN is no equal of itself.
         assert_eq!(encode_variant(&again, DataEncoding::Reversible104), text);
     }

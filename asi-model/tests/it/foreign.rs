@@ -1,4 +1,5 @@
-//! What we write, read by other people's stacks: values by node-opcua-json, node sets by node-opcua and asyncua.
+//! What we write, read by other people's stacks: values by node-opcua-json, node sets by node-opcua
+//! and asyncua.
 //!
 //! The vectors are the same on every run.
 
@@ -45,14 +46,22 @@ fn scratch(name: &str) -> PathBuf {
 fn run(command: &mut Command) {
     let output = command.output().expect("the peer's interpreter is installed");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{command:?}\n{}\n{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    );
 }
 
-/// What a foreign stack is expected to have read. Times are compared to the millisecond, as JavaScript knows them.
+/// What a foreign stack is expected to have read. Times are compared to the millisecond, as
+/// JavaScript knows them.
 fn expected(value: &Variant) -> Value {
     match value {
         Variant::Null => Value::Null,
-        Variant::Scalar(scalar) => json!({ "type": scalar.built_in_type().name(), "value": expected_scalar(scalar) }),
+        Variant::Scalar(scalar) => {
+            json!({ "type": scalar.built_in_type().name(), "value": expected_scalar(scalar) })
+        }
         Variant::Array(array) => {
             let elements: Vec<Value> = array.elements.iter().map(expected_scalar).collect();
             let mut found = json!({ "type": array.element_type.name(), "value": elements });
@@ -77,20 +86,34 @@ fn expected_scalar(scalar: &Scalar) -> Value {
         Scalar::DateTime(time) => json!(milliseconds(*time)),
         Scalar::Guid(value) => json!(value.hyphenated().to_string()),
         Scalar::ByteString(bytes) => {
-            json!(bytes.as_deref().unwrap_or_default().iter().map(|byte| format!("{byte:02x}")).collect::<String>())
+            json!(
+                bytes
+                    .as_deref()
+                    .unwrap_or_default()
+                    .iter()
+                    .map(|byte| format!("{byte:02x}"))
+                    .collect::<String>()
+            )
         }
         Scalar::NodeId(id) => json!(indexed(id)),
         Scalar::ExpandedNodeId(id) => json!(indexed(&id.node_id)),
         Scalar::StatusCode(status) => json!(status.0),
-        Scalar::QualifiedName(name) => json!({ "namespace": index(&name.namespace), "name": name.name.as_deref() }),
-        Scalar::LocalizedText(text) => json!({ "locale": text.locale.as_deref(), "text": text.text.as_deref() }),
+        Scalar::QualifiedName(name) => {
+            json!({ "namespace": index(&name.namespace), "name": name.name.as_deref() })
+        }
+        Scalar::LocalizedText(text) => {
+            json!({ "locale": text.locale.as_deref(), "text": text.text.as_deref() })
+        }
         Scalar::ExtensionObject(object) => {
             let ExtensionBody::Structure(structure) = &object.body else { return Value::Null };
-            let name = if object.type_id.node_id == NodeId::ua(884) { "Range" } else { "EUInformation" };
+            let name =
+                if object.type_id.node_id == NodeId::ua(884) { "Range" } else { "EUInformation" };
             let members: serde_json::Map<String, Value> = structure
                 .fields
                 .iter()
-                .map(|(name, value)| (name.to_lowercase(), value.as_scalar().map_or(Value::Null, expected_scalar)))
+                .map(|(name, value)| {
+                    (name.to_lowercase(), value.as_scalar().map_or(Value::Null, expected_scalar))
+                })
                 .collect();
             json!({ "type": name, "members": members })
         }
@@ -123,7 +146,8 @@ fn special(value: f64) -> &'static str {
 
 fn milliseconds(time: DateTime) -> String {
     let whole = time.to_string();
-    let (seconds, fraction) = whole.trim_end_matches('Z').split_once('.').unwrap_or((whole.trim_end_matches('Z'), ""));
+    let (seconds, fraction) =
+        whole.trim_end_matches('Z').split_once('.').unwrap_or((whole.trim_end_matches('Z'), ""));
     format!("{seconds}.{:0<3}Z", fraction.get(..3).unwrap_or(fraction))
 }
 
@@ -149,13 +173,19 @@ fn foreign_digicor_values_decode_identically_with_node_opcua_json() {
         let mut text = Vec::new();
         encoder.variant(&mut text, &value);
         let text = String::from_utf8(text).unwrap();
-        lines.push_str(&format!("{}\n", json!({ "form": "variant", "text": text, "expected": expected(&value) })));
+        lines.push_str(&format!(
+            "{}\n",
+            json!({ "form": "variant", "text": text, "expected": expected(&value) })
+        ));
         let time: DateTime = "2019-03-26T18:28:54.2940194Z".parse().unwrap();
         let mut text = Vec::new();
         encoder.data_value(&mut text, &DataValue::good(value.clone(), time));
         let text = String::from_utf8(text).unwrap();
         let expected = json!({ "value": expected(&value), "sourceTimestamp": milliseconds(time) });
-        lines.push_str(&format!("{}\n", json!({ "form": "dataValue", "text": text, "expected": expected })));
+        lines.push_str(&format!(
+            "{}\n",
+            json!({ "form": "dataValue", "text": text, "expected": expected })
+        ));
     }
     let file = scratch("digicor-vectors.jsonl");
     std::fs::write(&file, lines).unwrap();
@@ -203,15 +233,17 @@ fn expected_nodes(sets: &[NodeSet]) -> Value {
             _ => None,
         })
         .collect();
-    let namespaces: Vec<&str> = sets.iter().flat_map(|set| &set.models).map(|model| model.uri.as_str()).collect();
+    let namespaces: Vec<&str> =
+        sets.iter().flat_map(|set| &set.models).map(|model| model.uri.as_str()).collect();
     json!({ "namespaces": namespaces, "nodes": list, "references": references, "values": values })
 }
 
-/// Networks with ids that are hard to carry, the same on every run, each at a factory of its own: its folder is in each
-/// of its documents.
+/// Networks with ids that are hard to carry, the same on every run, each at a factory of its own:
+/// its folder is in each of its documents.
 fn random_messages(count: usize) -> Vec<OperationNetworkMessage> {
     let mut runner = TestRunner::deterministic();
-    let messages = std::iter::repeat_with(|| networks::message().new_tree(&mut runner).unwrap().current());
+    let messages =
+        std::iter::repeat_with(|| networks::message().new_tree(&mut runner).unwrap().current());
     messages
         .take(count)
         .enumerate()
@@ -228,9 +260,12 @@ fn foreign_stacks_load_the_node_sets() {
     let types = asi_types::node_set();
     let types_file = root().join("asi-model/node-set/Verbund.ASI.NodeSet2.xml");
     let (mut sets, mut files) = (vec![types], vec![types_file]);
-    for name in ["operation-network", "operation-network.inspection", "operation-network.transportation"] {
+    for name in
+        ["operation-network", "operation-network.inspection", "operation-network.transportation"]
+    {
         let text = std::fs::read(root().join(format!("asi-model/examples/{name}.json"))).unwrap();
-        let PlatformMessage::OperationNetwork(message) = parse_any_platform_message(&text).unwrap() else {
+        let PlatformMessage::OperationNetwork(message) = parse_any_platform_message(&text).unwrap()
+        else {
             panic!("{name} is an operation network")
         };
         let nodes = instance::node_set(&Instance::new(&message));

@@ -24,8 +24,9 @@ fn quickest(work: &dyn Fn()) -> Duration {
 fn hostile_input_costs_linear_time() {
     type Make = fn(usize) -> String;
     let fields: Make = |count| {
-        let fields: Vec<String> =
-            (0..count).map(|n| format!("{{\"name\":\"f{n}\",\"type\":99,\"unit\":\"?\"}}")).collect();
+        let fields: Vec<String> = (0..count)
+            .map(|n| format!("{{\"name\":\"f{n}\",\"type\":99,\"unit\":\"?\"}}"))
+            .collect();
         format!(
             "{{\"messageType\":\"operation-network\",\"operationNetwork\":{{\"operationList\":[{{\
              \"dynamicDataRequestList\":[{{\"reportDataFormat\":{{\"reportFieldList\":[{}]}}}}]}}]}}}}",
@@ -33,39 +34,55 @@ fn hostile_input_costs_linear_time() {
         )
     };
     let payload: Make = |count| {
-        let members: Vec<String> = (0..count).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
-        format!("{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"Payload\":{{{}}}}}]}}", members.join(","))
+        let members: Vec<String> =
+            (0..count).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
+        format!(
+            "{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"Payload\":{{{}}}}}]}}",
+            members.join(",")
+        )
     };
     let repeated: Make = |count| format!("{{{}\"a\":1}}", "\"a\":1,".repeat(count));
-    let structures: Make =
-        |count| format!("{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}", "{\"UaTypeId\":\"i=12079\"},".repeat(count));
+    let structures: Make = |count| {
+        format!(
+            "{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}",
+            "{\"UaTypeId\":\"i=12079\"},".repeat(count)
+        )
+    };
     let xml: Make = |count| {
-        let nodes: String = (0..count).map(|n| format!("<UAObject NodeId=\"i={n}\" BrowseName=\"a\"/>")).collect();
+        let nodes: String =
+            (0..count).map(|n| format!("<UAObject NodeId=\"i={n}\" BrowseName=\"a\"/>")).collect();
         format!("<UANodeSet>{nodes}</UANodeSet>")
     };
     // Many operations claim the same request with many fields.
     let shared: Make = |count| {
         let node = |kind: &str, id: &str, references: &str| {
-            format!("<{kind} NodeId=\"{id}\" BrowseName=\"{id}\"><References>{references}</References></{kind}>")
+            format!(
+                "<{kind} NodeId=\"{id}\" BrowseName=\"{id}\"><References>{references}</References></{kind}>"
+            )
         };
         let reference = |kind: &str, forward: bool, id: &str| {
             format!("<Reference ReferenceType=\"{kind}\" IsForward=\"{forward}\">{id}</Reference>")
         };
         let typed = |id: u32| reference("i=40", true, &format!("ns=1;i={id}"));
         let mut nodes = node("UAObject", "ns=2;s=n", &typed(1001));
-        nodes += &node("UAObject", "ns=2;s=n#", &(typed(1002) + &reference("i=47", false, "ns=2;s=n")));
+        nodes +=
+            &node("UAObject", "ns=2;s=n#", &(typed(1002) + &reference("i=47", false, "ns=2;s=n")));
         nodes += &node("UAObject", "ns=2;s=r", &typed(1010));
-        nodes += &node("UAObject", "ns=2;s=f", &(typed(1011) + &reference("i=47", false, "ns=2;s=r")));
+        nodes +=
+            &node("UAObject", "ns=2;s=f", &(typed(1011) + &reference("i=47", false, "ns=2;s=r")));
         for n in 0..count {
-            let owned = reference("i=47", false, "ns=2;s=n#") + &reference("i=47", true, "ns=2;s=r");
+            let owned =
+                reference("i=47", false, "ns=2;s=n#") + &reference("i=47", true, "ns=2;s=r");
             nodes += &node("UAObject", &format!("ns=2;s=o{n}"), &(typed(1004) + &owned));
-            nodes += &node("UAVariable", &format!("ns=2;s=f{n}"), &reference("i=47", false, "ns=2;s=f"));
+            nodes +=
+                &node("UAVariable", &format!("ns=2;s=f{n}"), &reference("i=47", false, "ns=2;s=f"));
         }
         let uris = "<Uri>urn:verbund:UA:ASI</Uri><Uri>urn:verbund:cpt:F</Uri>";
         format!("<UANodeSet><NamespaceUris>{uris}</NamespaceUris>{nodes}</UANodeSet>")
     };
-    let attributes: Make =
-        |count| format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>());
+    let attributes: Make = |count| {
+        format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>())
+    };
     for (name, make, count) in [
         ("attributes", attributes, 10_000),
         ("fields", fields, 4_000),
@@ -85,8 +102,8 @@ fn hostile_input_costs_linear_time() {
                 let _ = node_set::read(bytes);
             })
         };
-        // Four times the size; a quadratic reader would need sixteen times as long. Several tries, should the machine be
-        // busy with something else in one of them.
+        // Four times the size; a quadratic reader would need sixteen times as long. Several tries,
+        // should the machine be busy with something else in one of them.
         let mut ratios = Vec::new();
         for _ in 0..5 {
             let ratio = time_of(4 * count).as_secs_f64() / time_of(count).as_secs_f64().max(1e-9);

@@ -1,13 +1,14 @@
-//! Random operation networks that are sound: built around a plan that keeps every relation and condition.
+//! Random operation networks that are sound: built around a plan that keeps every relation and
+//! condition.
 
 use asi_model::{
     BuiltInType, DateTime, FactoryId,
     ids::{AssetId, FieldName, OrganisationId, ToolId},
     messages::OperationNetworkMessage,
     network::{
-        ConditionKind, DynamicDataRequest, EquipmentRequirement, FieldType, IsoDuration, Operation, OperationKind,
-        OperationNetwork, OperationRelation, RelationCondition, RelationType, ReportDataFormat, ReportField, Semantic,
-        UpdateFrequencyUnit,
+        ConditionKind, DynamicDataRequest, EquipmentRequirement, FieldType, IsoDuration, Operation,
+        OperationKind, OperationNetwork, OperationRelation, RelationCondition, RelationType,
+        ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit,
     },
     units::EngineeringUnit,
 };
@@ -18,7 +19,8 @@ pub fn factory() -> FactoryId {
     "FOR_MUC".parse().unwrap()
 }
 
-/// Pieces that get lost where something is trimmed, unescaped once too often or taken for a separator.
+/// Pieces that get lost where something is trimmed, unescaped once too often or taken for a
+/// separator.
 const PIECES: [&str; 40] = [
     " ",
     "  ",
@@ -83,7 +85,10 @@ fn said() -> impl Strategy<Value = String> {
 /// Distinct ids with whatever may stand at their ends.
 fn ids(count: usize) -> impl Strategy<Value = Vec<String>> {
     vec((pieces(false, 4), pieces(false, 4)), count).prop_map(|ends| {
-        ends.into_iter().enumerate().map(|(number, (before, after))| format!("{before}({number}){after}")).collect()
+        ends.into_iter()
+            .enumerate()
+            .map(|(number, (before, after))| format!("{before}({number}){after}"))
+            .collect()
     })
 }
 
@@ -97,12 +102,19 @@ fn name() -> impl Strategy<Value = String> {
 }
 
 fn quantity() -> impl Strategy<Value = f64> {
-    prop_oneof![(0_u32..1000).prop_map(f64::from), 0.0..1e9_f64, Just(f64::MAX), Just(f64::MIN_POSITIVE), Just(0.1)]
+    prop_oneof![
+        (0_u32..1000).prop_map(f64::from),
+        0.0..1e9_f64,
+        Just(f64::MAX),
+        Just(f64::MIN_POSITIVE),
+        Just(0.1)
+    ]
 }
 
 fn unit() -> impl Strategy<Value = String> {
     let all: Vec<EngineeringUnit> = EngineeringUnit::all().collect();
-    (select(all), any::<bool>()).prop_map(|(unit, by_code)| if by_code { unit.code.to_owned() } else { unit.alias() })
+    (select(all), any::<bool>())
+        .prop_map(|(unit, by_code)| if by_code { unit.code.to_owned() } else { unit.alias() })
 }
 
 fn time() -> impl Strategy<Value = DateTime> {
@@ -110,7 +122,8 @@ fn time() -> impl Strategy<Value = DateTime> {
         Just(DateTime::MIN),
         Just(DateTime::MAX),
         (0..DateTime::MAX.ticks()).prop_map(DateTime::from_ticks),
-        (0..DateTime::MAX.ticks() / 10_000_000).prop_map(|seconds| DateTime::from_ticks(seconds * 10_000_000)),
+        (0..DateTime::MAX.ticks() / 10_000_000)
+            .prop_map(|seconds| DateTime::from_ticks(seconds * 10_000_000)),
     ]
 }
 
@@ -129,7 +142,13 @@ fn field() -> impl Strategy<Value = ReportField> {
     ])
     .prop_map(|(built_in, semantic)| (built_in, Some(semantic)));
     let rank = select(vec![-1, -1, 1, 2, 8]);
-    ("[A-Za-z_][A-Za-z0-9_.-]{0,30}", prop_oneof![meaning, known], rank, option::of(text()), option::of(unit()))
+    (
+        "[A-Za-z_][A-Za-z0-9_.-]{0,30}",
+        prop_oneof![meaning, known],
+        rank,
+        option::of(text()),
+        option::of(unit()),
+    )
         .prop_map(|(name, (built_in, semantic), rank, description, unit)| ReportField {
             name: name.parse().unwrap(),
             field_type: FieldType(built_in),
@@ -140,10 +159,17 @@ fn field() -> impl Strategy<Value = ReportField> {
         })
 }
 
-/// Fields with distinct names that are not reserved and collide with no unit's member; the first may be called as a
-/// part of the model is.
+/// Fields with distinct names that are not reserved and collide with no unit's member; the first
+/// may be called as a part of the model is.
 fn fields() -> impl Strategy<Value = Vec<ReportField>> {
-    let parts = ["ReportName", "EngineeringUnits", "Semantic", "MappingState", "IsMapped", "ReportDataFormat"];
+    let parts = [
+        "ReportName",
+        "EngineeringUnits",
+        "Semantic",
+        "MappingState",
+        "IsMapped",
+        "ReportDataFormat",
+    ];
     (vec(field(), 1..5), option::of(select(parts.to_vec()))).prop_map(|(mut fields, part)| {
         for (number, field) in fields.iter_mut().enumerate() {
             field.name = FieldName::new(format!("{}_{number}", field.name)).unwrap();
@@ -168,10 +194,19 @@ fn request(id: String) -> impl Strategy<Value = DynamicDataRequest> {
         other => other,
     });
     use UpdateFrequencyUnit as U;
-    let cadence = option::of((1_u32.., select(vec![U::Second, U::Minute, U::Hour, U::Day, U::Week])));
+    let cadence =
+        option::of((1_u32.., select(vec![U::Second, U::Minute, U::Hour, U::Day, U::Week])));
     let texts = (said(), option::of(text()), option::of(text()), said());
     (publisher, name(), recipients, validity, cadence, texts, fields()).prop_map(
-        move |(publisher, requester, recipient_list, (valid_from, valid_until), cadence, texts, report_field_list)| {
+        move |(
+            publisher,
+            requester,
+            recipient_list,
+            (valid_from, valid_until),
+            cadence,
+            texts,
+            report_field_list,
+        )| {
             let (purpose, description, buffer_id, report_name) = texts;
             DynamicDataRequest {
                 dynamic_data_request_id: id.parse().unwrap(),
@@ -219,8 +254,9 @@ fn operation(id: String, window: Window, others: Vec<String>) -> impl Strategy<V
             let inspected_operation_id = inspected.map(|id: String| id.parse().unwrap());
             OperationKind::Inspection { inspected_operation_id, characteristic }
         }),
-        (option::of(text()), option::of(text()))
-            .prop_map(|(origin, destination)| OperationKind::Transportation { origin, destination }),
+        (option::of(text()), option::of(text())).prop_map(|(origin, destination)| {
+            OperationKind::Transportation { origin, destination }
+        }),
     ];
     let is_inspecting_itself = {
         let id = id.clone();
@@ -232,7 +268,8 @@ fn operation(id: String, window: Window, others: Vec<String>) -> impl Strategy<V
     });
     let planned = (any::<bool>(), any::<bool>());
     let quantity = (option::of(quantity()), option::of(unit()));
-    let several = |count: usize, id: &str| (0..count).map(|number| numbered(id, number)).collect::<Vec<_>>();
+    let several =
+        |count: usize, id: &str| (0..count).map(|number| numbered(id, number)).collect::<Vec<_>>();
     let requirements = (0_usize..3).prop_flat_map({
         let id = id.clone();
         move |count| several(count, &id).into_iter().map(requirement).collect::<Vec<_>>()
@@ -244,7 +281,15 @@ fn operation(id: String, window: Window, others: Vec<String>) -> impl Strategy<V
     let owner = select(vec![None, Some(factory()), Some("INS_HAM".parse().unwrap())]);
     let texts = (option::of(text()), option::of(text()));
     (kind, texts, owner, planned, quantity, requirements, requests).prop_map(
-        move |(kind, (name, description), owner, (has_start, has_end), quantity, requirements, requests)| {
+        move |(
+            kind,
+            (name, description),
+            owner,
+            (has_start, has_end),
+            quantity,
+            requirements,
+            requests,
+        )| {
             let stub = owner.as_ref().is_some_and(|owner| *owner != factory());
             Operation {
                 operation_id: id.parse().unwrap(),
@@ -264,8 +309,10 @@ fn operation(id: String, window: Window, others: Vec<String>) -> impl Strategy<V
     )
 }
 
-/// What is drawn for a relation: its ends, its type, and conditions with their distance from what the plan has.
-type RelationDraw = (prop::sample::Index, prop::sample::Index, RelationType, Vec<(ConditionKind, i64)>);
+/// What is drawn for a relation: its ends, its type, and conditions with their distance from what
+/// the plan has.
+type RelationDraw =
+    (prop::sample::Index, prop::sample::Index, RelationType, Vec<(ConditionKind, i64)>);
 
 fn relation_draw() -> impl Strategy<Value = RelationDraw> {
     use ConditionKind as C;
@@ -279,7 +326,12 @@ fn relation_draw() -> impl Strategy<Value = RelationDraw> {
         C::MaximumGap,
     ];
     let types = vec![R::FinishToStart, R::StartToStart, R::FinishToFinish, R::StartToFinish];
-    (any::<prop::sample::Index>(), any::<prop::sample::Index>(), select(types), vec((select(kinds), distance()), 0..4))
+    (
+        any::<prop::sample::Index>(),
+        any::<prop::sample::Index>(),
+        select(types),
+        vec((select(kinds), distance()), 0..4),
+    )
 }
 
 /// Ticks between a bound and the plan.
@@ -287,7 +339,12 @@ fn distance() -> impl Strategy<Value = i64> {
     prop_oneof![Just(0), 0..1_000_000_i64, 0..1_000_000_000_000_000_i64]
 }
 
-fn relation(id: String, draw: &RelationDraw, operations: &[String], windows: &[Window]) -> Option<OperationRelation> {
+fn relation(
+    id: String,
+    draw: &RelationDraw,
+    operations: &[String],
+    windows: &[Window],
+) -> Option<OperationRelation> {
     let (a, b) = (draw.0.index(operations.len()), draw.1.index(operations.len()));
     if a == b {
         return None;
@@ -303,8 +360,11 @@ fn relation(id: String, draw: &RelationDraw, operations: &[String], windows: &[W
     let later = if bounds_start { windows[to].start } else { windows[to].end };
     let condition = |number: usize, kind: ConditionKind, distance: i64| {
         // Durations are said to the microsecond.
-        let span =
-            |ticks: i64| IsoDuration(std::time::Duration::from_micros(u64::try_from(ticks / 10).unwrap_or_default()));
+        let span = |ticks: i64| {
+            IsoDuration(std::time::Duration::from_micros(
+                u64::try_from(ticks / 10).unwrap_or_default(),
+            ))
+        };
         let round_up = |ticks: i64| ticks + 9;
         let (time, duration) = match kind {
             ConditionKind::StartNoEarlierThan => (Some(windows[to].start - distance), None),
@@ -321,8 +381,12 @@ fn relation(id: String, draw: &RelationDraw, operations: &[String], windows: &[W
             duration,
         }
     };
-    let condition_list =
-        draw.3.iter().enumerate().map(|(number, (kind, distance))| condition(number, *kind, *distance)).collect();
+    let condition_list = draw
+        .3
+        .iter()
+        .enumerate()
+        .map(|(number, (kind, distance))| condition(number, *kind, *distance))
+        .collect();
     Some(OperationRelation {
         operation_relation_id: id.parse().unwrap(),
         relation_type: draw.2,
@@ -347,25 +411,27 @@ pub fn network() -> impl Strategy<Value = OperationNetwork> {
             })
             .collect();
         let texts = (ids(1), option::of(text()), option::of(text()));
-        (ids(windows.len()), ids(draws.len()), texts).prop_flat_map(move |(operations, relations, texts)| {
-            let operation_relation_list: Vec<OperationRelation> = relations
-                .into_iter()
-                .zip(&draws)
-                .filter_map(|(id, draw)| relation(id, draw, &operations, &windows))
-                .collect();
-            let operation_list: Vec<_> = operations
-                .iter()
-                .zip(&windows)
-                .map(|(id, window)| operation(id.clone(), *window, operations.clone()))
-                .collect();
-            operation_list.prop_map(move |operation_list| OperationNetwork {
-                operation_network_id: texts.0[0].parse().unwrap(),
-                name: texts.1.clone(),
-                description: texts.2.clone(),
-                operation_list,
-                operation_relation_list: operation_relation_list.clone(),
-            })
-        })
+        (ids(windows.len()), ids(draws.len()), texts).prop_flat_map(
+            move |(operations, relations, texts)| {
+                let operation_relation_list: Vec<OperationRelation> = relations
+                    .into_iter()
+                    .zip(&draws)
+                    .filter_map(|(id, draw)| relation(id, draw, &operations, &windows))
+                    .collect();
+                let operation_list: Vec<_> = operations
+                    .iter()
+                    .zip(&windows)
+                    .map(|(id, window)| operation(id.clone(), *window, operations.clone()))
+                    .collect();
+                operation_list.prop_map(move |operation_list| OperationNetwork {
+                    operation_network_id: texts.0[0].parse().unwrap(),
+                    name: texts.1.clone(),
+                    description: texts.2.clone(),
+                    operation_list,
+                    operation_relation_list: operation_relation_list.clone(),
+                })
+            },
+        )
     })
 }
 

@@ -22,11 +22,17 @@ use crate::{
 
 /// EUInformation knows a unit by its code, not by which of its names it was asked for.
 fn with_plain_units(mut network: OperationNetwork) -> OperationNetwork {
-    let plain = |unit: &mut Option<String>| *unit = unit.as_deref().and_then(units::lookup).map(|unit| unit.alias());
+    let plain = |unit: &mut Option<String>| {
+        *unit = unit.as_deref().and_then(units::lookup).map(|unit| unit.alias())
+    };
     for operation in &mut network.operation_list {
         plain(&mut operation.quantity_unit);
         for request in &mut operation.dynamic_data_request_list {
-            request.report_data_format.report_field_list.iter_mut().for_each(|field| plain(&mut field.unit));
+            request
+                .report_data_format
+                .report_field_list
+                .iter_mut()
+                .for_each(|field| plain(&mut field.unit));
         }
     }
     network
@@ -52,14 +58,23 @@ fn values_survive_node_sets() {
     // XML has no way to write the control character that some texts have.
     let values = variants(&scalars(&mut Numbers(7)));
     for value in values.into_iter().filter(|value| !as_text(value).contains("\\u0001")) {
-        let class =
-            NodeClass::Variable { data_type: NodeId::ua(24), value_rank: -2, value: value.clone(), is_writable: false };
-        let browse_name = QualifiedName { namespace: Namespace::uri("urn:one"), name: Some("v".into()) };
-        let set =
-            NodeSet { models: vec![], nodes: vec![Node::new(NodeId::string("urn:one", "v"), browse_name, class)] };
+        let class = NodeClass::Variable {
+            data_type: NodeId::ua(24),
+            value_rank: -2,
+            value: value.clone(),
+            is_writable: false,
+        };
+        let browse_name =
+            QualifiedName { namespace: Namespace::uri("urn:one"), name: Some("v".into()) };
+        let set = NodeSet {
+            models: vec![],
+            nodes: vec![Node::new(NodeId::string("urn:one", "v"), browse_name, class)],
+        };
         let text = node_set::write(&set);
         let found = node_set::read(text.as_bytes()).unwrap();
-        let NodeClass::Variable { value: found, .. } = &found.nodes[0].class else { panic!("no variable") };
+        let NodeClass::Variable { value: found, .. } = &found.nodes[0].class else {
+            panic!("no variable")
+        };
         if found.is_null() {
             let is_matrix = matches!(&value, Variant::Array(array) if array.dimensions.is_some());
             let holds_others = matches!(

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use asi_model::{
     BuiltInType, DataValue, DateTime, NodeId, Scalar, StatusCode, Variant, units,
     values::{
-        Array, DiagnosticInfo, ExpandedNodeId, ExtensionBody, ExtensionObject, Identifier, LocalizedText, Namespace,
-        QualifiedName, Server, StructureValue,
+        Array, DiagnosticInfo, ExpandedNodeId, ExtensionBody, ExtensionObject, Identifier,
+        LocalizedText, Namespace, QualifiedName, Server, StructureValue,
     },
 };
 
@@ -72,7 +72,10 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
             // node-opcua-json takes empty texts inside structured values for null.
             continue;
         }
-        all.push(Scalar::LocalizedText(Box::new(LocalizedText { locale: Some("en".into()), text: Some(text.into()) })));
+        all.push(Scalar::LocalizedText(Box::new(LocalizedText {
+            locale: Some("en".into()),
+            text: Some(text.into()),
+        })));
         all.push(Scalar::QualifiedName(Box::new(QualifiedName {
             namespace: Namespace::uri("urn:two"),
             name: Some(text.into()),
@@ -94,10 +97,15 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
             Scalar::Int64(bits as i64),
             Scalar::Double(if number.is_nan() { 0.1 } else { number }),
             Scalar::Float((bits as i32 as f32) / 1000.0),
-            Scalar::DateTime(DateTime::from_ticks(125_000_000_000_000_000 + (bits % 20_000_000_000_000_000) as i64)),
+            Scalar::DateTime(DateTime::from_ticks(
+                125_000_000_000_000_000 + (bits % 20_000_000_000_000_000) as i64,
+            )),
             Scalar::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
             Scalar::ByteString(Some(bits.to_le_bytes()[..1 + (bits % 7) as usize].into())),
-            Scalar::ExpandedNodeId(Box::new(ExpandedNodeId { node_id: node_id.clone(), server: Server::Local })),
+            Scalar::ExpandedNodeId(Box::new(ExpandedNodeId {
+                node_id: node_id.clone(),
+                server: Server::Local,
+            })),
             Scalar::NodeId(Box::new(node_id)),
             Scalar::DataValue(Box::new(DataValue::good(
                 number_of(bits),
@@ -112,7 +120,8 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
             })),
             // It knows the standard's codes only.
             Scalar::StatusCode(
-                [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN][bits as usize % 3],
+                [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN]
+                    [bits as usize % 3],
             ),
         ]);
     }
@@ -138,17 +147,28 @@ pub fn range(low: f64, high: f64) -> ExtensionObject {
 pub fn variants(scalars: &[Scalar]) -> Vec<Variant> {
     let mut all: Vec<Variant> = scalars.iter().cloned().map(Variant::Scalar).collect();
     for built_in_type in BuiltInType::ALL {
-        let elements: Vec<Scalar> =
-            scalars.iter().filter(|scalar| scalar.built_in_type() == built_in_type).take(6).cloned().collect();
+        let elements: Vec<Scalar> = scalars
+            .iter()
+            .filter(|scalar| scalar.built_in_type() == built_in_type)
+            .take(6)
+            .cloned()
+            .collect();
         if elements.len() < 4 {
             continue;
         }
         for (count, dimensions) in [(3, None), (4, Some(vec![2, 2]))] {
             let elements = elements[..count].to_vec();
-            all.push(Variant::Array(Arc::new(Array { element_type: built_in_type, elements, dimensions })));
+            all.push(Variant::Array(Arc::new(Array {
+                element_type: built_in_type,
+                elements,
+                dimensions,
+            })));
         }
     }
-    let mixed = scalars.iter().step_by(7).map(|scalar| Scalar::Variant(Box::new(Variant::Scalar(scalar.clone()))));
+    let mixed = scalars
+        .iter()
+        .step_by(7)
+        .map(|scalar| Scalar::Variant(Box::new(Variant::Scalar(scalar.clone()))));
     all.push(Variant::Array(Arc::new(Array {
         element_type: BuiltInType::Variant,
         elements: mixed.collect(),

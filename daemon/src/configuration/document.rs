@@ -1,4 +1,5 @@
-//! The document behind a configuration: values merged from file and environment, and where each came from.
+//! The document behind a configuration: values merged from file and environment, and where each
+//! came from.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -25,8 +26,13 @@ struct Variable {
 }
 
 impl Document {
-    pub(super) fn parse(path: Option<&Path>, text: &str, env_prefix: &str) -> Result<Self, ConfigurationError> {
-        let path = path.map_or_else(|| "configuration".to_owned(), |path| path.display().to_string());
+    pub(super) fn parse(
+        path: Option<&Path>,
+        text: &str,
+        env_prefix: &str,
+    ) -> Result<Self, ConfigurationError> {
+        let path =
+            path.map_or_else(|| "configuration".to_owned(), |path| path.display().to_string());
         let syntax_fault = |error: &toml::de::Error| ConfigurationError::Invalid {
             faults: vec![ConfigurationFault {
                 origin: Origin::File {
@@ -69,9 +75,11 @@ impl Document {
         self.variables.insert(keys, variable);
     }
 
-    /// Tries a variable's value as a text where reading it as a TOML value did not fit. Says whether that is new.
+    /// Tries a variable's value as a text where reading it as a TOML value did not fit. Says
+    /// whether that is new.
     pub(super) fn take_literally(&mut self, keys: &[String]) -> bool {
-        let Some(variable) = self.variables.get_mut(keys).filter(|variable| !variable.is_literal) else {
+        let Some(variable) = self.variables.get_mut(keys).filter(|variable| !variable.is_literal)
+        else {
             return false;
         };
         variable.is_literal = true;
@@ -87,7 +95,9 @@ impl Document {
         for key in parents {
             let next = match value {
                 Value::Table(table) => table.get_mut(key),
-                Value::Array(array) => key.parse().ok().and_then(|index: usize| array.get_mut(index)),
+                Value::Array(array) => {
+                    key.parse().ok().and_then(|index: usize| array.get_mut(index))
+                }
                 _ => None,
             };
             let Some(next) = next else { return false };
@@ -136,7 +146,8 @@ impl Document {
         let quoted = |text: &str| text.split('`').nth(1).map(str::to_owned);
         if message.starts_with("unknown field") {
             let found = quoted(&message).unwrap_or_default();
-            let known: Vec<String> = message.split('`').skip(3).step_by(2).map(str::to_owned).collect();
+            let known: Vec<String> =
+                message.split('`').skip(3).step_by(2).map(str::to_owned).collect();
             let remedy = match nearest(&found, &known) {
                 Some(name) => format!("did you mean `{name}`? Otherwise remove it"),
                 None => "remove it".to_owned(),
@@ -151,7 +162,10 @@ impl Document {
             let prefix = &self.env_prefix;
             return (
                 message,
-                format!("set `{}` in the file or {prefix}_{variable} in the environment", path.join(".")),
+                format!(
+                    "set `{}` in the file or {prefix}_{variable} in the environment",
+                    path.join(".")
+                ),
             );
         }
         (message, "correct the value".to_owned())
@@ -165,7 +179,9 @@ impl Document {
                 *target = Value::Table(Table::new());
             }
             target = match target {
-                Value::Table(table) => table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new())),
+                Value::Table(table) => {
+                    table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new()))
+                }
                 _ => return,
             };
         }
@@ -189,7 +205,12 @@ pub(super) fn keys(path: &serde_path_to_error::Path) -> Vec<String> {
         .collect()
 }
 
-fn collect_lines(text: &str, table: &DeTable<'_>, at: &mut Vec<String>, lines: &mut BTreeMap<Vec<String>, usize>) {
+fn collect_lines(
+    text: &str,
+    table: &DeTable<'_>,
+    at: &mut Vec<String>,
+    lines: &mut BTreeMap<Vec<String>, usize>,
+) {
     for (key, value) in table {
         at.push(key.get_ref().to_string());
         lines.insert(at.clone(), line_of(text, key.span().start));

@@ -1,4 +1,5 @@
-//! A configuration to read: what each key means, what it is by default, what it is here and who says so.
+//! A configuration to read: what each key means, what it is by default, what it is here and who
+//! says so.
 
 use std::path::Path;
 
@@ -33,11 +34,16 @@ pub struct Setting {
     pub is_hidden: bool,
 }
 
-/// Every setting of a commented example with what file and environment say, and behind them what they say besides.
+/// Every setting of a commented example with what file and environment say, and behind them what
+/// they say besides.
 ///
 /// # Errors
 /// [`ConfigurationError`] when the file cannot be read or is not TOML.
-pub fn shown(path: Option<&Path>, env_prefix: &str, example: &str) -> Result<Vec<Setting>, ConfigurationError> {
+pub fn shown(
+    path: Option<&Path>,
+    env_prefix: &str,
+    example: &str,
+) -> Result<Vec<Setting>, ConfigurationError> {
     shown_of(path, &read(path)?, env_prefix, example, std::env::vars())
 }
 
@@ -136,14 +142,18 @@ mod tests {
     #[test]
     fn settings_say_what_they_mean_and_who_set_them() {
         let file = "folder = \"other\"\n[web]\nextra = 3\n";
-        let variables = [("VERBUND_ADMIN__PASSWORD", "canary"), ("VERBUND_WEB__LISTEN", "0.0.0.0:443")];
+        let variables =
+            [("VERBUND_ADMIN__PASSWORD", "canary"), ("VERBUND_WEB__LISTEN", "0.0.0.0:443")];
         let variables = variables.map(|(name, value)| (name.to_owned(), value.to_owned()));
         let path = Path::new("site.toml");
         let settings = shown_of(Some(path), file, "VERBUND", EXAMPLE, variables).expect("readable");
 
         let folder = &settings[0];
         assert_eq!((folder.key.as_str(), folder.meaning.as_str()), ("folder", "Where it lies."));
-        assert_eq!((folder.default.as_deref(), folder.value.as_deref()), (Some("\"data\""), Some("\"other\"")));
+        assert_eq!(
+            (folder.default.as_deref(), folder.value.as_deref()),
+            (Some("\"data\""), Some("\"other\""))
+        );
         assert_eq!(folder.origin.as_deref(), Some("site.toml:1"));
 
         let listen = &settings[1];
@@ -151,13 +161,19 @@ mod tests {
         assert_eq!(listen.origin.as_deref(), Some("environment variable VERBUND_WEB__LISTEN"));
 
         let key = &settings[2];
-        assert_eq!((key.section.as_str(), key.default.as_deref(), key.value.as_deref()), ("web.tls", None, None));
+        assert_eq!(
+            (key.section.as_str(), key.default.as_deref(), key.value.as_deref()),
+            ("web.tls", None, None)
+        );
 
         let password = &settings[3];
         assert!(password.is_hidden && password.value.is_none());
         assert!(!format!("{settings:?}").contains("canary"), "a secret is not shown");
 
         let extra = &settings[4];
-        assert_eq!((extra.section.as_str(), extra.key.as_str(), extra.value.as_deref()), ("web", "extra", Some("3")));
+        assert_eq!(
+            (extra.section.as_str(), extra.key.as_str(), extra.value.as_deref()),
+            ("web", "extra", Some("3"))
+        );
     }
 }

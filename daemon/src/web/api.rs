@@ -1,4 +1,5 @@
-//! The web side as a whole: the API under `/api/v1` with its own description, pages, health, and what guards them.
+//! The web side as a whole: the API under `/api/v1` with its own description, pages, health, and
+//! what guards them.
 
 use axum::{
     Json, Router,
@@ -53,7 +54,11 @@ pub struct Shell<S, A: Accounts> {
 }
 
 /// Pages `P`, operations and health in one router.
-pub fn router<P, S, A>(operations: Operations<S>, description: OpenApi, shell: Shell<S, A>) -> Router
+pub fn router<P, S, A>(
+    operations: Operations<S>,
+    description: OpenApi,
+    shell: Shell<S, A>,
+) -> Router
 where
     P: RustEmbed + 'static,
     S: Clone + Send + Sync + 'static,
@@ -61,24 +66,33 @@ where
 {
     let (guarded, _) = operations.guarded.split_for_parts();
     let (open, _) = operations.open.split_for_parts();
-    let guarded = guarded.layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
+    let guarded =
+        guarded.layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
     let api = guarded
         .merge(open)
         .route("/openapi.json", get(move || async move { Json(description) }))
         .fallback(unknown_route)
         .method_not_allowed_fallback(unknown_method)
         .layer(DefaultBodyLimit::max(shell.body_bytes_max));
-    let router =
-        Router::new().nest(API, api).with_state(shell.state).merge(health::routes(shell.readiness, shell.metrics));
+    let router = Router::new()
+        .nest(API, api)
+        .with_state(shell.state)
+        .merge(health::routes(shell.readiness, shell.metrics));
     secured(with_app::<P, ()>(router), shell.has_tls)
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
         .layer(TraceLayer::new_for_http())
 }
 
-/// The description of all operations, beside what `description` says of the API as a whole; `cookie` is the session's.
+/// The description of all operations, beside what `description` says of the API as a whole;
+/// `cookie` is the session's.
 #[must_use]
-pub fn described<S>(mut description: OpenApi, operations: Operations<S>, version: &str, cookie: &str) -> OpenApi
+pub fn described<S>(
+    mut description: OpenApi,
+    operations: Operations<S>,
+    version: &str,
+    cookie: &str,
+) -> OpenApi
 where
     S: Clone + Send + Sync + 'static,
 {

@@ -1,7 +1,8 @@
 //! A single-page app out of the executable.
 //!
-//! Vite names what it builds by its content and puts it under `assets/`, so that such files may be kept for ever while
-//! `index.html` is asked for anew. Paths without a file are places inside the app and get `index.html`.
+//! Vite names what it builds by its content and puts it under `assets/`, so that such files may be
+//! kept for ever while `index.html` is asked for anew. Paths without a file are places inside the
+//! app and get `index.html`.
 
 use axum::{
     Router,
@@ -14,14 +15,20 @@ use super::problem::Problem;
 
 const INDEX: &str = "index.html";
 
-/// Answers everything that no route answers: files of the app, its places, or a problem under `/api`.
-pub fn with_app<E: RustEmbed + 'static, S: Clone + Send + Sync + 'static>(router: Router<S>) -> Router<S> {
+/// Answers everything that no route answers: files of the app, its places, or a problem under
+/// `/api`.
+pub fn with_app<E: RustEmbed + 'static, S: Clone + Send + Sync + 'static>(
+    router: Router<S>,
+) -> Router<S> {
     router.fallback(|method: Method, uri: Uri, headers: HeaderMap| async move {
         answer(&method, uri.path(), &headers, E::get).unwrap_or_else(|| {
             Problem::new(
                 StatusCode::NOT_FOUND,
                 "UNKNOWN_ROUTE",
-                format!("There is no {} here; /api/v1/openapi.json lists what there is.", uri.path()),
+                format!(
+                    "There is no {} here; /api/v1/openapi.json lists what there is.",
+                    uri.path()
+                ),
             )
             .into_response()
         })
@@ -34,7 +41,8 @@ fn answer(
     headers: &HeaderMap,
     get: impl Fn(&str) -> Option<EmbeddedFile>,
 ) -> Option<Response> {
-    if !matches!(*method, Method::GET | Method::HEAD) || path == "/api" || path.starts_with("/api/") {
+    if !matches!(*method, Method::GET | Method::HEAD) || path == "/api" || path.starts_with("/api/")
+    {
         return None;
     }
     let path = path.trim_start_matches('/');
@@ -60,14 +68,23 @@ fn answer(
 
 fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     let tag = format!("\"{}\"", hex::encode(&file.metadata.sha256_hash()[..16]));
-    let caching = if name.starts_with("assets/") { "public, max-age=31536000, immutable" } else { "no-cache" };
-    let is_known = headers.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes());
+    let caching = if name.starts_with("assets/") {
+        "public, max-age=31536000, immutable"
+    } else {
+        "no-cache"
+    };
+    let is_known =
+        headers.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes());
     let mut response = if is_known {
         StatusCode::NOT_MODIFIED.into_response()
     } else {
         let mut response = file.data.clone().into_owned().into_response();
         let mime = mime_guess::from_path(name).first_or_octet_stream();
-        let mime = if mime.type_() == "text" { format!("{mime}; charset=utf-8") } else { mime.to_string() };
+        let mime = if mime.type_() == "text" {
+            format!("{mime}; charset=utf-8")
+        } else {
+            mime.to_string()
+        };
         if let Ok(mime) = HeaderValue::from_str(&mime) {
             response.headers_mut().insert(header::CONTENT_TYPE, mime);
         }
@@ -98,7 +115,9 @@ mod tests {
     fn check(path: &str, expected: Option<(StatusCode, &str, &str)>) {
         let response = answer(&Method::GET, path, &HeaderMap::new(), files);
         let found = response.as_ref().map(|response| {
-            let header = |name| response.headers().get(name).and_then(|value: &HeaderValue| value.to_str().ok());
+            let header = |name| {
+                response.headers().get(name).and_then(|value: &HeaderValue| value.to_str().ok())
+            };
             (
                 response.status(),
                 header(header::CONTENT_TYPE).unwrap_or_default(),
@@ -115,7 +134,10 @@ mod tests {
         check("/index.html", index);
         check("/networks/frame-4711", index);
         let immutable = "public, max-age=31536000, immutable";
-        check("/assets/app-1.js", Some((StatusCode::OK, "text/javascript; charset=utf-8", immutable)));
+        check(
+            "/assets/app-1.js",
+            Some((StatusCode::OK, "text/javascript; charset=utf-8", immutable)),
+        );
         check("/favicon.svg", Some((StatusCode::OK, "image/svg+xml", "no-cache")));
         check("/assets/gone-2.js", None);
         check("/api/v1/nothing", None);

@@ -1,8 +1,9 @@
 //! Live news for pages: server-sent events with ids, so that a page that was away catches up.
 //!
-//! An [`EventLog`] keeps the newest events in a ring. Every reader has its own cursor into it, so a slow page costs
-//! nothing but its own place: when the ring has moved on, the page is told `reset` and loads afresh. Ids carry a mark of
-//! this start of the daemon, so that an id from before a restart also leads to `reset`.
+//! An [`EventLog`] keeps the newest events in a ring. Every reader has its own cursor into it, so a
+//! slow page costs nothing but its own place: when the ring has moved on, the page is told `reset`
+//! and loads afresh. Ids carry a mark of this start of the daemon, so that an id from before a
+//! restart also leads to `reset`.
 
 use std::{collections::VecDeque, convert::Infallible, sync::Arc, time::Duration};
 
@@ -64,7 +65,12 @@ impl<T: Send + Sync + 'static> EventLog<T> {
     #[must_use]
     pub fn new(capacity: usize, start_mark: u64) -> Self {
         let ring = Ring { events: VecDeque::with_capacity(capacity.min(1024)), first: 1 };
-        Self { ring: Arc::new(RwLock::new(ring)), newest: Arc::new(watch::Sender::new(0)), start_mark, capacity }
+        Self {
+            ring: Arc::new(RwLock::new(ring)),
+            newest: Arc::new(watch::Sender::new(0)),
+            start_mark,
+            capacity,
+        }
     }
 
     /// Tells all readers, in this order.
@@ -82,8 +88,8 @@ impl<T: Send + Sync + 'static> EventLog<T> {
         self.newest.send_if_modified(|number| std::mem::replace(number, newest) != newest);
     }
 
-    /// The id of the newest event: a page that has loaded its state after asking for this id misses nothing when it
-    /// reads on from it.
+    /// The id of the newest event: a page that has loaded its state after asking for this id misses
+    /// nothing when it reads on from it.
     #[must_use]
     pub fn newest_id(&self) -> String {
         self.id(*self.newest.borrow())
@@ -115,8 +121,9 @@ impl<T: Send + Sync + 'static> EventLog<T> {
         }
     }
 
-    /// A stream of server-sent events after `last_event_id`, or of what comes from now on. `show` yields name and JSON
-    /// of an event, or `None` where the viewer must not see it. The stream ends at shutdown.
+    /// A stream of server-sent events after `last_event_id`, or of what comes from now on. `show`
+    /// yields name and JSON of an event, or `None` where the viewer must not see it. The stream
+    /// ends at shutdown.
     pub fn stream(
         &self,
         last_event_id: Option<&str>,
@@ -189,7 +196,8 @@ where
 {
     let (sender, mut receiver) = tokio::sync::mpsc::channel(AHEAD_MAX);
     tokio::spawn(feed(sender));
-    futures::stream::poll_fn(move |context| receiver.poll_recv(context).map(|event| event.map(Ok))).boxed()
+    futures::stream::poll_fn(move |context| receiver.poll_recv(context).map(|event| event.map(Ok)))
+        .boxed()
 }
 
 #[cfg(test)]
@@ -206,13 +214,17 @@ mod tests {
 
     /// Reads until `count` events have come.
     async fn read(log: &EventLog<u32>, last: Option<&str>, count: usize) -> String {
-        let response =
-            log.stream(last, CancellationToken::new(), |event| (*event != 13).then(|| ("value", event.to_string())));
+        let response = log.stream(last, CancellationToken::new(), |event| {
+            (*event != 13).then(|| ("value", event.to_string()))
+        });
         let mut body = response.into_body();
         let mut text = String::new();
         while text.matches("\n\n").count() < count {
-            let frame = std::future::poll_fn(|context| std::pin::Pin::new(&mut body).poll_frame(context));
-            let frame = tokio::time::timeout(Duration::from_secs(5), frame).await.expect("an event in time");
+            let frame =
+                std::future::poll_fn(|context| std::pin::Pin::new(&mut body).poll_frame(context));
+            let frame = tokio::time::timeout(Duration::from_secs(5), frame)
+                .await
+                .expect("an event in time");
             let bytes = frame.expect("not ended").expect("no error").into_data().expect("data");
             text.push_str(std::str::from_utf8(&bytes).expect("UTF-8"));
         }
@@ -238,7 +250,11 @@ mod tests {
         let log = log();
         log.publish([3, 4, 5]);
         for id in ["ab-1", "cd-5", "ab-99", "nonsense"] {
-            assert_eq!(read(&log, Some(id), 1).await, "id: ab-5\nevent: reset\ndata: {}\n\n", "{id}");
+            assert_eq!(
+                read(&log, Some(id), 1).await,
+                "id: ab-5\nevent: reset\ndata: {}\n\n",
+                "{id}"
+            );
         }
     }
 

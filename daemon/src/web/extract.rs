@@ -37,7 +37,11 @@ impl From<JsonRejection> for Problem {
         let rest = text.split_once(": ").map_or(text.as_str(), |(_, rest)| rest);
         let faults = match (&rejection, rest.split_once(": ")) {
             (JsonRejection::JsonDataError(_), Some((path, message))) if !path.contains(' ') => {
-                vec![ProblemFault { pointer: pointer(path), code: code.to_owned(), message: message.to_owned() }]
+                vec![ProblemFault {
+                    pointer: pointer(path),
+                    code: code.to_owned(),
+                    message: message.to_owned(),
+                }]
             }
             _ => Vec::new(),
         };

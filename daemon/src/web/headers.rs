@@ -25,8 +25,8 @@ const ALWAYS: [(HeaderName, &str); 7] = [
     (HeaderName::from_static("permissions-policy"), "camera=(), geolocation=(), microphone=()"),
 ];
 
-/// Adds the security headers to every answer, forbids caching unless the answer says otherwise, and refuses changes
-/// that a browser says another site has asked for. `has_tls` adds HSTS.
+/// Adds the security headers to every answer, forbids caching unless the answer says otherwise, and
+/// refuses changes that a browser says another site has asked for. `has_tls` adds HSTS.
 pub fn secured<S: Clone + Send + Sync + 'static>(router: Router<S>, has_tls: bool) -> Router<S> {
     router.layer(middleware::from_fn(move |request: Request, next: Next| async move {
         let mut response = if is_foreign_change(&request) {
@@ -46,7 +46,10 @@ pub(super) fn is_safe(method: &Method) -> bool {
 
 fn is_foreign_change(request: &Request) -> bool {
     !is_safe(request.method())
-        && request.headers().get("sec-fetch-site").is_some_and(|site| site == "cross-site" || site == "same-site")
+        && request
+            .headers()
+            .get("sec-fetch-site")
+            .is_some_and(|site| site == "cross-site" || site == "same-site")
 }
 
 fn add_headers(response: &mut Response, has_tls: bool) {
@@ -55,7 +58,10 @@ fn add_headers(response: &mut Response, has_tls: bool) {
         headers.insert(name, HeaderValue::from_static(value));
     }
     if has_tls {
-        headers.insert(header::STRICT_TRANSPORT_SECURITY, HeaderValue::from_static("max-age=31536000"));
+        headers.insert(
+            header::STRICT_TRANSPORT_SECURITY,
+            HeaderValue::from_static("max-age=31536000"),
+        );
     }
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
 }

@@ -38,7 +38,10 @@ impl Readiness {
         let parts = self.0.lock().clone();
         ReadinessReport {
             ready: parts.values().all(Option::is_none),
-            waiting_for: parts.into_iter().filter_map(|(part, reason)| Some((part, reason?))).collect(),
+            waiting_for: parts
+                .into_iter()
+                .filter_map(|(part, reason)| Some((part, reason?)))
+                .collect(),
         }
     }
 }
@@ -51,14 +54,20 @@ struct ReadinessReport {
 }
 
 /// The three routes. They tell nothing of plant or partners and need no session.
-pub fn routes<S: Clone + Send + Sync + 'static>(readiness: Readiness, metrics: Metrics) -> Router<S> {
+pub fn routes<S: Clone + Send + Sync + 'static>(
+    readiness: Readiness,
+    metrics: Metrics,
+) -> Router<S> {
     Router::new()
         .route("/healthz", get(|| async { "ok\n" }))
         .route("/readyz", get(move || async move { ready_answer(&readiness) }))
         .route(
             "/metrics",
             get(move || async move {
-                ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], metrics.render())
+                (
+                    [(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")],
+                    metrics.render(),
+                )
             }),
         )
 }

@@ -10,8 +10,8 @@ use axum::{
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
-/// never shown.
+/// A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
+/// inside is logged and never shown.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Problem {
@@ -54,7 +54,11 @@ impl Problem {
     #[must_use]
     pub fn new(status: StatusCode, code: &str, detail: impl Into<String>) -> Self {
         Self {
-            problem_type: format!("urn:verbund:problem:{}", code.to_ascii_lowercase().replace('_', "-")).into(),
+            problem_type: format!(
+                "urn:verbund:problem:{}",
+                code.to_ascii_lowercase().replace('_', "-")
+            )
+            .into(),
             title: status.canonical_reason().unwrap_or("Error").into(),
             status: status.as_u16(),
             code: code.into(),
@@ -85,7 +89,11 @@ impl Problem {
     /// 404: it does not exist, or the viewer may not know that it does.
     #[must_use]
     pub fn not_found(what: impl fmt::Display) -> Self {
-        Self::new(StatusCode::NOT_FOUND, "NOT_FOUND", format!("There is no {what}, or you have no part in it."))
+        Self::new(
+            StatusCode::NOT_FOUND,
+            "NOT_FOUND",
+            format!("There is no {what}, or you have no part in it."),
+        )
     }
 
     /// 409: it does not fit the present state.
@@ -175,6 +183,9 @@ pub async fn unknown_method(uri: Uri) -> Problem {
     Problem::new(
         StatusCode::METHOD_NOT_ALLOWED,
         "METHOD_NOT_ALLOWED",
-        format!("{} does not have this method; /api/v1/openapi.json lists what there is.", uri.path()),
+        format!(
+            "{} does not have this method; /api/v1/openapi.json lists what there is.",
+            uri.path()
+        ),
     )
 }

@@ -119,13 +119,22 @@ pub async fn serve(
     let soft = shutdown.clone().cancelled_owned();
     match tls {
         None => {
-            until_drained(axum::serve(listener, service).with_graceful_shutdown(soft).into_future(), shutdown).await
+            until_drained(
+                axum::serve(listener, service).with_graceful_shutdown(soft).into_future(),
+                shutdown,
+            )
+            .await
         }
         Some(tls) => {
-            let listener = TlsListener::new(listener, tls, shutdown.clone()).map_err(ServerError::Serve)?;
+            let listener =
+                TlsListener::new(listener, tls, shutdown.clone()).map_err(ServerError::Serve)?;
             // axum knows the peer's address of foreign listeners only through `tap_io`.
             let listener = listener.tap_io(|_| ());
-            until_drained(axum::serve(listener, service).with_graceful_shutdown(soft).into_future(), shutdown).await
+            until_drained(
+                axum::serve(listener, service).with_graceful_shutdown(soft).into_future(),
+                shutdown,
+            )
+            .await
         }
     }
 }
@@ -148,7 +157,8 @@ async fn until_drained(
     }
 }
 
-/// Accepts TLS connections; handshakes run beside each other, so that a silent peer holds nobody up.
+/// Accepts TLS connections; handshakes run beside each other, so that a silent peer holds nobody
+/// up.
 struct TlsListener {
     accepted: mpsc::Receiver<(TlsStream<TcpStream>, SocketAddr)>,
     local_address: SocketAddr,
@@ -162,7 +172,11 @@ impl TlsListener {
     ) -> std::io::Result<Self> {
         let local_address = listener.local_addr()?;
         let (sender, accepted) = mpsc::channel(ACCEPTED_WAITING_MAX);
-        tokio::spawn(shutdown.run_until_cancelled_owned(accept_loop(listener, TlsAcceptor::from(tls), sender)));
+        tokio::spawn(shutdown.run_until_cancelled_owned(accept_loop(
+            listener,
+            TlsAcceptor::from(tls),
+            sender,
+        )));
         Ok(Self { accepted, local_address })
     }
 }

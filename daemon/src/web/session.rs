@@ -1,8 +1,9 @@
-//! Signing in: cookie, CSRF token, throttled attempts; users and sessions live in the owner's store.
+//! Signing in: cookie, CSRF token, throttled attempts; users and sessions live in the owner's
+//! store.
 //!
-//! The cookie is `HttpOnly; SameSite=Strict` and holds a random token of which the store knows only the hash. Changes
-//! need the session's CSRF token in `x-csrf-token`. Who a session belongs to is read anew for each request, so that a
-//! changed role or a removed user takes effect at once.
+//! The cookie is `HttpOnly; SameSite=Strict` and holds a random token of which the store knows only
+//! the hash. Changes need the session's CSRF token in `x-csrf-token`. Who a session belongs to is
+//! read anew for each request, so that a changed role or a removed user takes effect at once.
 
 mod accounts;
 mod guard;
@@ -35,7 +36,8 @@ pub const CSRF_HEADER: &str = "x-csrf-token";
 /// How sessions are kept.
 #[derive(Debug, Clone)]
 pub struct SessionConfig {
-    /// The cookie's name. Cookies know no ports, so daemons that may share a host need different names.
+    /// The cookie's name. Cookies know no ports, so daemons that may share a host need different
+    /// names.
     pub cookie_name: String,
     /// True where pages are served over TLS: the cookie is then sent over TLS only.
     pub is_secure: bool,
@@ -48,7 +50,8 @@ pub struct SessionConfig {
 }
 
 impl SessionConfig {
-    /// Twelve hours, the default throttle; live streams end within five seconds after their session.
+    /// Twelve hours, the default throttle; live streams end within five seconds after their
+    /// session.
     #[must_use]
     pub fn new(cookie_name: impl Into<String>, is_secure: bool) -> Self {
         Self {
@@ -106,7 +109,8 @@ impl<A: Accounts> Sessions<A> {
     /// Checks a password and opens a session; the cookie goes into the answer.
     ///
     /// # Errors
-    /// A [`Problem`]: 401 for a wrong name or password (which of the two is not told), 429 after too many attempts.
+    /// A [`Problem`]: 401 for a wrong name or password (which of the two is not told), 429 after
+    /// too many attempts.
     pub async fn sign_in(
         &self,
         client: IpAddr,
@@ -114,7 +118,11 @@ impl<A: Accounts> Sessions<A> {
         password: &Confidential<String>,
     ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
         let refusal = || {
-            Problem::new(axum::http::StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", "User name or password is wrong.")
+            Problem::new(
+                axum::http::StatusCode::UNAUTHORIZED,
+                "WRONG_CREDENTIALS",
+                "User name or password is wrong.",
+            )
         };
         if let Err(wait) = self.inner.throttle.lock().check(client, user_name, Instant::now()) {
             metrics::counter!("verbund_sign_ins_total", "result" => "throttled").increment(1);
@@ -126,7 +134,11 @@ impl<A: Accounts> Sessions<A> {
             let _permit = self.inner.password_checks.acquire().await;
             password::verify(hash, password.clone()).await
         };
-        let principal = if is_right { self.inner.accounts.principal(user_name).await.map_err(internal)? } else { None };
+        let principal = if is_right {
+            self.inner.accounts.principal(user_name).await.map_err(internal)?
+        } else {
+            None
+        };
         let Some(principal) = principal else {
             self.inner.throttle.lock().failed(client, user_name, Instant::now());
             metrics::counter!("verbund_sign_ins_total", "result" => "refused").increment(1);
@@ -167,7 +179,11 @@ impl<A: Accounts> Sessions<A> {
             return Ok(None);
         }
         let principal = self.inner.accounts.principal(&session.user_name).await?;
-        Ok(principal.map(|principal| SignedIn { session: id, principal, csrf_token: session.csrf_token }))
+        Ok(principal.map(|principal| SignedIn {
+            session: id,
+            principal,
+            csrf_token: session.csrf_token,
+        }))
     }
 
     /// Waits a little, and says whether somebody is still signed in with a cookie's token.

@@ -22,8 +22,8 @@ use daemon::{
         problem::unknown_method,
         server,
         session::{
-            Accounts, AccountsError, PasswordHash, PasswordPolicy, SessionConfig, SessionId, Sessions, SignedIn,
-            StoredSession, require_session,
+            Accounts, AccountsError, PasswordHash, PasswordPolicy, SessionConfig, SessionId,
+            Sessions, SignedIn, StoredSession, require_session,
         },
     },
 };
@@ -83,7 +83,8 @@ async fn sign_in(
     jar: CookieJar,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<serde_json::Value>), Problem> {
-    let (cookie, signed_in) = sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
+    let (cookie, signed_in) =
+        sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
     Ok((jar.add(cookie), view(&signed_in)))
 }
 
@@ -120,7 +121,8 @@ impl Harness {
     pub async fn start() -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
         let memory = Memory::default();
-        let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
+        let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
+            .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
         let mut config = SessionConfig::new("verbund_test", false);
         config.stream_look = Duration::from_millis(20);
@@ -129,7 +131,8 @@ impl Harness {
         let guarded = get(who)
             .delete(sign_out)
             .layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
-        let live = get(live).layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
+        let live = get(live)
+            .layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
         let router = Router::new()
             .route("/api/v1/live", live)
             .route("/api/v1/session", guarded.post(sign_in))

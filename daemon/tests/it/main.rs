@@ -22,7 +22,13 @@ async fn problems_are_documents_everywhere() {
     check("/", 503, "NO_PAGES").await;
 
     let body = serde_json::json!({ "userName": "ann", "password": 7 });
-    let response = harness.client.post(harness.url("/api/v1/session")).json(&body).send().await.expect("an answer");
+    let response = harness
+        .client
+        .post(harness.url("/api/v1/session"))
+        .json(&body)
+        .send()
+        .await
+        .expect("an answer");
     assert_eq!(response.status(), 422);
     let problem: serde_json::Value = response.json().await.expect("JSON");
     assert_eq!(problem["faults"][0]["pointer"], "/password", "{problem}");
@@ -42,7 +48,8 @@ async fn every_answer_carries_the_security_headers() {
         assert_eq!(response.headers()["x-content-type-options"], "nosniff");
         assert_eq!(response.headers()["cache-control"], "no-store");
     }
-    let foreign = harness.client.post(harness.url("/api/v1/session")).header("sec-fetch-site", "cross-site");
+    let foreign =
+        harness.client.post(harness.url("/api/v1/session")).header("sec-fetch-site", "cross-site");
     assert_eq!(foreign.send().await.expect("an answer").status(), 403);
 }
 

@@ -8,12 +8,25 @@ use crate::harness::Harness;
 
 async fn sign_in(harness: &Harness, user: &str, password: &str) -> (u16, Value) {
     let body = json!({ "userName": user, "password": password });
-    let response = harness.client.post(harness.url("/api/v1/session")).json(&body).send().await.expect("an answer");
+    let response = harness
+        .client
+        .post(harness.url("/api/v1/session"))
+        .json(&body)
+        .send()
+        .await
+        .expect("an answer");
     (response.status().as_u16(), response.json().await.expect("JSON"))
 }
 
 async fn who(harness: &Harness) -> u16 {
-    harness.client.get(harness.url("/api/v1/session")).send().await.expect("an answer").status().as_u16()
+    harness
+        .client
+        .get(harness.url("/api/v1/session"))
+        .send()
+        .await
+        .expect("an answer")
+        .status()
+        .as_u16()
 }
 
 #[tokio::test]
@@ -27,11 +40,23 @@ async fn a_session_from_sign_in_to_sign_out() {
     let session = harness.url("/api/v1/session");
     let without_token = harness.client.delete(&session).send().await.expect("an answer");
     assert_eq!(without_token.status(), 403);
-    let wrong_token = harness.client.delete(&session).header("x-csrf-token", "x").send().await.expect("an answer");
+    let wrong_token = harness
+        .client
+        .delete(&session)
+        .header("x-csrf-token", "x")
+        .send()
+        .await
+        .expect("an answer");
     assert_eq!(wrong_token.status(), 403);
 
     let token = view["csrfToken"].as_str().expect("a token");
-    let signed_out = harness.client.delete(&session).header("x-csrf-token", token).send().await.expect("an answer");
+    let signed_out = harness
+        .client
+        .delete(&session)
+        .header("x-csrf-token", token)
+        .send()
+        .await
+        .expect("an answer");
     assert_eq!(signed_out.status(), 200);
     assert_eq!(who(&harness).await, 401);
     assert!(harness.memory.sessions.lock().is_empty());
@@ -41,7 +66,13 @@ async fn a_session_from_sign_in_to_sign_out() {
 async fn the_cookie_is_guarded_and_the_store_does_not_know_it() {
     let harness = Harness::start().await;
     let body = json!({ "userName": "ann", "password": "correct horse" });
-    let response = harness.client.post(harness.url("/api/v1/session")).json(&body).send().await.expect("an answer");
+    let response = harness
+        .client
+        .post(harness.url("/api/v1/session"))
+        .json(&body)
+        .send()
+        .await
+        .expect("an answer");
     let cookie = response.headers()["set-cookie"].to_str().expect("text").to_owned();
     for part in ["HttpOnly", "SameSite=Strict", "Path=/", "Max-Age=43200"] {
         assert!(cookie.contains(part), "{cookie}");
@@ -83,13 +114,18 @@ async fn a_session_ends_by_time_and_with_its_user() {
 #[tokio::test]
 async fn who_is_no_longer_signed_in_hears_no_more() {
     let harness = Harness::start().await;
-    assert_eq!(harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer").status(), 401);
+    assert_eq!(
+        harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer").status(),
+        401
+    );
     sign_in(&harness, "ann", "correct horse").await;
     let mut live = harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer");
     assert!(live.chunk().await.expect("it goes on").is_some());
     let silence = tokio::time::timeout(Duration::from_millis(200), live.chunk()).await;
     assert!(silence.is_err(), "it goes on while the session does: {silence:?}");
     harness.memory.sessions.lock().clear();
-    let end = tokio::time::timeout(Duration::from_secs(20), live.chunk()).await.expect("it ends with the session");
+    let end = tokio::time::timeout(Duration::from_secs(20), live.chunk())
+        .await
+        .expect("it ends with the session");
     assert_eq!(end.expect("it ends well"), None);
 }

@@ -11,14 +11,19 @@ async fn pages_are_served_over_tls_and_a_silent_peer_holds_nobody_up() {
     drop(rustls::crypto::ring::default_provider().install_default());
     let folder = tempfile::tempdir().expect("a folder");
     let own = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
-    let files = TlsFiles { certificate: folder.path().join("cert.pem"), key: folder.path().join("key.pem") };
+    let files = TlsFiles {
+        certificate: folder.path().join("cert.pem"),
+        key: folder.path().join("key.pem"),
+    };
     std::fs::write(&files.certificate, own.cert.pem()).expect("written");
     std::fs::write(&files.key, own.signing_key.serialize_pem()).expect("written");
 
     let listener = server::listen(([127, 0, 0, 1], 0).into()).await.expect("a free port");
     let port = listener.local_addr().expect("bound").port();
-    let router = Router::new()
-        .route("/", get(|ConnectInfo(peer): ConnectInfo<SocketAddr>| async move { peer.ip().to_string() }));
+    let router = Router::new().route(
+        "/",
+        get(|ConnectInfo(peer): ConnectInfo<SocketAddr>| async move { peer.ip().to_string() }),
+    );
     let shutdown = CancellationToken::new();
     let tls = files.load().expect("usable files");
     let serving = tokio::spawn(server::serve(listener, Some(tls), router, shutdown.clone()));
@@ -36,6 +41,7 @@ async fn pages_are_served_over_tls_and_a_silent_peer_holds_nobody_up() {
 
 #[test]
 fn a_missing_certificate_is_named() {
-    let files = TlsFiles { certificate: "/nowhere/cert.pem".into(), key: "/nowhere/key.pem".into() };
+    let files =
+        TlsFiles { certificate: "/nowhere/cert.pem".into(), key: "/nowhere/key.pem".into() };
     assert_eq!(files.load().expect_err("missing").to_string(), "cannot read /nowhere/cert.pem");
 }

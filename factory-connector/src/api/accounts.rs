@@ -1,7 +1,8 @@
 //! Who is signed in. Users lie in the store; sessions live in memory and end with the connector.
 //!
-//! A session is good for the password it was begun with: a new password ends it, whoever set it, on a page or on the
-//! command line. The one exception is the session in which somebody changes the own password.
+//! A session is good for the password it was begun with: a new password ends it, whoever set it, on
+//! a page or on the command line. The one exception is the session in which somebody changes the
+//! own password.
 
 use std::{collections::HashMap, sync::Arc, time::SystemTime};
 
@@ -31,7 +32,9 @@ pub struct Principal {
 pub(super) fn engineer_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
     match who.principal.role {
         Role::Engineer => Ok(()),
-        Role::Operator | Role::Viewer => Err(Problem::forbidden("This needs the role of an engineer.")),
+        Role::Operator | Role::Viewer => {
+            Err(Problem::forbidden("This needs the role of an engineer."))
+        }
     }
 }
 
@@ -65,14 +68,17 @@ impl StoredAccounts {
         Self { readers, sessions: Arc::default(), changing: Arc::default() }
     }
 
-    /// Lets nobody else change people while this is held: what was read of them is true until it is written.
+    /// Lets nobody else change people while this is held: what was read of them is true until it is
+    /// written.
     pub(super) async fn change(&self) -> tokio::sync::MutexGuard<'_, ()> {
         self.changing.lock().await
     }
 
     /// Ends a person's sessions, except the one from which it is done.
     pub(super) fn end_sessions_of(&self, user_name: &str, except: Option<&SessionId>) {
-        self.sessions.lock().retain(|id, kept| kept.session.user_name != user_name || Some(id) == except);
+        self.sessions
+            .lock()
+            .retain(|id, kept| kept.session.user_name != user_name || Some(id) == except);
     }
 
     /// Somebody is about to change the own password: the session in which it is done stays good.
@@ -106,7 +112,8 @@ impl Accounts for StoredAccounts {
         let now = SystemTime::now();
         sessions.retain(|_, kept| kept.session.expires_at > now);
         if sessions.len() >= SESSIONS_MAX
-            && let Some(first) = sessions.values().map(|kept| &kept.session).min_by_key(|session| session.expires_at)
+            && let Some(first) =
+                sessions.values().map(|kept| &kept.session).min_by_key(|session| session.expires_at)
         {
             let first = first.id.clone();
             sessions.remove(&first);
@@ -116,7 +123,9 @@ impl Accounts for StoredAccounts {
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
-        let Some(Kept { session, good_for }) = self.sessions.lock().get(id).cloned() else { return Ok(None) };
+        let Some(Kept { session, good_for }) = self.sessions.lock().get(id).cloned() else {
+            return Ok(None);
+        };
         let owner = user(&self.readers, &session.user_name).await.map_err(AccountsError::new)?;
         Ok(owner.is_some_and(|user| good_for.contains(&user.password_hash)).then_some(session))
     }

@@ -28,7 +28,8 @@ pub struct ApplicationCertificateView {
     subject: String,
     /// The distinguished name of who issued it.
     issuer: String,
-    /// The server made it itself, and renews it itself; otherwise somebody has to ask the authority in time.
+    /// The server made it itself, and renews it itself; otherwise somebody has to ask the authority
+    /// in time.
     is_self_signed: bool,
     /// The application it is for.
     application_uri: Option<String>,
@@ -100,7 +101,8 @@ pub struct CertificateRequestView {
     content: String,
 }
 
-/// Makes a request for a certificate with the server's application URI and host names. The key stays here.
+/// Makes a request for a certificate with the server's application URI and host names. The key
+/// stays here.
 #[utoipa::path(post, path = "/application-certificate/request", tag = "twin", security(("session" = [])),
     request_body = CertificateRequestBody, responses((status = 200, body = CertificateRequestView), Problems))]
 pub async fn request(
@@ -110,8 +112,9 @@ pub async fn request(
 ) -> Result<Json<CertificateRequestView>, Problem> {
     engineer_only(&who)?;
     let CertificateRequestBody { common_name, organization, with_new_key } = body;
-    let is_name =
-        |name: &String| (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control);
+    let is_name = |name: &String| {
+        (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control)
+    };
     if !common_name.iter().chain(&organization).all(is_name) {
         return Err(Problem::unprocessable(
             "INVALID_NAME",
@@ -129,8 +132,8 @@ pub async fn request(
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct IssuedCertificateBody {
-    /// PEM: the certificate, and those of its authorities up to the root unless the trust list has them, in any order. Or
-    /// the certificate alone as DER in base64.
+    /// PEM: the certificate, and those of its authorities up to the root unless the trust list has
+    /// them, in any order. Or the certificate alone as DER in base64.
     content: String,
 }
 

@@ -7,7 +7,10 @@ use serde::Serialize;
 use twin::{Authority, RevocationKnowledge, RevocationList};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::engineer_only, client_certificates::blocking, problems::Problems, view::Page};
+use super::{
+    Api, Principal, accounts::engineer_only, client_certificates::blocking, problems::Problems,
+    view::Page,
+};
 
 /// The certificate of an authority.
 #[derive(Serialize, ToSchema)]
@@ -25,9 +28,11 @@ pub struct ClientAuthorityView {
     /// End of its validity.
     #[schema(value_type = String, format = "date-time")]
     not_after: DateTime,
-    /// Clients with a certificate of it may connect; otherwise it only leads to one that is trusted.
+    /// Clients with a certificate of it may connect; otherwise it only leads to one that is
+    /// trusted.
     is_trusted: bool,
-    /// Whether its list of revoked certificates is here. Its clients stay outside without a current one.
+    /// Whether its list of revoked certificates is here. Its clients stay outside without a current
+    /// one.
     revocation_list: RevocationListState,
     /// When that list is to be replaced.
     #[schema(value_type = Option<String>, format = "date-time")]
@@ -48,17 +53,39 @@ pub enum RevocationListState {
 
 impl From<Authority> for ClientAuthorityView {
     fn from(authority: Authority) -> Self {
-        let Authority { thumbprint, subject, issuer, not_before, not_after, is_trusted, revocation } = authority;
+        let Authority {
+            thumbprint,
+            subject,
+            issuer,
+            not_before,
+            not_after,
+            is_trusted,
+            revocation,
+        } = authority;
         let (revocation_list, next_update) = match revocation {
-            RevocationKnowledge::Current { next_update } => (RevocationListState::Current, next_update),
-            RevocationKnowledge::Outdated { next_update } => (RevocationListState::Outdated, Some(next_update)),
+            RevocationKnowledge::Current { next_update } => {
+                (RevocationListState::Current, next_update)
+            }
+            RevocationKnowledge::Outdated { next_update } => {
+                (RevocationListState::Outdated, Some(next_update))
+            }
             RevocationKnowledge::Missing => (RevocationListState::Missing, None),
         };
-        Self { thumbprint, subject, issuer, not_before, not_after, is_trusted, revocation_list, next_update }
+        Self {
+            thumbprint,
+            subject,
+            issuer,
+            not_before,
+            not_after,
+            is_trusted,
+            revocation_list,
+            next_update,
+        }
     }
 }
 
-/// Lists the authorities whose clients may connect, and those in between. They are added with the clients' certificates.
+/// Lists the authorities whose clients may connect, and those in between. They are added with the
+/// clients' certificates.
 #[utoipa::path(get, path = "/client-authorities", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientAuthorityView>), Problems))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientAuthorityView>>, Problem> {
@@ -105,7 +132,14 @@ pub struct ClientRevocationListView {
 
 impl From<RevocationList> for ClientRevocationListView {
     fn from(list: RevocationList) -> Self {
-        let RevocationList { id, issuer, this_update, next_update, revoked, is_signed_by_known_authority } = list;
+        let RevocationList {
+            id,
+            issuer,
+            this_update,
+            next_update,
+            revoked,
+            is_signed_by_known_authority,
+        } = list;
         Self {
             revocation_list_id: id,
             issuer,
@@ -120,13 +154,16 @@ impl From<RevocationList> for ClientRevocationListView {
 /// Lists the authorities' lists of revoked certificates.
 #[utoipa::path(get, path = "/client-revocation-lists", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientRevocationListView>), Problems))]
-pub async fn revocation_lists(State(api): State<Api>) -> Result<Json<Page<ClientRevocationListView>>, Problem> {
+pub async fn revocation_lists(
+    State(api): State<Api>,
+) -> Result<Json<Page<ClientRevocationListView>>, Problem> {
     let list = api.twin.trust_list().clone();
     let known = blocking(move || list.revocation_lists()).await?;
     Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
 }
 
-/// Removes a list of revoked certificates: clients of its authority stay outside until there is a new one.
+/// Removes a list of revoked certificates: clients of its authority stay outside until there is a
+/// new one.
 #[utoipa::path(delete, path = "/client-revocation-lists/{revocationListId}", tag = "twin", security(("session" = [])),
     params(("revocationListId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
 pub async fn remove_revocation_list(

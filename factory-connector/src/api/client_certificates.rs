@@ -1,4 +1,5 @@
-//! The trust list of the OPC UA server: certificates of clients. Files for the whole list are added here, too.
+//! The trust list of the OPC UA server: certificates of clients. Files for the whole list are added
+//! here, too.
 
 use std::net::IpAddr;
 
@@ -88,8 +89,15 @@ impl From<RejectionReason> for ClientRejection {
 
 impl From<ClientCertificate> for ClientCertificateView {
     fn from(certificate: ClientCertificate) -> Self {
-        let ClientCertificate { thumbprint, subject, application_uri, not_before, not_after, state, rejection } =
-            certificate;
+        let ClientCertificate {
+            thumbprint,
+            subject,
+            application_uri,
+            not_before,
+            not_after,
+            state,
+            rejection,
+        } = certificate;
         let state = match state {
             CertificateState::Trusted => ClientTrust::Trusted,
             CertificateState::Rejected => ClientTrust::Rejected,
@@ -109,8 +117,8 @@ impl From<ClientCertificate> for ClientCertificateView {
     }
 }
 
-/// Lists the certificates of OPC UA clients, those that wait for an approval first. A local discovery server's is among
-/// them.
+/// Lists the certificates of OPC UA clients, those that wait for an approval first. A local
+/// discovery server's is among them.
 #[utoipa::path(get, path = "/client-certificates", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientCertificateView>), Problems))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientCertificateView>>, Problem> {
@@ -123,7 +131,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientCertificateV
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ClientTrustBody {
-    /// True: its bearer may connect from now on. False: it is turned away from the next connection on.
+    /// True: its bearer may connect from now on. False: it is turned away from the next connection
+    /// on.
     is_trusted: bool,
 }
 
@@ -140,7 +149,8 @@ pub async fn trust(
     engineer_only(&who)?;
     let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
     let found = blocking(move || {
-        let is_meant = |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
+        let is_meant =
+            |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
         let Some(before) = list.list()?.into_iter().find(is_meant) else { return Ok(None) };
         // Where it stands already as wanted, nothing moves, which is no failure.
         if body.is_trusted {
@@ -150,10 +160,16 @@ pub async fn trust(
         };
         // An authority's certificate, once trusted, is listed among the authorities.
         let after = list.list()?.into_iter().find(is_meant);
-        Ok(Some(after.unwrap_or(ClientCertificate { state: CertificateState::Trusted, rejection: None, ..before })))
+        Ok(Some(after.unwrap_or(ClientCertificate {
+            state: CertificateState::Trusted,
+            rejection: None,
+            ..before
+        })))
     })
     .await?;
-    found.map(|certificate| Json(certificate.into())).ok_or_else(|| Problem::not_found("such certificate"))
+    found
+        .map(|certificate| Json(certificate.into()))
+        .ok_or_else(|| Problem::not_found("such certificate"))
 }
 
 /// What a file for the trust list is.
@@ -202,7 +218,8 @@ pub async fn add(
 pub(super) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, TwinError> + Send + 'static,
 ) -> Result<T, Problem> {
-    let done = tokio::task::spawn_blocking(work).await.map_err(|error| Problem::internal(&error))?;
+    let done =
+        tokio::task::spawn_blocking(work).await.map_err(|error| Problem::internal(&error))?;
     done.map_err(|error| match error {
         TwinError::Refused { faults } => refused(&faults),
         other => Problem::internal(&other),
@@ -243,7 +260,10 @@ fn der(content: &str) -> Result<Vec<u8>, TrustFault> {
                 ));
             }
             if rest.contains("-----BEGIN") {
-                return Err(fault("SEVERAL", "The file holds more than one certificate or list. Add them one by one."));
+                return Err(fault(
+                    "SEVERAL",
+                    "The file holds more than one certificate or list. Add them one by one.",
+                ));
             }
             text
         }
@@ -268,8 +288,14 @@ mod tests {
         check(list, Ok(&[0x30, 3, 2, 1, 1]));
         check(&format!("{list}{list}"), Err("SEVERAL"));
         check("-----BEGIN CERTIFICATE-----\nMAMCAQE=", Err("NOT_A_FILE"));
-        check("-----BEGIN RSA PRIVATE KEY-----\nMAMCAQE=\n-----END RSA PRIVATE KEY-----", Err("PRIVATE_KEY"));
-        check("-----BEGIN CERTIFICATE REQUEST-----\nMAMC\n-----END CERTIFICATE REQUEST-----", Err("NOT_ISSUED"));
+        check(
+            "-----BEGIN RSA PRIVATE KEY-----\nMAMCAQE=\n-----END RSA PRIVATE KEY-----",
+            Err("PRIVATE_KEY"),
+        );
+        check(
+            "-----BEGIN CERTIFICATE REQUEST-----\nMAMC\n-----END CERTIFICATE REQUEST-----",
+            Err("NOT_ISSUED"),
+        );
         check("not base64!", Err("NOT_A_FILE"));
         check("", Err("NOT_A_FILE"));
     }

@@ -1,4 +1,5 @@
-//! What the named policies and the standing rules have in common: documents that are kept in versions.
+//! What the named policies and the standing rules have in common: documents that are kept in
+//! versions.
 
 use asi_model::DateTime;
 use axum::{
@@ -20,11 +21,16 @@ pub(super) async fn keep<T: Send + 'static>(
     api: &Api,
     who: &SignedIn<Principal>,
     headers: &HeaderMap,
-    keep: impl FnOnce(&mut Books, Option<u32>, &str, DateTime) -> Result<T, DocumentError> + Send + 'static,
+    keep: impl FnOnce(&mut Books, Option<u32>, &str, DateTime) -> Result<T, DocumentError>
+    + Send
+    + 'static,
 ) -> Result<T, Problem> {
     engineer_only(who)?;
     let (expected, by) = (if_match(headers)?, who.principal.user_name.clone());
-    api.desk.change(move |books, now| keep(books, expected, &by, now)).await?.map_err(document_problem)
+    api.desk
+        .change(move |books, now| keep(books, expected, &by, now))
+        .await?
+        .map_err(document_problem)
 }
 
 /// Every version of a document, newest first.

@@ -35,11 +35,12 @@ impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
     }
 }
 
-/// Server-sent events: `field` with the field's key, its state and its newest disclosed value, `decisions` with how many
-/// fields were decided at once and how many of them by standing rules, `inbox` and `comment` with the network's id,
-/// `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `ledger` every other second
-/// while it grows, `status` where the link or a local server changes its state, and `reset` where events were missed
-/// and the page must load afresh.
+/// Server-sent events: `field` with the field's key, its state and its newest disclosed value,
+/// `decisions` with how many fields were decided at once and how many of them by standing rules,
+/// `inbox` and `comment` with the network's id, `operator` with the operation's key, `revocation`
+/// with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
+/// the link or a local server changes its state, and `reset` where events were missed and the page
+/// must load afresh.
 #[utoipa::path(get, path = "/events", tag = "events", security(("session" = [])),
     responses((status = 200, content_type = "text/event-stream", body = String), Problems))]
 pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
@@ -48,13 +49,23 @@ pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
             ConnectorEvent::Field(news) => {
                 ("field", serde_json::to_string(&FieldNewsView::from(&**news)).unwrap_or_default())
             }
-            ConnectorEvent::Inbox(id) => ("inbox", serde_json::json!({ "operationNetworkId": id }).to_string()),
-            ConnectorEvent::Comment(id) => ("comment", serde_json::json!({ "operationNetworkId": id }).to_string()),
-            ConnectorEvent::Operator(operation) => ("operator", serde_json::to_string(operation).unwrap_or_default()),
-            ConnectorEvent::Decisions(made) => ("decisions", serde_json::to_string(made).unwrap_or_default()),
+            ConnectorEvent::Inbox(id) => {
+                ("inbox", serde_json::json!({ "operationNetworkId": id }).to_string())
+            }
+            ConnectorEvent::Comment(id) => {
+                ("comment", serde_json::json!({ "operationNetworkId": id }).to_string())
+            }
+            ConnectorEvent::Operator(operation) => {
+                ("operator", serde_json::to_string(operation).unwrap_or_default())
+            }
+            ConnectorEvent::Decisions(made) => {
+                ("decisions", serde_json::to_string(made).unwrap_or_default())
+            }
             ConnectorEvent::Ledger => ("ledger", "{}".to_owned()),
             ConnectorEvent::Policies => ("policies", "{}".to_owned()),
-            ConnectorEvent::Revocation(id) => ("revocation", serde_json::json!({ "revocationId": id }).to_string()),
+            ConnectorEvent::Revocation(id) => {
+                ("revocation", serde_json::json!({ "revocationId": id }).to_string())
+            }
             ConnectorEvent::Status => ("status", "{}".to_owned()),
         })
     })

@@ -52,7 +52,8 @@ pub struct ExportQuery {
     form: ExportForm,
 }
 
-/// All mappings, in force and proposed, in a form that can be imported again; the file has the templates too.
+/// All mappings, in force and proposed, in a form that can be imported again; the file has the
+/// templates too.
 #[utoipa::path(get, path = "/mappings/export", tag = "mappings", security(("session" = [])), params(ExportQuery),
     responses((status = 200, content((MappingFile = "application/json"), (String = "text/csv"))), Problems))]
 pub async fn export(
@@ -63,9 +64,11 @@ pub async fn export(
     engineer_only(&who)?;
     let mappings = api.desk.read(|books| books.all_mappings()).await?;
     let (kind, name, text) = match query.form {
-        ExportForm::Csv => {
-            ("text/csv; charset=utf-8", "mappings.csv", write_table(&MappingFile::new(Vec::new(), mappings).mappings))
-        }
+        ExportForm::Csv => (
+            "text/csv; charset=utf-8",
+            "mappings.csv",
+            write_table(&MappingFile::new(Vec::new(), mappings).mappings),
+        ),
         ExportForm::File => {
             let templates = templates::all(&api).await?;
             ("application/json", "mappings.json", MappingFile::new(templates, mappings).write())
@@ -73,7 +76,13 @@ pub async fn export(
     };
     let disposition = HeaderValue::from_str(&format!("attachment; filename=\"{name}\""))
         .map_err(|error| Problem::internal(&error))?;
-    Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind)), (header::CONTENT_DISPOSITION, disposition)], text)
+    Ok((
+        [
+            (header::CONTENT_TYPE, HeaderValue::from_static(kind)),
+            (header::CONTENT_DISPOSITION, disposition),
+        ],
+        text,
+    )
         .into_response())
 }
 
@@ -115,9 +124,9 @@ pub struct PlacedMapping {
     outcome: Placed,
 }
 
-/// Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported. Either everything is
-/// taken or, where anything is wrong, nothing, and every fault is named with its place. Consents stay as they are:
-/// mappings of fields that are not mapped are proposals.
+/// Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported.
+/// Either everything is taken or, where anything is wrong, nothing, and every fault is named with
+/// its place. Consents stay as they are: mappings of fields that are not mapped are proposals.
 #[utoipa::path(post, path = "/mappings/import", tag = "mappings", security(("session" = [])), params(ImportQuery),
     request_body(content((MappingFile = "application/json"), (String = "text/csv"))),
     responses((status = 200, body = ImportOutcome), Problems))]
@@ -129,24 +138,39 @@ pub async fn import(
     body: Bytes,
 ) -> Result<Json<ImportOutcome>, Problem> {
     engineer_only(&who)?;
-    let text = std::str::from_utf8(&body)
-        .map_err(|_| Problem::bad_request("NOT_TEXT", "The file is not UTF-8 text: export it as UTF-8."))?;
-    let content_type = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    let text = std::str::from_utf8(&body).map_err(|_| {
+        Problem::bad_request("NOT_TEXT", "The file is not UTF-8 text: export it as UTF-8.")
+    })?;
+    let content_type =
+        headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
     let (file, is_table) = if content_type.starts_with("text/csv") {
         (MappingFile::new(Vec::new(), read_table(text).map_err(row_faults)?), true)
     } else {
         (MappingFile::read(text).map_err(unreadable)?, false)
     };
     let wanted = file.mappings.into_iter().enumerate().map(|(index, mapping)| {
-        // A mapping of a table is named by its id, since its line is known only to who wrote the file.
-        let pointer = if is_table { format!("/{}", mapping.mapping_id) } else { format!("/mappings/{index}") };
+        // A mapping of a table is named by its id, since its line is known only to who wrote the
+        // file.
+        let pointer = if is_table {
+            format!("/{}", mapping.mapping_id)
+        } else {
+            format!("/mappings/{index}")
+        };
         Wanted { mapping, pointer }
     });
     let wanted: Vec<Wanted> = wanted.collect();
     let mut faults = templates::faults(&file.templates);
-    let placed = place_or_tell(&api, wanted, &who.principal.user_name, Some("imported"), query.dry_run, &mut faults);
+    let placed = place_or_tell(
+        &api,
+        wanted,
+        &who.principal.user_name,
+        Some("imported"),
+        query.dry_run,
+        &mut faults,
+    );
     let mut outcome = placed.await?;
-    outcome.templates = templates::take(&api, file.templates, &who.principal.user_name, query.dry_run).await?;
+    outcome.templates =
+        templates::take(&api, file.templates, &who.principal.user_name, query.dry_run).await?;
     Ok(Json(outcome))
 }
 
@@ -191,8 +215,14 @@ async fn place_or_tell(
         })
         .await?;
     let (mut placings, mut items) = (Vec::new(), Vec::new());
-    let mut outcome =
-        ImportOutcome { is_dry_run, published: 0, proposed: 0, unchanged: 0, templates: 0, items: Vec::new() };
+    let mut outcome = ImportOutcome {
+        is_dry_run,
+        published: 0,
+        proposed: 0,
+        unchanged: 0,
+        templates: 0,
+        items: Vec::new(),
+    };
     let mut seen = std::collections::HashSet::new();
     for (pointer, fitted) in fitted {
         let (mapping, placed) = match fitted {
@@ -207,7 +237,10 @@ async fn place_or_tell(
             }
         };
         if !seen.insert(mapping.target.clone()) {
-            let message = format!("the field {} has another mapping before this one: keep one of them", mapping.target);
+            let message = format!(
+                "the field {} has another mapping before this one: keep one of them",
+                mapping.target
+            );
             faults.push(ProblemFault { pointer, code: "TWICE".to_owned(), message });
             continue;
         }
@@ -220,15 +253,27 @@ async fn place_or_tell(
             Placed::Proposed => outcome.proposed += 1,
         }
         let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
-        faults.extend(diagnostics.into_iter().filter(|found| found.severity == Severity::Error).map(|found| {
-            let mut message = found.message;
-            if let (Some(line), Some(column)) = (found.line, found.column) {
-                write!(message, " (line {line}, column {column})").ok();
-            }
-            ProblemFault { pointer: format!("{pointer}{}", found.pointer), code: "INVALID_MAPPING".to_owned(), message }
-        }));
+        faults.extend(
+            diagnostics.into_iter().filter(|found| found.severity == Severity::Error).map(
+                |found| {
+                    let mut message = found.message;
+                    if let (Some(line), Some(column)) = (found.line, found.column) {
+                        write!(message, " (line {line}, column {column})").ok();
+                    }
+                    ProblemFault {
+                        pointer: format!("{pointer}{}", found.pointer),
+                        code: "INVALID_MAPPING".to_owned(),
+                        message,
+                    }
+                },
+            ),
+        );
         items.push(PlacedMapping { key: mapping.target.clone(), outcome: placed });
-        placings.push(Placing { mapping, author: author.to_owned(), note: note.map(str::to_owned) });
+        placings.push(Placing {
+            mapping,
+            author: author.to_owned(),
+            note: note.map(str::to_owned),
+        });
     }
     if !faults.is_empty() {
         return Err(refused(std::mem::take(faults)));
@@ -245,7 +290,11 @@ pub(super) fn refused(mut faults: Vec<ProblemFault>) -> Problem {
     let count = faults.len();
     faults.truncate(FAULTS_MAX);
     let faults_are = if count == 1 { "one fault".to_owned() } else { format!("{count} faults") };
-    Problem::unprocessable("NOTHING_IMPORTED", format!("There are {faults_are}; nothing was changed."), faults)
+    Problem::unprocessable(
+        "NOTHING_IMPORTED",
+        format!("There are {faults_are}; nothing was changed."),
+        faults,
+    )
 }
 
 fn row_faults(faults: Vec<mapping_engine::exchange::RowFault>) -> Problem {
@@ -258,6 +307,10 @@ fn row_faults(faults: Vec<mapping_engine::exchange::RowFault>) -> Problem {
 }
 
 fn unreadable(error: ExchangeError) -> Problem {
-    let fault = ProblemFault { pointer: String::new(), code: "UNREADABLE".to_owned(), message: error.to_string() };
+    let fault = ProblemFault {
+        pointer: String::new(),
+        code: "UNREADABLE".to_owned(),
+        message: error.to_string(),
+    };
     refused(vec![fault])
 }

@@ -1,7 +1,8 @@
 //! Decisions about fields, and values that people enter.
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId, RequestKey,
+    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId,
+    RequestKey,
     messages::{MappingState, ValueSource},
 };
 use axum::{Json, extract::State};
@@ -30,8 +31,11 @@ const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
 pub type FieldPath = (OperationNetworkId, OperationId, DynamicDataRequestId, FieldName);
 
 pub(super) fn key((network, operation, request, field_name): FieldPath) -> FieldKey {
-    let request =
-        RequestKey { operation_network_id: network, operation_id: operation, dynamic_data_request_id: request };
+    let request = RequestKey {
+        operation_network_id: network,
+        operation_id: operation,
+        dynamic_data_request_id: request,
+    };
     FieldKey { request, field_name }
 }
 
@@ -72,11 +76,19 @@ pub struct DecisionBody {
 }
 
 /// The mapping of a field, as the engine takes it.
-pub(super) async fn mapping_of(api: &Api, field: &FieldKey, draft: MappingDraft) -> Result<Mapping, Problem> {
+pub(super) async fn mapping_of(
+    api: &Api,
+    field: &FieldKey,
+    draft: MappingDraft,
+) -> Result<Mapping, Problem> {
     let key = field.clone();
-    let known = api.desk.read(move |books| books.field(&key).map(|field| (field.id, field.definition.clone()))).await?;
+    let known = api
+        .desk
+        .read(move |books| books.field(&key).map(|field| (field.id, field.definition.clone())))
+        .await?;
     let (id, definition) = known.ok_or_else(|| Problem::not_found("such field"))?;
-    let mapping_id = MappingId::new(format!("field-{id}")).map_err(|error| Problem::internal(&error))?;
+    let mapping_id =
+        MappingId::new(format!("field-{id}")).map_err(|error| Problem::internal(&error))?;
     Ok(Mapping {
         mapping_id,
         target: field.clone(),
@@ -89,8 +101,13 @@ pub(super) async fn mapping_of(api: &Api, field: &FieldKey, draft: MappingDraft)
     })
 }
 
-/// The mapping of a field, without errors, and with the paths by which its variables are found again.
-pub(super) async fn checked(api: &Api, field: &FieldKey, draft: MappingDraft) -> Result<Mapping, Problem> {
+/// The mapping of a field, without errors, and with the paths by which its variables are found
+/// again.
+pub(super) async fn checked(
+    api: &Api,
+    field: &FieldKey,
+    draft: MappingDraft,
+) -> Result<Mapping, Problem> {
     let mut mapping = mapping_of(api, field, draft).await?;
     let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
@@ -100,11 +117,15 @@ pub(super) async fn checked(api: &Api, field: &FieldKey, draft: MappingDraft) ->
     Ok(mapping)
 }
 
-/// Notes where the variables stand, so that a mapping finds them again when the server gives them other ids - even if
-/// that happens while the connector is down. Where a server cannot be asked now, nothing is lost but that.
+/// Notes where the variables stand, so that a mapping finds them again when the server gives them
+/// other ids - even if that happens while the connector is down. Where a server cannot be asked
+/// now, nothing is lost but that.
 async fn learn_paths(api: &Api, mapping: &mut Mapping) {
     for input in mapping.inputs.iter_mut().filter(|input| input.monitor.browse_path.is_none()) {
-        let asked = tokio::time::timeout(PATH_PATIENCE, api.shop_floor.browse_path(&input.source_id, &input.node_id));
+        let asked = tokio::time::timeout(
+            PATH_PATIENCE,
+            api.shop_floor.browse_path(&input.source_id, &input.node_id),
+        );
         if let Ok(Ok(path)) = asked.await {
             input.monitor.browse_path = Some(path);
         }
@@ -140,7 +161,10 @@ pub async fn decide(
     };
     let grounds = Grounds { policy_id: body.policy_id, ..Grounds::default() };
     let (key, by, reason) = (field.clone(), who.principal.user_name.clone(), body.reason);
-    let decided = api.desk.change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now)).await?;
+    let decided = api
+        .desk
+        .change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now))
+        .await?;
     decided.map_err(DeskError::from)?;
     show(&api, field).await
 }
@@ -150,12 +174,18 @@ pub async fn decide(
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = FieldView), Problems))]
-pub async fn read(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<FieldView>, Problem> {
+pub async fn read(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<FieldView>, Problem> {
     show(&api, key(path)).await
 }
 
 pub(super) async fn show(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
-    let view = api.desk.read(move |books| books.field(&field).map(|f| FieldView::new(books, field.clone(), f))).await?;
+    let view = api
+        .desk
+        .read(move |books| books.field(&field).map(|f| FieldView::new(books, field.clone(), f)))
+        .await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such field"))
 }
 
@@ -165,7 +195,11 @@ fn missing(member: &str) -> Problem {
         code: "MISSING".to_owned(),
         message: format!("A mapped field needs {member}."),
     };
-    Problem::unprocessable("INVALID_DECISION", format!("A mapped field needs {member}."), vec![fault])
+    Problem::unprocessable(
+        "INVALID_DECISION",
+        format!("A mapped field needs {member}."),
+        vec![fault],
+    )
 }
 
 /// A value that a person enters.
@@ -180,8 +214,8 @@ pub struct EnteredValue {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Entered {
-    /// `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds the present state:
-    /// it never leaves).
+    /// `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds
+    /// the present state: it never leaves).
     outcome: &'static str,
     /// Less than was entered is disclosed.
     is_coarsened: bool,
@@ -228,12 +262,17 @@ pub async fn enter(
     let outcome = api.desk.enter(vec![entry]).await?.pop();
     match outcome {
         Some(EntryOutcome::Taken(taken)) => {
-            let outcome = taken.into_iter().find(|(key, _)| *key == field).map(|(_, outcome)| outcome);
+            let outcome =
+                taken.into_iter().find(|(key, _)| *key == field).map(|(_, outcome)| outcome);
             outcome.map(|outcome| Json(outcome.into())).ok_or_else(not_manual)
         }
         Some(EntryOutcome::Refused(fault @ EntryFault::WrongType(_))) => {
             let (code, message) = (fault.code().to_owned(), fault.to_string());
-            let listed = ProblemFault { pointer: "/value".to_owned(), code: code.clone(), message: message.clone() };
+            let listed = ProblemFault {
+                pointer: "/value".to_owned(),
+                code: code.clone(),
+                message: message.clone(),
+            };
             Err(Problem::unprocessable(&code, message, vec![listed]))
         }
         Some(EntryOutcome::Refused(EntryFault::TooMany)) => {
@@ -244,7 +283,10 @@ pub async fn enter(
 }
 
 fn not_manual() -> Problem {
-    Problem::conflict("NOT_MANUAL", "This field takes no entered values; decide it with the source MANUAL first.")
+    Problem::conflict(
+        "NOT_MANUAL",
+        "This field takes no entered values; decide it with the source MANUAL first.",
+    )
 }
 
 impl From<Outcome> for Entered {

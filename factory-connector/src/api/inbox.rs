@@ -27,7 +27,8 @@ const SEARCH_CHARS_MAX: usize = 200;
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct InboxQuery {
-    /// `nextCursor` of the page before: requests behind its last one, whatever came and went meanwhile.
+    /// `nextCursor` of the page before: requests behind its last one, whatever came and went
+    /// meanwhile.
     cursor: Option<String>,
     /// Requests per page, at most 200.
     limit: Option<usize>,
@@ -79,26 +80,42 @@ pub struct InboxTotals {
     refused: usize,
 }
 
-/// Lists the requests of all active networks with their fields, filtered, in pages, in the order of their addresses.
+/// Lists the requests of all active networks with their fields, filtered, in pages, in the order of
+/// their addresses.
 #[utoipa::path(get, path = "/inbox", tag = "inbox", security(("session" = [])), params(InboxQuery),
     responses((status = 200, body = InboxPage), Problems))]
-pub async fn list(State(api): State<Api>, ApiQuery(query): ApiQuery<InboxQuery>) -> Result<Json<InboxPage>, Problem> {
+pub async fn list(
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<InboxQuery>,
+) -> Result<Json<InboxPage>, Problem> {
     if query.search.as_ref().is_some_and(|text| text.chars().count() > SEARCH_CHARS_MAX) {
         return Err(Problem::bad_request("INVALID_SEARCH", "A search has at most 200 characters."));
     }
     let after = query.cursor.as_deref().map(serde_json::from_str::<RequestKey>).transpose();
-    let after = after.map_err(|_| Problem::bad_request("INVALID_CURSOR", "A cursor is what the page before gave."))?;
+    let after = after.map_err(|_| {
+        Problem::bad_request("INVALID_CURSOR", "A cursor is what the page before gave.")
+    })?;
     let now = now();
     Ok(Json(api.desk.read(move |books| page(books, &query, after.as_ref(), now)).await?))
 }
 
-/// Everything is looked at, but only what is on the page is written out: the first requests behind one.
+/// Everything is looked at, but only what is on the page is written out: the first requests behind
+/// one.
 fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: DateTime) -> InboxPage {
-    let words: Vec<String> = query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
+    let words: Vec<String> =
+        query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
     let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
-    let mut page = InboxPage { items: Vec::new(), next_cursor: None, count: 0, totals: InboxTotals::default() };
-    for (network, message) in books.networks.values().filter_map(|n| n.message.as_ref().map(|message| (n, message))) {
-        let is_network = |wanted: &String| message.operation_network.operation_network_id.as_str() == wanted;
+    let mut page = InboxPage {
+        items: Vec::new(),
+        next_cursor: None,
+        count: 0,
+        totals: InboxTotals::default(),
+    };
+    for (network, message) in
+        books.networks.values().filter_map(|n| n.message.as_ref().map(|message| (n, message)))
+    {
+        let is_network =
+            |wanted: &String| message.operation_network.operation_network_id.as_str() == wanted;
         let mut requests: Vec<_> = message.operation_network.requests().collect();
         requests.sort_unstable_by(|(left, ..), (right, ..)| left.cmp(right));
         for (key, operation, request) in requests {
@@ -106,9 +123,18 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
             standing.add_to(&mut page.totals);
             let is_meant = query.state.is_none_or(|state| standing.count(state) > 0)
                 && (!query.is_overdue || standing.is_overdue)
-                && query.partner.as_ref().is_none_or(|partner| request.requester_id.as_str() == partner)
+                && query
+                    .partner
+                    .as_ref()
+                    .is_none_or(|partner| request.requester_id.as_str() == partner)
                 && query.operation_network_id.as_ref().is_none_or(is_network)
-                && has_words(&words, message.operation_network.name.as_deref(), &key, operation, request);
+                && has_words(
+                    &words,
+                    message.operation_network.name.as_deref(),
+                    &key,
+                    operation,
+                    request,
+                );
             if !is_meant {
                 continue;
             }
@@ -117,10 +143,12 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
                 continue;
             }
             if page.items.len() < limit {
-                page.items.push(RequestView::new(books, network, message, key, operation, request, now));
+                page.items
+                    .push(RequestView::new(books, network, message, key, operation, request, now));
             } else if page.next_cursor.is_none() {
                 let last = page.items.last().map(|last| &last.key);
-                page.next_cursor = last.map(|key| serde_json::to_string(key).expect("keys have text members"));
+                page.next_cursor =
+                    last.map(|key| serde_json::to_string(key).expect("keys have text members"));
             }
         }
     }
@@ -137,7 +165,13 @@ struct Standing {
 }
 
 impl Standing {
-    fn of(books: &Books, key: &RequestKey, request: &DynamicDataRequest, received_at: DateTime, now: DateTime) -> Self {
+    fn of(
+        books: &Books,
+        key: &RequestKey,
+        request: &DynamicDataRequest,
+        received_at: DateTime,
+        now: DateTime,
+    ) -> Self {
         let (mut pending, mut mapped, mut refused) = (0, 0, 0);
         for (_, field) in books.fields_in(key, request) {
             match field.decision.mapping_state {
@@ -227,13 +261,19 @@ mod tests {
     use crate::books::tests::{arrive, at, books};
 
     /// A network with requests of so many fields each.
-    fn network_of(number: u64, revision: u64, requests: &[String], fields: usize) -> OperationNetworkMessage {
+    fn network_of(
+        number: u64,
+        revision: u64,
+        requests: &[String],
+        fields: usize,
+    ) -> OperationNetworkMessage {
         let requests: Vec<Value> = requests
             .iter()
             .enumerate()
             .map(|(place, id)| {
-                let fields: Vec<Value> =
-                    (0..fields).map(|field| json!({ "name": format!("field{field}"), "type": 11 })).collect();
+                let fields: Vec<Value> = (0..fields)
+                    .map(|field| json!({ "name": format!("field{field}"), "type": 11 }))
+                    .collect();
                 json!({ "dynamicDataRequestId": id, "requesterId": format!("org{}", place % 7),
                     "recipientList": [format!("org{}", place % 7)], "purpose": format!("Plan {id}"),
                     "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
@@ -266,7 +306,11 @@ mod tests {
     }
 
     /// Every page, from the first on; `between` happens after each.
-    fn pages(books: &mut Books, limit: usize, mut between: impl FnMut(&mut Books)) -> Vec<RequestKey> {
+    fn pages(
+        books: &mut Books,
+        limit: usize,
+        mut between: impl FnMut(&mut Books),
+    ) -> Vec<RequestKey> {
         let (mut keys, mut after) = (Vec::new(), None);
         loop {
             let found = page(books, &query(json!({ "limit": limit })), after.as_ref(), at(0));
@@ -282,9 +326,13 @@ mod tests {
         let books = inbox(20, 100, 10);
         let found = first(&books, json!({ "limit": 50 }), at(0));
         assert_eq!((found.count, found.items.len()), (2001, 50));
-        assert_eq!((found.totals.requests, found.totals.pending, found.totals.overdue_requests), (2001, 20_002, 0));
-        let check =
-            |json: Value, expected: usize| assert_eq!(first(&books, json.clone(), at(0)).count, expected, "{json}");
+        assert_eq!(
+            (found.totals.requests, found.totals.pending, found.totals.overdue_requests),
+            (2001, 20_002, 0)
+        );
+        let check = |json: Value, expected: usize| {
+            assert_eq!(first(&books, json.clone(), at(0)).count, expected, "{json}")
+        };
         check(json!({ "operationNetworkId": "large-07" }), 100);
         check(json!({ "partner": "org3" }), 280);
         check(json!({ "search": "LARGE-07 plan field9" }), 100);
@@ -306,16 +354,21 @@ mod tests {
     fn nothing_is_skipped_or_doubled_while_requests_come_and_go() {
         let mut books = inbox(6, 20, 1);
         let lasting = pages(&mut books, 200, |_| {});
-        let lasting: Vec<RequestKey> =
-            lasting.into_iter().filter(|key| key.dynamic_data_request_id.as_str() != "R12").collect();
+        let lasting: Vec<RequestKey> = lasting
+            .into_iter()
+            .filter(|key| key.dynamic_data_request_id.as_str() != "R12")
+            .collect();
         let mut round = 0_u64;
         let found = pages(&mut books, 7, |books| {
-            // Where the page ended, and behind it: one request goes, others come at the beginning, the rest turns about.
+            // Where the page ended, and behind it: one request goes, others come at the beginning,
+            // the rest turns about.
             round += 1;
             let here = round * 7 / 20;
             for network in [here, here + 1].into_iter().filter(|network| *network < 6) {
-                let kept = (0..20).rev().filter(|number| *number != 12).map(|number| format!("R{number}"));
-                let requests: Vec<String> = (0..5).map(|new| format!("New{new}-{round}")).chain(kept).collect();
+                let kept =
+                    (0..20).rev().filter(|number| *number != 12).map(|number| format!("R{number}"));
+                let requests: Vec<String> =
+                    (0..5).map(|new| format!("New{new}-{round}")).chain(kept).collect();
                 arrive(books, network_of(network, round + 1, &requests, 1));
             }
         });

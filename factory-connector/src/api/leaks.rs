@@ -15,7 +15,8 @@ use super::{
 use crate::{
     desk::now,
     disclosure::{
-        DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget, leak_summary,
+        DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
+        leak_summary,
     },
 };
 
@@ -45,7 +46,8 @@ impl LeakQuery {
     }
 }
 
-/// What each partner learns in sum from all open fields, and what it can conclude from them together.
+/// What each partner learns in sum from all open fields, and what it can conclude from them
+/// together.
 #[utoipa::path(get, path = "/leak-budgets", tag = "policies", security(("session" = [])), params(LeakQuery),
     responses((status = 200, body = Page<PartnerLeaks>), Problems))]
 pub async fn list(
@@ -83,21 +85,24 @@ pub struct PartnerSummary {
     summary: LeakSummary,
 }
 
-/// What each partner learns in short: how many fields, how much at most, how exactly, and how many conclusions.
+/// What each partner learns in short: how many fields, how much at most, how exactly, and how many
+/// conclusions.
 #[utoipa::path(get, path = "/leak-budgets/summary", tag = "policies", security(("session" = [])), params(LeakQuery),
     responses((status = 200, body = Page<PartnerSummary>), Problems))]
 pub async fn summary(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerSummary>>, Problem> {
-    each(&api, query, |partner, fields| PartnerSummary { partner, summary: leak_summary(fields) }).await
+    each(&api, query, |partner, fields| PartnerSummary { partner, summary: leak_summary(fields) })
+        .await
 }
 
 /// With what the consent for a field begins.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ConsentOffer {
-    /// The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period.
+    /// The precision to begin with: what standing rules say, and a minimum interval as long as the
+    /// partner's period.
     disclosure: DisclosurePolicy,
     /// The same in words.
     #[serde(flatten)]
@@ -119,18 +124,27 @@ pub struct ConsentOffer {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = ConsentOffer), Problems))]
-pub async fn offer(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<ConsentOffer>, Problem> {
+pub async fn offer(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<ConsentOffer>, Problem> {
     let (key, now) = (key(path), now());
     let offer = api
         .desk
         .read(move |books| {
             let field = books.field(&key)?;
             let (_, request) = books.request(&key.request)?;
-            let requested_interval_ms =
-                request.update_interval().map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX));
-            let asked = DisclosurePolicy { minimum_interval_ms: requested_interval_ms, ..DisclosurePolicy::default() };
+            let requested_interval_ms = request
+                .update_interval()
+                .map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX));
+            let asked = DisclosurePolicy {
+                minimum_interval_ms: requested_interval_ms,
+                ..DisclosurePolicy::default()
+            };
             let ruled = books.rule_offer(&key);
-            let disclosure = ruled.as_ref().map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));
+            let disclosure = ruled
+                .as_ref()
+                .map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));
             #[allow(clippy::cast_precision_loss)]
             let values_per_hour = requested_interval_ms.map(|ms| 3_600_000.0 / ms.max(1) as f64);
             let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
@@ -138,7 +152,13 @@ pub async fn offer(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) ->
             Some(ConsentOffer {
                 told: disclosure.told(field.definition.unit.as_deref()),
                 rules: ruled
-                    .map(|ruled| ruled.rules.into_iter().map(|(key, name)| RuleReference { key, name }).collect())
+                    .map(|ruled| {
+                        ruled
+                            .rules
+                            .into_iter()
+                            .map(|(key, name)| RuleReference { key, name })
+                            .collect()
+                    })
                     .unwrap_or_default(),
                 every_change_adds_per_hour: every_change
                     .map(|every| (every - values_per_hour.unwrap_or(every)).max(0.0)),

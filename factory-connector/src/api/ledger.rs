@@ -7,7 +7,9 @@ pub mod verification;
 
 use std::collections::BTreeMap;
 
-use asi_model::{DateTime, DynamicDataRequestId, FieldName, OperationId, OperationNetworkId, OrganisationId};
+use asi_model::{
+    DateTime, DynamicDataRequestId, FieldName, OperationId, OperationNetworkId, OrganisationId,
+};
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
@@ -34,10 +36,12 @@ pub struct LedgerSelection {
     /// Recorded before this time.
     #[param(value_type = Option<String>)]
     until: Option<DateTime>,
-    /// Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`.
+    /// Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+    /// `REVOKED`.
     #[param(value_type = Option<String>)]
     kind: Option<EventKind>,
-    /// About this network: decisions about its fields, reports that carried them, and what became of those.
+    /// About this network: decisions about its fields, reports that carried them, and what became
+    /// of those.
     #[param(value_type = Option<String>)]
     operation_network_id: Option<OperationNetworkId>,
     /// Of it, only about this operation.
@@ -60,8 +64,7 @@ impl LedgerSelection {
             self.field_name.is_some(),
         ];
         if is_named.windows(2).any(|pair| pair[1] && !pair[0]) {
-            let detail =
-                "A field is named with its request, a request with its operation, an operation with its network.";
+            let detail = "A field is named with its request, a request with its operation, an operation with its network.";
             return Err(Problem::bad_request("INCOMPLETE_ADDRESS", detail));
         }
         let subject = self.operation_network_id.map(|operation_network_id| LedgerSubject {
@@ -70,7 +73,13 @@ impl LedgerSelection {
             dynamic_data_request_id: self.dynamic_data_request_id,
             field_name: self.field_name,
         });
-        Ok(LedgerFilter { recipient: self.recipient, from: self.from, until: self.until, kind: self.kind, subject })
+        Ok(LedgerFilter {
+            recipient: self.recipient,
+            from: self.from,
+            until: self.until,
+            kind: self.kind,
+            subject,
+        })
     }
 }
 
@@ -115,7 +124,8 @@ pub struct EntryView {
     /// For a report: the values that left, by field, while they are kept.
     #[schema(value_type = Option<Object>)]
     value: Option<serde_json::Value>,
-    /// The precision under each consent that the entry names, by field, in the words that the partner was told.
+    /// The precision under each consent that the entry names, by field, in the words that the
+    /// partner was told.
     precision: BTreeMap<String, String>,
     /// The same as codes with parameters.
     precision_parts: BTreeMap<String, Vec<StatementPart>>,
@@ -135,8 +145,12 @@ impl From<LedgerRow> for EntryView {
     fn from(row: LedgerRow) -> Self {
         let mut content: serde_json::Map<String, serde_json::Value> =
             serde_json::from_str(&row.entry.content).unwrap_or_default();
-        let mut text =
-            |name: &str| content.remove(name).and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+        let mut text = |name: &str| {
+            content
+                .remove(name)
+                .and_then(|value| value.as_str().map(str::to_owned))
+                .unwrap_or_default()
+        };
         let (at, recipient_id, kind) = (text("recordedAt"), text("recipient"), text("event"));
         content.remove("number");
         if let Some(serde_json::Value::Object(field)) = content.remove("field") {
@@ -166,8 +180,8 @@ impl From<LedgerRow> for EntryView {
     }
 }
 
-/// Lists the entries of a recipient's chain, newest first, with what left; of the first recipient by name where none is
-/// named.
+/// Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
+/// by name where none is named.
 #[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerSelection, LedgerPlace),
     responses((status = 200, body = LedgerView), Problems))]
 pub async fn list(
@@ -179,9 +193,14 @@ pub async fn list(
     let filter = wanted.filter()?;
     let mut connection = api.reader().await?;
     let recipients = ledger_recipients(&mut connection).await?;
-    let chosen = filter.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
+    let chosen =
+        filter.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
     let rows = match chosen {
-        Some(chosen) => LedgerReader::default().page(&mut connection, &chosen, &filter, place.after, limit).await?,
+        Some(chosen) => {
+            LedgerReader::default()
+                .page(&mut connection, &chosen, &filter, place.after, limit)
+                .await?
+        }
         None => Vec::new(),
     };
     let is_whole = rows.len() < limit as usize;

@@ -45,13 +45,17 @@ pub async fn survey(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = MappingStatus), Problems))]
-pub async fn status(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<MappingStatus>, Problem> {
+pub async fn status(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<MappingStatus>, Problem> {
     let id = at_work(&api, key(path)).await?;
     let status = api.engine.status(&id).await.map_err(engine)?;
     status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
 }
 
-/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once.
+/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
+/// once.
 #[utoipa::path(post,
     path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),

@@ -45,12 +45,20 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<NetworkSummary>>, 
                 let document = network.message.as_ref().map(|message| &message.operation_network);
                 let fields = || document.into_iter().flat_map(|document| document.fields());
                 let is_pending = |key: &FieldKey| {
-                    books.field(key).is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
+                    books
+                        .field(key)
+                        .is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
                 };
                 NetworkSummary {
                     operation_network_id: id.to_string(),
-                    name: network.message.as_ref().and_then(|message| message.operation_network.name.clone()),
-                    collaboration_id: network.message.as_ref().map(|message| message.collaboration_id.to_string()),
+                    name: network
+                        .message
+                        .as_ref()
+                        .and_then(|message| message.operation_network.name.clone()),
+                    collaboration_id: network
+                        .message
+                        .as_ref()
+                        .map(|message| message.collaboration_id.to_string()),
                     revision: network.revision,
                     is_withdrawn: network.message.is_none(),
                     received_at: network.received_at,
@@ -90,7 +98,10 @@ pub async fn show(
         .desk
         .read(move |books| {
             books.networks.get(&wanted).map(|network| NetworkView {
-                message: network.message.as_ref().and_then(|message| serde_json::to_value(&**message).ok()),
+                message: network
+                    .message
+                    .as_ref()
+                    .and_then(|message| serde_json::to_value(&**message).ok()),
                 revision: network.revision,
                 requests: requests(books, &wanted, now()),
             })
@@ -107,8 +118,8 @@ pub struct NetworkNews {
     revision: u64,
     /// The one before it, where there was one.
     previous_revision: Option<u64>,
-    /// What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
-    /// and of the consent.
+    /// What differs: operations, relations, requests, and each field with the reasons and with what
+    /// became of its mapping and of the consent.
     #[schema(value_type = Object)]
     difference: NetworkDifference,
 }

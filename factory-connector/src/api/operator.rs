@@ -12,7 +12,9 @@ use daemon::web::{ApiJson, ApiQuery, Problem, session::SignedIn};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{Api, Principal, accounts::operator_only, fields::Entered, problems::Problems, view::Page};
+use super::{
+    Api, Principal, accounts::operator_only, fields::Entered, problems::Problems, view::Page,
+};
 use crate::{
     books::{Books, EntryOutcome, Field},
     desk::now,
@@ -100,7 +102,8 @@ pub struct OperatorField {
     value: Option<ShownValue>,
 }
 
-/// Lists the operations of a day that have fields for people to fill, and those that are running or interrupted.
+/// Lists the operations of a day that have fields for people to fill, and those that are running or
+/// interrupted.
 #[utoipa::path(get, path = "/operator/operations", tag = "operator", security(("session" = [])),
     params(OperationsQuery), responses((status = 200, body = Page<OperatorOperation>), Problems))]
 pub async fn operations(
@@ -121,17 +124,31 @@ fn shown(books: &Books, from: DateTime, until: DateTime) -> Vec<OperatorOperatio
     let mut items = Vec::new();
     for (network_id, network) in &books.networks {
         let Some(message) = &network.message else { continue };
-        for operation in message.operation_network.operation_list.iter().filter(|operation| !operation.stub) {
-            let key =
-                OperationKey { operation_network_id: network_id.clone(), operation_id: operation.operation_id.clone() };
-            let standing = books.journal(&key).map(crate::operator::Journal::standing).unwrap_or_default();
-            let is_open = matches!(standing.state, Some(OperationState::Running | OperationState::Interrupted));
+        for operation in
+            message.operation_network.operation_list.iter().filter(|operation| !operation.stub)
+        {
+            let key = OperationKey {
+                operation_network_id: network_id.clone(),
+                operation_id: operation.operation_id.clone(),
+            };
+            let standing =
+                books.journal(&key).map(crate::operator::Journal::standing).unwrap_or_default();
+            let is_open = matches!(
+                standing.state,
+                Some(OperationState::Running | OperationState::Interrupted)
+            );
             let is_of_the_day = operation.planned_start.is_none_or(|start| start < until)
                 && operation.planned_end.is_none_or(|end| end >= from);
             if !(is_open || is_of_the_day) {
                 continue;
             }
-            let item = of_operation(books, key, operation, standing, message.operation_network.name.clone());
+            let item = of_operation(
+                books,
+                key,
+                operation,
+                standing,
+                message.operation_network.name.clone(),
+            );
             if !item.fields.is_empty() {
                 items.push(item);
             }
@@ -153,18 +170,25 @@ fn of_operation(
         .filter(|(_, field)| field.decision.is_open_for(ValueSource::Manual))
         .collect();
     let asks = |wanted: &[Semantic]| {
-        fields
-            .iter()
-            .any(|(_, field)| field.definition.semantic.as_ref().is_some_and(|semantic| wanted.contains(semantic)))
+        fields.iter().any(|(_, field)| {
+            field.definition.semantic.as_ref().is_some_and(|semantic| wanted.contains(semantic))
+        })
     };
     let buttons = Buttons {
         start: asks(&[Semantic::OperationState, Semantic::ActualStart]),
-        add_good: asks(&[Semantic::ProducedQuantity, Semantic::GoodQuantity, Semantic::PercentComplete]),
+        add_good: asks(&[
+            Semantic::ProducedQuantity,
+            Semantic::GoodQuantity,
+            Semantic::PercentComplete,
+        ]),
         add_scrap: asks(&[Semantic::ProducedQuantity, Semantic::ScrapQuantity]),
         done: asks(&[Semantic::OperationState, Semantic::ActualEnd, Semantic::PercentComplete]),
         problem: asks(&[Semantic::OperationState]),
     };
-    let fields = fields.into_iter().map(|(field, known)| of_field(books, &key, operation, field, known)).collect();
+    let fields = fields
+        .into_iter()
+        .map(|(field, known)| of_field(books, &key, operation, field, known))
+        .collect();
     OperatorOperation {
         name: operation.name.clone(),
         description: operation.description.clone(),
@@ -190,14 +214,17 @@ fn of_field(
 ) -> OperatorField {
     let definition = &field.definition;
     let semantic = definition.semantic.as_ref();
-    let answer = books.journal(operation).and_then(|journal| journal.answer(&key, semantic, document.planned_quantity));
+    let answer = books
+        .journal(operation)
+        .and_then(|journal| journal.answer(&key, semantic, document.planned_quantity));
     OperatorField {
         name: definition.name.to_string(),
         field_type: definition.field_type.0.name(),
         unit: definition.unit.clone(),
         semantic: semantic.map(|semantic| semantic.as_str().to_owned()),
         description: definition.description.clone(),
-        has_button: semantic.is_some_and(|semantic| !matches!(semantic, Semantic::ExpectedEnd | Semantic::Iri(_))),
+        has_button: semantic
+            .is_some_and(|semantic| !matches!(semantic, Semantic::ExpectedEnd | Semantic::Iri(_))),
         entered: answer.as_ref().and_then(|(answer, _)| answer.json(definition.field_type.0)),
         entered_at: answer.map(|(_, at)| at),
         value: field.gate.disclosed().map(ShownValue::from),
@@ -225,12 +252,17 @@ pub async fn entries(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<EntriesQuery>,
 ) -> Result<Json<Page<OperatorEntry>>, Problem> {
-    let key = OperationKey { operation_network_id: query.operation_network_id, operation_id: query.operation_id };
+    let key = OperationKey {
+        operation_network_id: query.operation_network_id,
+        operation_id: query.operation_id,
+    };
     let items = api
         .desk
         .read(move |books| {
             books.operation(&key)?;
-            let newest = books.journal(&key).map(|journal| journal.newest().take(LISTED_MAX).cloned().collect());
+            let newest = books
+                .journal(&key)
+                .map(|journal| journal.newest().take(LISTED_MAX).cloned().collect());
             Some(newest.unwrap_or_default())
         })
         .await?;
@@ -253,7 +285,8 @@ pub struct Delivery {
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewEntry {
-    /// Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no further effect.
+    /// Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no
+    /// further effect.
     #[schema(value_type = String)]
     entry_id: EntryId,
     #[serde(flatten)]
@@ -291,7 +324,8 @@ pub struct FieldResult {
     entered: Entered,
 }
 
-/// Takes entries. They are stored together when the answer comes; without an answer the page delivers them again.
+/// Takes entries. They are stored together when the answer comes; without an answer the page
+/// delivers them again.
 #[utoipa::path(post, path = "/operator/entries", tag = "operator", security(("session" = [])), request_body = Delivery,
     responses((status = 200, body = Page<EntryResult>), Problems))]
 pub async fn deliver(
@@ -301,7 +335,10 @@ pub async fn deliver(
 ) -> Result<Json<Page<EntryResult>>, Problem> {
     operator_only(&who)?;
     if delivery.entries.len() > ENTRIES_MAX {
-        return Err(Problem::bad_request("TOO_MANY", "At most 500 entries are taken at once; deliver them in parts."));
+        return Err(Problem::bad_request(
+            "TOO_MANY",
+            "At most 500 entries are taken at once; deliver them in parts.",
+        ));
     }
     let now = DateTime::from_unix_micros(now().unix_micros());
     let mut results = Vec::with_capacity(delivery.entries.len());
@@ -362,6 +399,9 @@ fn result(entry_id: String, outcome: EntryOutcome) -> EntryResult {
             ("REFUSED", Some(fault.code()), Some(message), Vec::new())
         }
     };
-    let fields = fields.into_iter().map(|(key, outcome)| FieldResult { key, entered: outcome.into() }).collect();
+    let fields = fields
+        .into_iter()
+        .map(|(key, outcome)| FieldResult { key, entered: outcome.into() })
+        .collect();
     EntryResult { entry_id, result, code, message, fields }
 }

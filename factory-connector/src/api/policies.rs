@@ -40,7 +40,9 @@ fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
         field_count: books
             .fields
             .iter()
-            .filter(|field| field.decision.is_mapped() && takes(field.decision.grounds.policy_id.as_ref()))
+            .filter(|field| {
+                field.decision.is_mapped() && takes(field.decision.grounds.policy_id.as_ref())
+            })
             .count(),
         recipients: books
             .recipient_policies()
@@ -56,13 +58,16 @@ fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
 #[utoipa::path(get, path = "/policies", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Page<PolicyView>), Problems))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Problem> {
-    let items = api.desk.read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect()).await?;
+    let items = api
+        .desk
+        .read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect())
+        .await?;
     Ok(Json(Page::whole(items)))
 }
 
-/// Keeps a new version of a named policy. What fields with it, or recipients with it, get changes at once; each change
-/// is a consent in the ledger and told to the partner. `If-Match` with the version read (`"0"` for a new one) keeps two
-/// engineers from overwriting each other.
+/// Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
+/// at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
+/// version read (`"0"` for a new one) keeps two engineers from overwriting each other.
 #[utoipa::path(put, path = "/policies/{policyId}", tag = "policies", security(("session" = [])),
     params(("policyId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = NamedPolicy,
     responses((status = 200, body = DocumentVersion), Problems))]
@@ -73,7 +78,9 @@ pub async fn put(
     headers: HeaderMap,
     ApiJson(policy): ApiJson<NamedPolicy>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    let put = move |books: &mut Books, expected, by: &str, now| books.put_policy(&id, policy, expected, by, now);
+    let put = move |books: &mut Books, expected, by: &str, now| {
+        books.put_policy(&id, policy, expected, by, now)
+    };
     documents::keep(&api, &who, &headers, put).await.map(Json)
 }
 
@@ -158,17 +165,24 @@ pub async fn recipients(State(api): State<Api>) -> Result<Json<Page<RecipientVie
     let items = api
         .desk
         .read(|books| {
-            let mut found: std::collections::BTreeMap<OrganisationId, usize> =
-                books.recipient_policies().into_iter().map(|(recipient, _)| (recipient, 0)).collect();
+            let mut found: std::collections::BTreeMap<OrganisationId, usize> = books
+                .recipient_policies()
+                .into_iter()
+                .map(|(recipient, _)| (recipient, 0))
+                .collect();
             for message in books.networks.values().filter_map(|network| network.message.as_ref()) {
                 for (key, _, request) in message.operation_network.requests() {
-                    let count = books.fields_of(&key).filter(|(_, field)| field.decision.is_mapped()).count();
+                    let count = books
+                        .fields_of(&key)
+                        .filter(|(_, field)| field.decision.is_mapped())
+                        .count();
                     for recipient in &request.recipient_list {
                         *found.entry(recipient.clone()).or_default() += count;
                     }
                 }
             }
-            let set: std::collections::BTreeMap<_, _> = books.recipient_policies().into_iter().collect();
+            let set: std::collections::BTreeMap<_, _> =
+                books.recipient_policies().into_iter().collect();
             found
                 .into_iter()
                 .map(|(recipient, field_count)| RecipientView {
@@ -198,8 +212,9 @@ pub struct RecipientVersion {
     version: u32,
 }
 
-/// Sets a named policy for everything a recipient gets: all recipients of a request get the same values, so that the
-/// strictest of the field's and of all its recipients' policies holds. Changes at once what leaves.
+/// Sets a named policy for everything a recipient gets: all recipients of a request get the same
+/// values, so that the strictest of the field's and of all its recipients' policies holds. Changes
+/// at once what leaves.
 #[utoipa::path(put, path = "/recipients/{recipient}/policy", tag = "policies", security(("session" = [])),
     params(("recipient" = String, Path), ("If-Match" = Option<String>, Header)), request_body = RecipientBody,
     responses((status = 200, body = RecipientVersion), Problems))]

@@ -22,7 +22,10 @@ use super::{
 use crate::{
     books::{Books, new_message_id},
     desk::now,
-    disclosure::{DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects, leak_warnings},
+    disclosure::{
+        DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects,
+        leak_warnings,
+    },
     values::{ShownValue, typed_value},
 };
 
@@ -82,7 +85,8 @@ pub struct Preview {
     /// The precision in words, as the partner reads it.
     #[serde(flatten)]
     told: Statement,
-    /// The precision that would hold: the strictest of the draft, the named policy and the recipients' policies.
+    /// The precision that would hold: the strictest of the draft, the named policy and the
+    /// recipients' policies.
     effective_disclosure: DisclosurePolicy,
     /// What each part of it does to this value.
     effects: Vec<Effect>,
@@ -90,7 +94,8 @@ pub struct Preview {
     warnings: Vec<LeakWarning>,
     /// Nothing would leave now: the policy withholds the present state, or one that is not known.
     is_withheld: bool,
-    /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times.
+    /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
+    /// times.
     message: Option<String>,
     /// What is wrong or doubtful about the mapping.
     diagnostics: Vec<MappingDiagnostic>,
@@ -126,7 +131,9 @@ pub async fn preview(
         diagnostics: Vec::new(),
     };
     let candidate = match (draft.value_source, draft.mapping) {
-        (ValueSource::Mapping, Some(mapping)) => run(&api, &field, mapping, &mut preview, now).await?,
+        (ValueSource::Mapping, Some(mapping)) => {
+            run(&api, &field, mapping, &mut preview, now).await?
+        }
         (ValueSource::Mapping, None) => None,
         _ => current(&api, &field).await?,
     };
@@ -146,9 +153,9 @@ pub async fn preview(
                 held_until = Some(due);
                 gate.on_time(due);
             }
-            let shown = gate
-                .disclosed()
-                .map(|disclosed| (ShownValue::from(disclosed), held_until, message(books, &field, disclosed, now)));
+            let shown = gate.disclosed().map(|disclosed| {
+                (ShownValue::from(disclosed), held_until, message(books, &field, disclosed, now))
+            });
             Some((effects, is_withheld, shown))
         })
         .await?;
@@ -206,9 +213,16 @@ async fn warnings(
     Ok(found)
 }
 
-async fn told(api: &Api, field: &FieldKey, policy: &DisclosurePolicy) -> Result<Statement, Problem> {
+async fn told(
+    api: &Api,
+    field: &FieldKey,
+    policy: &DisclosurePolicy,
+) -> Result<Statement, Problem> {
     let key = field.clone();
-    let unit = api.desk.read(move |books| books.field(&key).map(|field| field.definition.unit.clone())).await?;
+    let unit = api
+        .desk
+        .read(move |books| books.field(&key).map(|field| field.definition.unit.clone()))
+        .await?;
     let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
     Ok(policy.told(unit.as_deref()))
 }
@@ -225,15 +239,23 @@ async fn run(
     let target_type = mapping.built_in_type();
     let mut samples = Vec::new();
     for input in &mapping.inputs {
-        let read =
-            api.shop_floor.read(&input.source_id, std::slice::from_ref(&input.node_id)).await.map_err(shop_floor)?;
+        let read = api
+            .shop_floor
+            .read(&input.source_id, std::slice::from_ref(&input.node_id))
+            .await
+            .map_err(shop_floor)?;
         let Some(value) = read.into_iter().next() else { continue };
-        preview.inputs.push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
+        preview
+            .inputs
+            .push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
         samples.push(DryRunSample { input: input.name.clone(), at: now, value });
     }
     // A counter goes on from what was published rather than from zero.
     let (key, draft) = (field.clone(), mapping.clone());
-    let state = api.desk.read(move |books| books.field(&key).and_then(|field| field.state_for(&draft))).await?;
+    let state = api
+        .desk
+        .read(move |books| books.field(&key).and_then(|field| field.state_for(&draft)))
+        .await?;
     let trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
     preview.diagnostics = trace.diagnostics;
     let last: Option<TraceRun> = trace.runs.into_iter().next_back();
@@ -254,26 +276,42 @@ async fn run(
     Ok(last.candidate.map(|candidate| {
         let at = candidate.source_timestamp.unwrap_or(now);
         let value = typed_value(&candidate.value, target_type, at).unwrap_or_default();
-        DataValue { status: StatusCode(candidate.status), source_timestamp: candidate.source_timestamp, ..value }
+        DataValue {
+            status: StatusCode(candidate.status),
+            source_timestamp: candidate.source_timestamp,
+            ..value
+        }
     }))
 }
 
 async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Problem> {
     let field = field.clone();
-    Ok(api.desk.read(move |books| books.field(&field).and_then(|field| field.gate.disclosed().cloned())).await?)
+    Ok(api
+        .desk
+        .read(move |books| books.field(&field).and_then(|field| field.gate.disclosed().cloned()))
+        .await?)
 }
 
-/// The message as it would be sent with the next number: the request's other open fields, and this one.
-fn message(books: &Books, field: &FieldKey, disclosed: &DataValue, now: DateTime) -> Option<String> {
+/// The message as it would be sent with the next number: the request's other open fields, and this
+/// one.
+fn message(
+    books: &Books,
+    field: &FieldKey,
+    disclosed: &DataValue,
+    now: DateTime,
+) -> Option<String> {
     let writer = books.writer_of.get(&field.request).copied()?;
-    let (mut frame, _) = books.key_frame(writer, now).unwrap_or_else(|| books.empty_frame(writer, now));
+    let (mut frame, _) =
+        books.key_frame(writer, now).unwrap_or_else(|| books.empty_frame(writer, now));
     let shown = DataValue { source_timestamp: None, server_timestamp: None, ..disclosed.clone() };
     let name: Arc<str> = Arc::from(field.field_name.as_str());
     match frame.fields.iter_mut().find(|payload| payload.name == name) {
         Some(payload) => payload.value = shown,
         None => {
             frame.fields.push(PayloadField::with(name, shown));
-            if let Some(unit) = books.field(field).and_then(|field| field.definition.unit.as_deref()) {
+            if let Some(unit) =
+                books.field(field).and_then(|field| field.definition.unit.as_deref())
+            {
                 frame.fields.push(PayloadField::new(format!("{}Unit", field.field_name), unit));
             }
         }

@@ -53,12 +53,19 @@ impl From<DeskError> for Problem {
                         message: fault.message,
                     })
                     .collect();
-                Self::unprocessable("INVALID_POLICY", "The disclosure policy does not fit the field.", faults)
+                Self::unprocessable(
+                    "INVALID_POLICY",
+                    "The disclosure policy does not fit the field.",
+                    faults,
+                )
             }
-            DeskError::Decision(DecisionError::DecidedSince) => {
-                Self::conflict("DECIDED_SINCE", "Something else was decided about the field since; read it again.")
+            DeskError::Decision(DecisionError::DecidedSince) => Self::conflict(
+                "DECIDED_SINCE",
+                "Something else was decided about the field since; read it again.",
+            ),
+            DeskError::Decision(other) => {
+                Self::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new())
             }
-            DeskError::Decision(other) => Self::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
             DeskError::NotWritten => Self::unavailable(
                 "NOT_WRITTEN",
                 "It could not be written to disk, so nothing was changed. Check the disk of the data directory.",

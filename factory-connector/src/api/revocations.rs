@@ -3,7 +3,8 @@
 mod receipt_page;
 
 use asi_model::{
-    DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId, messages::MappingState,
+    DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId,
+    messages::MappingState,
 };
 use axum::{
     Json,
@@ -54,7 +55,8 @@ pub struct RevocationBody {
     reason: Option<String>,
 }
 
-/// Ends consents: values stop at once, what waits is taken back, the partner is told, and the receipt says what had left.
+/// Ends consents: values stop at once, what waits is taken back, the partner is told, and the
+/// receipt says what had left.
 #[utoipa::path(post, path = "/revocations", tag = "revocations", security(("session" = [])),
     request_body = RevocationBody, responses((status = 201, body = StoredRevocation), Problems))]
 pub async fn revoke(
@@ -67,7 +69,10 @@ pub async fn revoke(
         None | Some(MappingState::Pending) => Verdict::LeavePending,
         Some(MappingState::Refused) => Verdict::Refuse,
         Some(MappingState::Mapped) => {
-            return Err(Problem::bad_request("INVALID_DECISION", "A consent ends as PENDING or REFUSED."));
+            return Err(Problem::bad_request(
+                "INVALID_DECISION",
+                "A consent ends as PENDING or REFUSED.",
+            ));
         }
     };
     let is_wide = body.operation_network_id.is_some() || body.recipient_id.is_some();
@@ -78,11 +83,16 @@ pub async fn revoke(
         ));
     }
     let reason = body.reason.clone();
-    let fields =
-        if body.fields.is_empty() { api.desk.read(move |books| meant(books, &body)).await? } else { body.fields };
+    let fields = if body.fields.is_empty() {
+        api.desk.read(move |books| meant(books, &body)).await?
+    } else {
+        body.fields
+    };
     let id = api.desk.revoke(fields, verdict, reason, &who.principal.user_name).await?;
     let receipt = revocation_by_id(&api.readers, &id.to_string()).await?;
-    receipt.map(|receipt| (StatusCode::CREATED, Json(receipt))).ok_or_else(|| Problem::not_found("such revocation"))
+    receipt
+        .map(|receipt| (StatusCode::CREATED, Json(receipt)))
+        .ok_or_else(|| Problem::not_found("such revocation"))
 }
 
 /// The mapped fields that a wide revocation means.
@@ -91,7 +101,10 @@ fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
         let request = &key.request;
         body.operation_network_id.as_ref().is_none_or(|id| *id == request.operation_network_id)
             && body.operation_id.as_ref().is_none_or(|id| *id == request.operation_id)
-            && body.dynamic_data_request_id.as_ref().is_none_or(|id| *id == request.dynamic_data_request_id)
+            && body
+                .dynamic_data_request_id
+                .as_ref()
+                .is_none_or(|id| *id == request.dynamic_data_request_id)
             && body.recipient_id.as_ref().is_none_or(|id| books.recipients(request).contains(id))
     };
     let mut keys: Vec<FieldKey> = books
@@ -129,7 +142,10 @@ pub async fn list(
 /// Shows one receipt.
 #[utoipa::path(get, path = "/revocations/{revocationId}", tag = "revocations", security(("session" = [])),
     params(("revocationId" = String, Path)), responses((status = 200, body = StoredRevocation), Problems))]
-pub async fn show(State(api): State<Api>, ApiPath(id): ApiPath<String>) -> Result<Json<StoredRevocation>, Problem> {
+pub async fn show(
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<String>,
+) -> Result<Json<StoredRevocation>, Problem> {
     find(&api, &id).await.map(Json)
 }
 
@@ -158,6 +174,9 @@ pub async fn print(
     let found = find(&api, &id).await?;
     let page = receipt_page(&found, query.language.unwrap_or_default());
     let name = format!("attachment; filename=\"revocation-{}.html\"", found.receipt.revocation_id);
-    let headers = [(header::CONTENT_TYPE, "text/html; charset=utf-8".to_owned()), (header::CONTENT_DISPOSITION, name)];
+    let headers = [
+        (header::CONTENT_TYPE, "text/html; charset=utf-8".to_owned()),
+        (header::CONTENT_DISPOSITION, name),
+    ];
     Ok((headers, page).into_response())
 }

@@ -31,8 +31,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>,
     Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
 }
 
-/// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there already is decided by
-/// `POST /rules/apply`. `If-Match` as for policies.
+/// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
+/// already is decided by `POST /rules/apply`. `If-Match` as for policies.
 #[utoipa::path(put, path = "/rules/{ruleId}", tag = "policies", security(("session" = [])),
     params(("ruleId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = Rule,
     responses((status = 200, body = DocumentVersion), Problems))]
@@ -43,7 +43,9 @@ pub async fn put(
     headers: HeaderMap,
     ApiJson(rule): ApiJson<Rule>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    let put = move |books: &mut Books, expected, by: &str, now| books.put_rule(&id, rule, expected, by, now);
+    let put = move |books: &mut Books, expected, by: &str, now| {
+        books.put_rule(&id, rule, expected, by, now)
+    };
     documents::keep(&api, &who, &headers, put).await.map(Json)
 }
 
@@ -114,7 +116,8 @@ pub async fn preview(
                     })
                 })
                 .collect();
-            let (count, deciding) = (items.len(), items.iter().filter(|item| item.would_decide).count());
+            let (count, deciding) =
+                (items.len(), items.iter().filter(|item| item.would_decide).count());
             items.sort_by_key(|item| !item.would_decide);
             items.truncate(MATCHES_MAX);
             RulePreview { count, would_decide_count: deciding, items }
@@ -134,7 +137,10 @@ pub struct Applied {
 /// Applies the enabled rules to all undecided fields; what an engineer left open stays open.
 #[utoipa::path(post, path = "/rules/apply", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Applied), Problems))]
-pub async fn apply(State(api): State<Api>, who: SignedIn<Principal>) -> Result<Json<Applied>, Problem> {
+pub async fn apply(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Applied>, Problem> {
     engineer_only(&who)?;
     let decided_count = api.desk.change(|books, now| books.apply_rules(None, now)).await?;
     Ok(Json(Applied { decided_count }))
@@ -162,8 +168,8 @@ pub async fn decisions(
     Ok(Json(Page::of(items, limit, |last| last.id.clone())))
 }
 
-/// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts where something
-/// else was decided since.
+/// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
+/// where something else was decided since.
 #[utoipa::path(post, path = "/rule-decisions/{id}/undo", tag = "policies", security(("session" = [])),
     params(("id" = String, Path)), responses((status = 204, description = "Undone"), Problems))]
 pub async fn undo(
@@ -180,7 +186,9 @@ pub async fn undo(
     let by = who.principal.user_name.clone();
     let undone = api
         .desk
-        .change(move |books, now| books.undo_rule_decision(id, &decision.field, decision.consent_version, &by, now))
+        .change(move |books, now| {
+            books.undo_rule_decision(id, &decision.field, decision.consent_version, &by, now)
+        })
         .await?;
     undone.map_err(crate::desk::DeskError::from)?;
     Ok(axum::http::StatusCode::NO_CONTENT)

@@ -40,14 +40,16 @@ pub struct Finds {
     items: Vec<BrowsedNode>,
     /// How many fit in all.
     total: usize,
-    /// False while the server is still being walked through (ask again), or where it is too large to be listed.
+    /// False while the server is still being walked through (ask again), or where it is too large
+    /// to be listed.
     is_complete: bool,
     /// When the server was walked through.
     #[schema(value_type = Option<String>, format = "date-time")]
     listed_at: Option<DateTime>,
 }
 
-/// Finds variables of a server by words of their paths, in the list of its variables that the connector keeps.
+/// Finds variables of a server by words of their paths, in the list of its variables that the
+/// connector keeps.
 #[utoipa::path(get, path = "/sources/{sourceId}/search", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path), SearchQuery), responses((status = 200, body = Finds), Problems))]
 pub async fn search(
@@ -55,12 +57,21 @@ pub async fn search(
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<SearchQuery>,
 ) -> Result<Json<Finds>, Problem> {
-    let words: Vec<String> = query.text.to_lowercase().split_whitespace().map(str::to_owned).collect();
+    let words: Vec<String> =
+        query.text.to_lowercase().split_whitespace().map(str::to_owned).collect();
     if words.is_empty() || query.text.len() > TEXT_BYTES_MAX {
-        return Err(Problem::bad_request("NO_TEXT", "Give a text of 1 to 256 characters to look for."));
+        return Err(Problem::bad_request(
+            "NO_TEXT",
+            "Give a text of 1 to 256 characters to look for.",
+        ));
     }
     let Some(listing) = api.catalog.list(&id, PATIENCE).await else {
-        return Ok(Json(Finds { items: Vec::new(), total: 0, is_complete: false, listed_at: None }));
+        return Ok(Json(Finds {
+            items: Vec::new(),
+            total: 0,
+            is_complete: false,
+            listed_at: None,
+        }));
     };
     if let Some(problem) = listing.problem {
         return Err(Problem::unprocessable("SOURCE_REFUSED", format!("{problem}."), Vec::new()));
@@ -72,15 +83,22 @@ pub async fn search(
     let ids: Vec<NodeId> = best.iter().map(|variable| variable.node_id.clone()).collect();
     let mut items = api.shop_floor.describe_many(&id, &ids).await.map_err(shop_floor)?;
     for node in &mut items {
-        node.browse_path =
-            best.iter().find(|variable| variable.node_id == node.node_id).map(|variable| variable.browse_path.clone());
+        node.browse_path = best
+            .iter()
+            .find(|variable| variable.node_id == node.node_id)
+            .map(|variable| variable.browse_path.clone());
     }
     let (is_complete, listed_at) = (listing.list.is_complete, Some(listing.listed_at));
     Ok(Json(Finds { items, total, is_complete, listed_at }))
 }
 
-/// The variables in whose paths all words occur, those with all in their own name first; and how many there are.
-fn find(variables: &[ListedVariable], words: &[String], most: usize) -> (Vec<ListedVariable>, usize) {
+/// The variables in whose paths all words occur, those with all in their own name first; and how
+/// many there are.
+fn find(
+    variables: &[ListedVariable],
+    words: &[String],
+    most: usize,
+) -> (Vec<ListedVariable>, usize) {
     let (mut by_name, mut by_path) = (Vec::new(), Vec::new());
     for variable in variables {
         let name = variable.display_name.to_lowercase();
@@ -107,13 +125,22 @@ mod tests {
             let browse_path: shop_floor::BrowsePath =
                 serde_json::from_value(path.split('/').collect::<Vec<_>>().into()).expect("a path");
             let display_name = path.rsplit('/').next().unwrap_or_default().to_owned();
-            ListedVariable { node_id: NodeId::string("urn:x", path), display_name, browse_path, type_names: Vec::new() }
+            ListedVariable {
+                node_id: NodeId::string("urn:x", path),
+                display_name,
+                browse_path,
+                type_names: Vec::new(),
+            }
         };
-        let plant: Vec<_> = ["Press2/Axis/Speed", "Press1/Speed", "Press2/SpeedOfPress2"].map(variable).into();
+        let plant: Vec<_> =
+            ["Press2/Axis/Speed", "Press1/Speed", "Press2/SpeedOfPress2"].map(variable).into();
         let found = |text: &str| {
             let words: Vec<String> = text.split(' ').map(str::to_owned).collect();
             let (found, total) = find(&plant, &words, 2);
-            (found.iter().map(|variable| variable.browse_path.to_string()).collect::<Vec<_>>(), total)
+            (
+                found.iter().map(|variable| variable.browse_path.to_string()).collect::<Vec<_>>(),
+                total,
+            )
         };
         assert_eq!(found("speed press2").0, ["Press2/SpeedOfPress2", "Press2/Axis/Speed"]);
         assert_eq!(found("speed").1, 3);

@@ -39,7 +39,11 @@ pub struct Session {
 
 impl From<SignedIn<Principal>> for Session {
     fn from(who: SignedIn<Principal>) -> Self {
-        Self { user_name: who.principal.user_name, role: who.principal.role, csrf_token: who.csrf_token }
+        Self {
+            user_name: who.principal.user_name,
+            role: who.principal.role,
+            csrf_token: who.csrf_token,
+        }
     }
 }
 

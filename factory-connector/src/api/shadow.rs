@@ -61,7 +61,10 @@ pub async fn start(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = ShadowView), Problems))]
-pub async fn status(State(api): State<Api>, ApiPath(path): ApiPath<FieldPath>) -> Result<Json<ShadowView>, Problem> {
+pub async fn status(
+    State(api): State<Api>,
+    ApiPath(path): ApiPath<FieldPath>,
+) -> Result<Json<ShadowView>, Problem> {
     view(&api, key(path)).await
 }
 
@@ -105,8 +108,7 @@ pub async fn publish(
     let (mapping, is_mapped) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let mapping = mapping.ok_or_else(no_shadow)?;
     if !is_mapped {
-        let message =
-            "The field is not mapped: decide about it with this mapping, which includes what partners may see.";
+        let message = "The field is not mapped: decide about it with this mapping, which includes what partners may see.";
         return Err(Problem::conflict("NOT_MAPPED", message));
     }
     let author = &who.principal.user_name;
@@ -121,11 +123,16 @@ async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>,
         .desk
         .read(move |books| {
             let field = books.field(&field)?;
-            let published = field.decision.mapping.clone().filter(|_| field.decision.is_open_for(ValueSource::Mapping));
+            let published = field
+                .decision
+                .mapping
+                .clone()
+                .filter(|_| field.decision.is_open_for(ValueSource::Mapping));
             Some((field.shelf.shadow.clone(), published, field.shadow_id(), field.mapping_id()))
         })
         .await?;
-    let (shadow, published, shadow_id, mapping_id) = known.ok_or_else(|| Problem::not_found("such field"))?;
+    let (shadow, published, shadow_id, mapping_id) =
+        known.ok_or_else(|| Problem::not_found("such field"))?;
     let shadow = shadow.ok_or_else(no_shadow)?;
     // Only what a person wrote is compared, not the ids.
     let written = Mapping { mapping_id: mapping_id.clone(), ..shadow.mapping.clone() };

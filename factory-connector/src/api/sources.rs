@@ -4,7 +4,9 @@ use asi_model::NodeId;
 use axum::{Json, extract::State, http::StatusCode};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
 use serde::{Deserialize, Serialize};
-use shop_floor::{BrowsedNode, Identity, PeerCertificate, SourceConfig, SourceId, SourceStatus, TrustState};
+use shop_floor::{
+    BrowsedNode, Identity, PeerCertificate, SourceConfig, SourceId, SourceStatus, TrustState,
+};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
@@ -43,7 +45,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Prob
         .into_iter()
         .map(|status| {
             let row = configs.iter().find(|row| row.source_id == status.source_id.as_str());
-            let config = row.and_then(|row| serde_json::from_str(&row.config).ok()).unwrap_or_default();
+            let config =
+                row.and_then(|row| serde_json::from_str(&row.config).ok()).unwrap_or_default();
             SourceView { config, status }
         })
         .collect();
@@ -77,7 +80,10 @@ pub async fn change(
 ) -> Result<Json<SourceConfig>, Problem> {
     engineer_only(&who)?;
     if source.source_id != id {
-        return Err(Problem::bad_request("OTHER_ID", "The document's sourceId differs from the path's."));
+        return Err(Problem::bad_request(
+            "OTHER_ID",
+            "The document's sourceId differs from the path's.",
+        ));
     }
     put(&api, source.clone()).await?;
     Ok(Json(source))
@@ -154,8 +160,12 @@ pub async fn value(
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,
 ) -> Result<Json<ShownValue>, Problem> {
-    let values = api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
-    values.first().map(|value| Json(ShownValue::from(value))).ok_or_else(|| Problem::not_found("such variable"))
+    let values =
+        api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
+    values
+        .first()
+        .map(|value| Json(ShownValue::from(value)))
+        .ok_or_else(|| Problem::not_found("such variable"))
 }
 
 /// Lists the certificates that servers have shown.

@@ -35,6 +35,7 @@ pub async fn dead_letters(
     ApiQuery(query): ApiQuery<LettersQuery>,
 ) -> Result<Json<Page<DeadLetter>>, Problem> {
     let items = stored(&api.readers, query.cursor.unwrap_or(i64::MAX), PAGE).await?;
-    let next_cursor = items.last().filter(|_| items.len() == PAGE as usize).map(|letter| letter.id.clone());
+    let next_cursor =
+        items.last().filter(|_| items.len() == PAGE as usize).map(|letter| letter.id.clone());
     Ok(Json(Page { items, next_cursor }))
 }

@@ -24,8 +24,9 @@ pub struct Status {
     /// The link to the platform: `state` (connecting, up, down, stopped), since when, and why.
     #[schema(value_type = Object)]
     link: serde_json::Value,
-    /// Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`), since when, and which
-    /// other connector (`holder`, `contender`) has the factory's credential, too.
+    /// Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`),
+    /// since when, and which other connector (`holder`, `contender`) has the factory's credential,
+    /// too.
     #[schema(value_type = Object)]
     lease: serde_json::Value,
     /// The OPC UA server.

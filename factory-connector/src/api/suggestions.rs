@@ -26,7 +26,8 @@ use crate::{catalog::Listing, values::ShownValue};
 /// Suggestions without being told how many, and at most.
 const SUGGESTIONS_DEFAULT: usize = 10;
 const SUGGESTIONS_MAX: usize = 100;
-/// Of how many variables per server type, unit and value are looked up, once names have been compared.
+/// Of how many variables per server type, unit and value are looked up, once names have been
+/// compared.
 const DESCRIBED_MAX: usize = 200;
 /// How long a page waits for the lists of servers that were not listed yet.
 const PATIENCE: Duration = Duration::from_secs(8);
@@ -76,7 +77,8 @@ pub struct SearchedSource {
     source_id: SourceId,
     /// How many variables it has.
     variables: usize,
-    /// False while the list is being made, or where the server has more than is listed: ask again, or search by hand.
+    /// False while the list is being made, or where the server has more than is listed: ask again,
+    /// or search by hand.
     is_complete: bool,
     /// When the list was made.
     #[schema(value_type = Option<String>, format = "date-time")]
@@ -98,12 +100,14 @@ pub async fn list(
 ) -> Result<Json<Suggestions>, Problem> {
     engineer_only(&who)?;
     let field: FieldKey = key(path);
-    let known = api.desk.read(move |books| Some((books.wanted(&field)?, books.past_decisions()))).await?;
+    let known =
+        api.desk.read(move |books| Some((books.wanted(&field)?, books.past_decisions()))).await?;
     let (wanted, past) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let most = query.limit.unwrap_or(SUGGESTIONS_DEFAULT).clamp(1, SUGGESTIONS_MAX);
     let states = api.shop_floor.states();
     let searches = states.into_iter().map(|status| {
-        let is_connected = matches!(status.state, SourceState::Connected | SourceState::Subscribing);
+        let is_connected =
+            matches!(status.state, SourceState::Connected | SourceState::Subscribing);
         search(&api, status.source_id, is_connected, &wanted, &past)
     });
     let (mut sources, mut variables) = (Vec::new(), Vec::new());
@@ -118,7 +122,8 @@ pub async fn list(
     let items = suggest(&wanted, &variables, &past, most)
         .into_iter()
         .filter_map(|suggestion| {
-            let detail = details.remove(&(suggestion.source_id.clone(), suggestion.node_id.clone()))?;
+            let detail =
+                details.remove(&(suggestion.source_id.clone(), suggestion.node_id.clone()))?;
             Some(suggested(suggestion, detail))
         })
         .collect();
@@ -150,7 +155,8 @@ async fn search(
     if !is_connected {
         return (searched, Vec::new());
     }
-    let Some(Listing { list, listed_at, problem }) = api.catalog.list(&source_id, PATIENCE).await else {
+    let Some(Listing { list, listed_at, problem }) = api.catalog.list(&source_id, PATIENCE).await
+    else {
         searched.problem = Some("The server's variables are still being listed.".to_owned());
         return (searched, Vec::new());
     };
@@ -163,15 +169,24 @@ async fn search(
         let source_id = source_id.clone();
         // Comparing the names of a large server takes a while.
         tokio::task::spawn_blocking(move || {
-            let variables: Vec<_> =
-                list.variables.iter().map(|variable| KnownVariable::listed(&source_id, variable)).collect();
+            let variables: Vec<_> = list
+                .variables
+                .iter()
+                .map(|variable| KnownVariable::listed(&source_id, variable))
+                .collect();
             let best = suggest(&wanted, &variables, &past, DESCRIBED_MAX);
-            let places: HashMap<&NodeId, usize> =
-                variables.iter().enumerate().map(|(place, variable)| (&variable.node_id, place)).collect();
+            let places: HashMap<&NodeId, usize> = variables
+                .iter()
+                .enumerate()
+                .map(|(place, variable)| (&variable.node_id, place))
+                .collect();
             best.iter()
                 .filter_map(|found| {
                     let place = *places.get(&found.node_id)?;
-                    Some((variables.get(place)?.clone(), list.variables.get(place)?.browse_path.clone()))
+                    Some((
+                        variables.get(place)?.clone(),
+                        list.variables.get(place)?.browse_path.clone(),
+                    ))
                 })
                 .collect::<Vec<_>>()
         })

@@ -69,7 +69,10 @@ pub async fn put(
 ) -> Result<Json<MappingTemplate>, Problem> {
     engineer_only(&who)?;
     if template.template_id != template_id {
-        return Err(Problem::bad_request("OTHER_ID", "The document's templateId differs from the path's."));
+        return Err(Problem::bad_request(
+            "OTHER_ID",
+            "The document's templateId differs from the path's.",
+        ));
     }
     let faults = faults(std::slice::from_ref(&template));
     if !faults.is_empty() {
@@ -117,9 +120,13 @@ pub async fn from_field(
 ) -> Result<Json<MappingTemplate>, Problem> {
     engineer_only(&who)?;
     let field = key(path);
-    let mapping = api.desk.read(move |books| books.field(&field).map(|field| field.decision.mapping.clone())).await?;
+    let mapping = api
+        .desk
+        .read(move |books| books.field(&field).map(|field| field.decision.mapping.clone()))
+        .await?;
     let mapping = mapping.ok_or_else(|| Problem::not_found("such field"))?;
-    let mapping = mapping.ok_or_else(|| Problem::conflict("NO_MAPPING", "This field has no mapping yet."))?;
+    let mapping =
+        mapping.ok_or_else(|| Problem::conflict("NO_MAPPING", "This field has no mapping yet."))?;
     let template = MappingTemplate::from_mapping(&draft.template_id, &mapping, &draft.parameters);
     Ok(Json(MappingTemplate { name: draft.name, ..template }))
 }
@@ -131,8 +138,8 @@ pub struct Series {
     /// The values of the parameters, one set per mapping.
     #[serde(default)]
     sets: Vec<BTreeMap<String, String>>,
-    /// Or patterns of numbers, as `1..12` or `1,3,7..9`: the first mapping gets the first number of each, and so on; a
-    /// pattern of one number, or another text, is the same for all.
+    /// Or patterns of numbers, as `1..12` or `1,3,7..9`: the first mapping gets the first number of
+    /// each, and so on; a pattern of one number, or another text, is the same for all.
     #[serde(default)]
     patterns: BTreeMap<String, String>,
 }
@@ -147,7 +154,8 @@ pub struct FillQuery {
     dry_run: bool,
 }
 
-/// Fills a template once per member of a series and takes the mappings, as an import does: all or none.
+/// Fills a template once per member of a series and takes the mappings, as an import does: all or
+/// none.
 #[utoipa::path(post, path = "/mapping-templates/{templateId}/fill", tag = "mappings", security(("session" = [])),
     params(("templateId" = String, Path), FillQuery), request_body = Series,
     responses((status = 200, body = ImportOutcome), Problems))]
@@ -159,7 +167,8 @@ pub async fn fill(
     ApiJson(series): ApiJson<Series>,
 ) -> Result<Json<ImportOutcome>, Problem> {
     engineer_only(&who)?;
-    let template = all(&api).await?.into_iter().find(|template| template.template_id == template_id);
+    let template =
+        all(&api).await?.into_iter().find(|template| template.template_id == template_id);
     let template = template.ok_or_else(|| Problem::not_found("such template"))?;
     let (mut wanted, mut faults) = (Vec::new(), Vec::new());
     for (index, values) in members(series)?.iter().enumerate() {
@@ -167,7 +176,11 @@ pub async fn fill(
         match template.fill(values) {
             Ok(mapping) => wanted.push(Wanted { mapping, pointer }),
             Err(fault) => {
-                faults.push(ProblemFault { pointer, code: "NOT_FILLED".to_owned(), message: fault.to_string() });
+                faults.push(ProblemFault {
+                    pointer,
+                    code: "NOT_FILLED".to_owned(),
+                    message: fault.to_string(),
+                });
             }
         }
     }
@@ -182,8 +195,11 @@ pub async fn fill(
 fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
     let Series { sets, patterns } = series;
     let invalid = |pointer: &str, message: String| {
-        let fault =
-            ProblemFault { pointer: pointer.to_owned(), code: "INVALID_SERIES".to_owned(), message: message.clone() };
+        let fault = ProblemFault {
+            pointer: pointer.to_owned(),
+            code: "INVALID_SERIES".to_owned(),
+            message: message.clone(),
+        };
         Problem::unprocessable("INVALID_SERIES", message, vec![fault])
     };
     let sets = if patterns.is_empty() {
@@ -196,14 +212,21 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
         let expanded: BTreeMap<String, Vec<String>> =
             patterns.iter().map(|(name, pattern)| (name.clone(), texts(pattern))).collect();
         let count = expanded.values().map(Vec::len).max().unwrap_or_default();
-        if let Some((name, texts)) = expanded.iter().find(|(_, texts)| texts.len() != 1 && texts.len() != count) {
-            let message = format!("{name} has {} numbers, but another pattern has {count}.", texts.len());
+        if let Some((name, texts)) =
+            expanded.iter().find(|(_, texts)| texts.len() != 1 && texts.len() != count)
+        {
+            let message =
+                format!("{name} has {} numbers, but another pattern has {count}.", texts.len());
             return Err(invalid(&format!("/patterns/{name}"), message));
         }
-        let value = |texts: &Vec<String>, index: usize| texts.get(index).or_else(|| texts.first()).cloned();
+        let value =
+            |texts: &Vec<String>, index: usize| texts.get(index).or_else(|| texts.first()).cloned();
         (0..count)
             .map(|index| {
-                expanded.iter().filter_map(|(name, texts)| Some((name.clone(), value(texts, index)?))).collect()
+                expanded
+                    .iter()
+                    .filter_map(|(name, texts)| Some((name.clone(), value(texts, index)?)))
+                    .collect()
             })
             .collect()
     } else {
@@ -218,7 +241,8 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
 /// All templates.
 pub(super) async fn all(api: &Api) -> Result<Vec<MappingTemplate>, Problem> {
     let rows = store::templates(&api.readers).await?;
-    let templates = rows.iter().map(|row| serde_json::from_str(&row.template)).collect::<Result<_, _>>();
+    let templates =
+        rows.iter().map(|row| serde_json::from_str(&row.template)).collect::<Result<_, _>>();
     templates.map_err(|error: serde_json::Error| Problem::internal(&error))
 }
 
@@ -230,8 +254,11 @@ pub(super) fn faults(templates: &[MappingTemplate]) -> Vec<ProblemFault> {
         let is_id = (1..=ID_BYTES_MAX).contains(&id.len())
             && id.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
         let mut fault = |member: &str, message: String| {
-            let pointer =
-                if templates.len() > 1 { format!("/templates/{index}/{member}") } else { format!("/{member}") };
+            let pointer = if templates.len() > 1 {
+                format!("/templates/{index}/{member}")
+            } else {
+                format!("/{member}")
+            };
             faults.push(ProblemFault { pointer, code: "INVALID_TEMPLATE".to_owned(), message });
         };
         if !is_id {
@@ -255,9 +282,13 @@ pub(super) async fn take(
         return Ok(0);
     }
     let known = all(api).await?;
-    let other: Vec<_> = templates.into_iter().filter(|template| !known.contains(template)).collect();
+    let other: Vec<_> =
+        templates.into_iter().filter(|template| !known.contains(template)).collect();
     if known.len() + other.len() > TEMPLATES_MAX {
-        let message = format!("There are {} templates; {TEMPLATES_MAX} are the limit. Remove some first.", known.len());
+        let message = format!(
+            "There are {} templates; {TEMPLATES_MAX} are the limit. Remove some first.",
+            known.len()
+        );
         return Err(Problem::conflict("LIMIT_REACHED", message));
     }
     let count = other.len();
@@ -281,14 +312,22 @@ mod tests {
     #[test]
     fn patterns_become_sets() {
         let check = |patterns: &[(&str, &str)]| {
-            let patterns = patterns.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+            let patterns = patterns
+                .iter()
+                .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()))
+                .collect();
             members(Series { sets: Vec::new(), patterns })
                 .map(|sets| {
-                    sets.iter().map(|set| set.values().cloned().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
+                    sets.iter()
+                        .map(|set| set.values().cloned().collect::<Vec<_>>().join(" "))
+                        .collect::<Vec<_>>()
                 })
                 .map_err(|problem| problem.detail)
         };
-        assert_eq!(check(&[("line", "A"), ("n", "1..3")]), Ok(vec!["A 1".into(), "A 2".into(), "A 3".into()]));
+        assert_eq!(
+            check(&[("line", "A"), ("n", "1..3")]),
+            Ok(vec!["A 1".into(), "A 2".into(), "A 3".into()])
+        );
         assert_eq!(check(&[("m", "7,9"), ("n", "1..2")]), Ok(vec!["7 1".into(), "9 2".into()]));
         assert!(check(&[("m", "1..2"), ("n", "1..3")]).is_err());
         assert!(check(&[]).is_err());

@@ -23,10 +23,12 @@ const RUNS_MAX: usize = 2000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum TrialOn {
-    /// The values that its variables have now; functions go on from what the published mapping remembers.
+    /// The values that its variables have now; functions go on from what the published mapping
+    /// remembers.
     #[default]
     Live,
-    /// The values that its variables had lately, as far as they are recorded; functions start afresh.
+    /// The values that its variables had lately, as far as they are recorded; functions start
+    /// afresh.
     History,
 }
 
@@ -60,11 +62,13 @@ pub struct Trial {
     /// When the last value came.
     #[schema(value_type = Option<String>, format = "date-time")]
     to: Option<DateTime>,
-    /// Inputs of which nothing is recorded: only variables that a mapping at work (or on trial) uses are.
+    /// Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
+    /// uses are.
     unrecorded: Vec<String>,
 }
 
-/// Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed and nothing leaves.
+/// Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
+/// and nothing leaves.
 #[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial",
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
@@ -81,17 +85,26 @@ pub async fn run(
     let (samples, state) = match body.on {
         TrialOn::Live => {
             let draft = mapping.clone();
-            let state =
-                api.desk.read(move |books| books.field(&field).and_then(|field| field.state_for(&draft))).await?;
+            let state = api
+                .desk
+                .read(move |books| books.field(&field).and_then(|field| field.state_for(&draft)))
+                .await?;
             (live_values(&api, &mapping).await?, state)
         }
-        TrialOn::History => (api.engine.recorded(mapping.inputs.clone()).await.map_err(engine)?, None),
+        TrialOn::History => {
+            (api.engine.recorded(mapping.inputs.clone()).await.map_err(engine)?, None)
+        }
     };
     let names = mapping.inputs.iter().map(|input| &input.name);
-    let unrecorded =
-        names.filter(|name| !samples.iter().any(|sample| sample.input == **name)).cloned().collect::<Vec<_>>();
-    let (values, from, to) =
-        (samples.len(), samples.first().map(|sample| sample.at), samples.last().map(|sample| sample.at));
+    let unrecorded = names
+        .filter(|name| !samples.iter().any(|sample| sample.input == **name))
+        .cloned()
+        .collect::<Vec<_>>();
+    let (values, from, to) = (
+        samples.len(),
+        samples.first().map(|sample| sample.at),
+        samples.last().map(|sample| sample.at),
+    );
     let mut trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
     let runs_total = trace.runs.len();
     let most = body.limit.unwrap_or(RUNS_DEFAULT).clamp(1, RUNS_MAX);
@@ -106,7 +119,11 @@ async fn live_values(api: &Api, mapping: &Mapping) -> Result<Vec<DryRunSample>, 
     for input in &mapping.inputs {
         let node = std::slice::from_ref(&input.node_id);
         let read = api.shop_floor.read(&input.source_id, node).await.map_err(shop_floor)?;
-        samples.extend(read.into_iter().map(|value| DryRunSample { input: input.name.clone(), at, value }));
+        samples.extend(read.into_iter().map(|value| DryRunSample {
+            input: input.name.clone(),
+            at,
+            value,
+        }));
     }
     Ok(samples)
 }

@@ -35,7 +35,10 @@ pub struct UserView {
 /// Lists everybody who may sign in.
 #[utoipa::path(get, path = "/users", tag = "users", security(("session" = [])),
     responses((status = 200, body = Page<UserView>), Problems))]
-pub async fn list(State(api): State<Api>, who: SignedIn<Principal>) -> Result<Json<Page<UserView>>, Problem> {
+pub async fn list(
+    State(api): State<Api>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<UserView>>, Problem> {
     engineer_only(&who)?;
     Ok(Json(Page::whole(everybody(&api).await?)))
 }
@@ -50,8 +53,8 @@ pub struct UserBody {
     password: Option<Confidential<String>>,
 }
 
-/// Adds a person, or changes role or password. With a new password the person's sessions end, except the one in which
-/// the person did it; those of OPC UA clients also end with another role.
+/// Adds a person, or changes role or password. With a new password the person's sessions end,
+/// except the one in which the person did it; those of OPC UA clients also end with another role.
 #[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path)), request_body = UserBody, responses((status = 200, body = UserView), Problems))]
 pub async fn put(
@@ -67,7 +70,10 @@ pub async fn put(
     let known = user(&api.readers, &user_name).await?;
     let everybody = everybody(&api).await?;
     if known.is_none() && everybody.len() >= USERS_MAX {
-        return Err(Problem::conflict("LIMIT_REACHED", "There are 1000 users already. Remove some first."));
+        return Err(Problem::conflict(
+            "LIMIT_REACHED",
+            "There are 1000 users already. Remove some first.",
+        ));
     }
     if body.role != Role::Engineer {
         keep_an_engineer(&everybody, &user_name)?;
@@ -82,7 +88,10 @@ pub async fn put(
         api.accounts.stay_good_for(&who.session, &password_hash);
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
-    on_store(&api, move |mut connection| async move { put_user(&mut connection, &changed, now()).await }).await?;
+    on_store(&api, move |mut connection| async move {
+        put_user(&mut connection, &changed, now()).await
+    })
+    .await?;
     if has_new_password {
         api.accounts.end_sessions_of(&user_name, Some(&who.session));
     }
@@ -108,7 +117,12 @@ pub async fn remove(
     let _change = api.accounts.change().await;
     keep_an_engineer(&everybody(&api).await?, &user_name)?;
     let name = user_name.clone();
-    if !on_store(&api, move |mut connection| async move { remove_user(&mut connection, &name).await }).await? {
+    if !on_store(
+        &api,
+        move |mut connection| async move { remove_user(&mut connection, &name).await },
+    )
+    .await?
+    {
         return Err(Problem::not_found(format_args!("user {user_name}")));
     }
     api.accounts.end_sessions_of(&user_name, None);
@@ -133,14 +147,17 @@ where
     F: Future<Output = Result<T, StoreError>>,
 {
     let (directory, runtime) = (api.data_directory.clone(), tokio::runtime::Handle::current());
-    let done =
-        tokio::task::spawn_blocking(move || runtime.block_on(async { work(Store::connect(&directory).await?).await }));
+    let done = tokio::task::spawn_blocking(move || {
+        runtime.block_on(async { work(Store::connect(&directory).await?).await })
+    });
     Ok(done.await.map_err(|error| Problem::internal(&error))??)
 }
 
 /// Argon2 is made to be slow: it has a thread of its own.
 async fn hash(password: Confidential<String>) -> Result<String, Problem> {
-    let hashed = tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default())).await;
+    let hashed =
+        tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default()))
+            .await;
     match hashed.map_err(|error| Problem::internal(&error))? {
         Ok(hash) => Ok(hash.as_str().to_owned()),
         Err(error @ (PasswordError::TooShort { .. } | PasswordError::TooLong { .. })) => {
@@ -156,7 +173,10 @@ fn keep_an_engineer(everybody: &[UserView], but: &str) -> Result<(), Problem> {
     if is_left || !everybody.iter().any(|user| user.user_name == but) {
         return Ok(());
     }
-    Err(Problem::conflict("LAST_ENGINEER", "This is the last engineer. Make somebody else one first."))
+    Err(Problem::conflict(
+        "LAST_ENGINEER",
+        "This is the last engineer. Make somebody else one first.",
+    ))
 }
 
 fn check_name(name: &str) -> Result<(), Problem> {
@@ -171,8 +191,11 @@ fn check_name(name: &str) -> Result<(), Problem> {
 }
 
 fn fault(pointer: &str, message: &str) -> Problem {
-    let fault =
-        ProblemFault { pointer: pointer.to_owned(), code: "INVALID_USER".to_owned(), message: message.to_owned() };
+    let fault = ProblemFault {
+        pointer: pointer.to_owned(),
+        code: "INVALID_USER".to_owned(),
+        message: message.to_owned(),
+    };
     Problem::unprocessable("INVALID_USER", message, vec![fault])
 }
 
@@ -189,7 +212,10 @@ mod tests {
         let one = [person("eva", Role::Engineer), person("otto", Role::Operator)];
         assert!(keep_an_engineer(&one, "eva").is_err());
         assert!(keep_an_engineer(&one, "otto").is_ok());
-        assert!(keep_an_engineer(&one, "nobody").is_ok(), "who is not there takes no engineer away");
+        assert!(
+            keep_an_engineer(&one, "nobody").is_ok(),
+            "who is not there takes no engineer away"
+        );
         let two = [person("eva", Role::Engineer), person("ida", Role::Engineer)];
         assert!(keep_an_engineer(&two, "eva").is_ok());
     }

@@ -21,8 +21,13 @@ use super::{
 use crate::store;
 
 /// A version's path.
-type VersionPath =
-    (asi_model::OperationNetworkId, asi_model::OperationId, asi_model::DynamicDataRequestId, asi_model::FieldName, u32);
+type VersionPath = (
+    asi_model::OperationNetworkId,
+    asi_model::OperationId,
+    asi_model::DynamicDataRequestId,
+    asi_model::FieldName,
+    u32,
+);
 
 /// A published mapping.
 #[derive(Serialize, ToSchema)]
@@ -61,7 +66,10 @@ pub async fn list(
         note: row.note.clone(),
         published_at: row.published_at,
         is_current: current.as_ref() == Some(mapping),
-        changes: stored.get(place + 1).map(|(_, before)| compare(before, mapping)).unwrap_or_default(),
+        changes: stored
+            .get(place + 1)
+            .map(|(_, before)| compare(before, mapping))
+            .unwrap_or_default(),
         mapping: mapping.clone(),
     });
     Ok(Json(Page::whole(items.collect())))
@@ -100,7 +108,9 @@ pub async fn difference(
     ApiQuery(query): ApiQuery<DifferenceQuery>,
 ) -> Result<Json<Difference>, Problem> {
     let (stored, current) = versions(&api, key(path)).await?;
-    let find = |version: u32| stored.iter().find(|(row, _)| row.version == version).map(|(_, mapping)| mapping.clone());
+    let find = |version: u32| {
+        stored.iter().find(|(row, _)| row.version == version).map(|(_, mapping)| mapping.clone())
+    };
     let before = find(query.from).ok_or_else(|| Problem::not_found("such version"))?;
     let after = query.to.map_or(current, find).ok_or_else(|| Problem::not_found("such version"))?;
     Ok(Json(Difference { changes: compare(&before, &after), before, after }))
@@ -120,8 +130,10 @@ pub async fn rollback(
     engineer_only(&who)?;
     let field = key((network, operation, request, field_name));
     let (stored, _) = versions(&api, field.clone()).await?;
-    let (_, mapping) =
-        stored.into_iter().find(|(row, _)| row.version == version).ok_or_else(|| Problem::not_found("such version"))?;
+    let (_, mapping) = stored
+        .into_iter()
+        .find(|(row, _)| row.version == version)
+        .ok_or_else(|| Problem::not_found("such version"))?;
     let note = Some(format!("as version {version}"));
     let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
     place(&api, vec![wanted], &who.principal.user_name, note, false).await?;
@@ -129,10 +141,15 @@ pub async fn rollback(
 }
 
 /// The stored versions, newest first, and the field's mapping as it is now.
-async fn versions(api: &Api, field: FieldKey) -> Result<(Vec<(store::VersionRow, Mapping)>, Option<Mapping>), Problem> {
+async fn versions(
+    api: &Api,
+    field: FieldKey,
+) -> Result<(Vec<(store::VersionRow, Mapping)>, Option<Mapping>), Problem> {
     let known = api
         .desk
-        .read(move |books| books.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned())))
+        .read(move |books| {
+            books.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned()))
+        })
         .await?;
     let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let rows = store::versions(&api.readers, id).await?;

@@ -27,7 +27,8 @@ pub struct Page<T> {
 }
 
 impl<T> Page<T> {
-    /// A page of at most `limit` items; a full one may have another behind it, which begins after the last item.
+    /// A page of at most `limit` items; a full one may have another behind it, which begins after
+    /// the last item.
     pub fn of(items: Vec<T>, limit: u32, cursor: impl Fn(&T) -> String) -> Self {
         let is_full = items.len() >= limit as usize;
         let next_cursor = items.last().filter(|_| is_full).map(cursor);
@@ -68,7 +69,8 @@ pub struct FieldView {
     pub value_source: Option<asi_model::messages::ValueSource>,
     /// How values are coarsened at least, as decided.
     pub disclosure: DisclosurePolicy,
-    /// How they are coarsened: the strictest of that, of the named policy and of the recipients' policies.
+    /// How they are coarsened: the strictest of that, of the named policy and of the recipients'
+    /// policies.
     pub effective_disclosure: DisclosurePolicy,
     /// The named policy and the rules on whose grounds it was decided.
     pub grounds: Grounds,
@@ -102,7 +104,8 @@ impl FieldView {
     /// As it stands.
     pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
-        let told = decision.is_mapped().then(|| field.gate.policy().told(definition.unit.as_deref()));
+        let told =
+            decision.is_mapped().then(|| field.gate.policy().told(definition.unit.as_deref()));
         Self {
             name: definition.name.to_string(),
             field_type: definition.field_type.0.name().to_owned(),
@@ -238,13 +241,21 @@ pub struct RequestView {
 pub const REMIND_AFTER: Duration = Duration::from_secs(24 * 3600);
 
 /// Every request of a network, in document order.
-pub fn requests(books: &Books, network: &asi_model::OperationNetworkId, now: DateTime) -> Vec<RequestView> {
-    let Some((network, message)) = books.networks.get(network).and_then(|n| n.message.as_ref().map(|m| (n, m))) else {
+pub fn requests(
+    books: &Books,
+    network: &asi_model::OperationNetworkId,
+    now: DateTime,
+) -> Vec<RequestView> {
+    let Some((network, message)) =
+        books.networks.get(network).and_then(|n| n.message.as_ref().map(|m| (n, m)))
+    else {
         return Vec::new();
     };
     let requests = message.operation_network.requests();
     requests
-        .map(|(key, operation, request)| RequestView::new(books, network, message, key, operation, request, now))
+        .map(|(key, operation, request)| {
+            RequestView::new(books, network, message, key, operation, request, now)
+        })
         .collect()
 }
 
@@ -253,7 +264,8 @@ impl RequestView {
     pub fn of(books: &Books, key: &RequestKey, now: DateTime) -> Option<Self> {
         let network = books.networks.get(&key.operation_network_id)?;
         let message = network.message.as_ref()?;
-        let (key, operation, request) = message.operation_network.requests().find(|(known, ..)| known == key)?;
+        let (key, operation, request) =
+            message.operation_network.requests().find(|(known, ..)| known == key)?;
         Some(Self::new(books, network, message, key, operation, request, now))
     }
 
@@ -269,8 +281,10 @@ impl RequestView {
     ) -> Self {
         let mut short = operation.clone();
         short.dynamic_data_request_list.clear();
-        let fields: Vec<FieldView> =
-            books.fields_in(&key, request).map(|(key, field)| FieldView::new(books, key, field)).collect();
+        let fields: Vec<FieldView> = books
+            .fields_in(&key, request)
+            .map(|(key, field)| FieldView::new(books, key, field))
+            .collect();
         let is_open = fields.iter().any(|field| field.mapping_state == MappingState::Pending);
         let has_ended = request.valid_until.is_some_and(|until| until <= now);
         let open_since = Some(network.received_at).filter(|_| is_open && !has_ended);

@@ -38,7 +38,8 @@ pub struct Decisions {
 impl Aftermath {
     /// How a field stands, to be said anew: what was to be told before is told no more.
     pub(super) fn news_of(&mut self, place: &mut usize, key: &FieldKey) -> &mut FieldNews {
-        if !matches!(self.events.get(*place), Some(ConnectorEvent::Field(older)) if older.key == *key) {
+        if !matches!(self.events.get(*place), Some(ConnectorEvent::Field(older)) if older.key == *key)
+        {
             *place = self.events.len();
             self.events.push(ConnectorEvent::Field(Box::new(FieldNews {
                 key: key.clone(),

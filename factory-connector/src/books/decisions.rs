@@ -110,7 +110,9 @@ impl Books {
             return Err(DecisionError::Ended);
         }
         let effective = match &verdict {
-            Verdict::Map { policy, .. } => self.effective_policy(key, known, policy, grounds.policy_id.as_ref()).0,
+            Verdict::Map { policy, .. } => {
+                self.effective_policy(key, known, policy, grounds.policy_id.as_ref()).0
+            }
             Verdict::LeavePending | Verdict::Refuse => Arc::clone(known.gate.policy()),
         };
         let Self { fields, shared, .. } = self;
@@ -124,21 +126,24 @@ impl Books {
                 if value_source == ValueSource::Mapping && mapping.is_none() {
                     return Err(DecisionError::NoMapping);
                 }
-                let faults = policy.faults(field.definition.field_type.0, field.definition.value_rank >= 0);
+                let faults =
+                    policy.faults(field.definition.field_type.0, field.definition.value_rank >= 0);
                 if !faults.is_empty() {
                     return Err(DecisionError::Policy(faults));
                 }
-                let is_other_source =
-                    had_source != Some(value_source) || decision.mapping.as_deref() != mapping.as_deref();
+                let is_other_source = had_source != Some(value_source)
+                    || decision.mapping.as_deref() != mapping.as_deref();
                 if is_other_source {
-                    // A counter goes on through a correction, but does not tell what went on while nothing was open.
+                    // A counter goes on through a correction, but does not tell what went on while
+                    // nothing was open.
                     let (before, after) = (decision.mapping.as_deref(), mapping.as_deref());
                     let steps = before.zip(after).filter(|_| was_mapped);
                     field.transform = steps.and_then(|(before, after)| {
                         Some(field.transform.as_ref()?.carried_over(&before.steps, &after.steps))
                     });
                 }
-                field.shelf.is_recorded &= mapping.is_none() || decision.mapping.as_deref() == mapping.as_deref();
+                field.shelf.is_recorded &=
+                    mapping.is_none() || decision.mapping.as_deref() == mapping.as_deref();
                 decision.mapping_state = MappingState::Mapped;
                 decision.value_source = Some(value_source);
                 let mapping = mapping.map(|mut mapping| {
@@ -157,7 +162,9 @@ impl Books {
                     field.newest = None;
                 }
                 if value_source == ValueSource::Mapping {
-                    self.aftermath.mappings.extend(field.published().filter(|_| is_other_source || !was_mapped));
+                    self.aftermath
+                        .mappings
+                        .extend(field.published().filter(|_| is_other_source || !was_mapped));
                 } else if had_source == Some(ValueSource::Mapping) {
                     self.aftermath.mappings.push(MappingWork::Remove(mapping_id));
                 }
@@ -166,8 +173,11 @@ impl Books {
                 if verdict == Verdict::Refuse && reason.is_none() {
                     return Err(DecisionError::NoReason);
                 }
-                decision.mapping_state =
-                    if verdict == Verdict::Refuse { MappingState::Refused } else { MappingState::Pending };
+                decision.mapping_state = if verdict == Verdict::Refuse {
+                    MappingState::Refused
+                } else {
+                    MappingState::Pending
+                };
                 decision.value_source = None;
                 field.newest = None;
                 field.gate.close();
@@ -182,10 +192,17 @@ impl Books {
         field.decision.decided_at = Some(now);
         field.decision.version += 1;
         let is_mapped = field.decision.is_mapped();
-        let (writer, version, reason) = (field.writer, field.decision.version, field.decision.reason.clone());
+        let (writer, version, reason) =
+            (field.writer, field.decision.version, field.decision.reason.clone());
         let has_mapping = field.decision.is_open_for(ValueSource::Mapping);
         if was_mapped && !is_mapped {
-            self.consent_ends(key, version - 1, GapCause::Revoked, reason.as_deref(), Some(decided_by));
+            self.consent_ends(
+                key,
+                version - 1,
+                GapCause::Revoked,
+                reason.as_deref(),
+                Some(decided_by),
+            );
         }
         if has_mapping {
             self.record_version(key, Some(decided_by.to_owned()), None, now);
@@ -203,8 +220,8 @@ impl Books {
         Ok(())
     }
 
-    /// The request changed in a way that the consent does not cover: the field is undecided again, its mapping is kept
-    /// and offered.
+    /// The request changed in a way that the consent does not cover: the field is undecided again,
+    /// its mapping is kept and offered.
     pub(super) fn reopen(&mut self, key: &FieldKey, now: DateTime) {
         let Some(field) = self.fields.get(key) else { return };
         let (was_mapped, writer) = (field.decision.is_mapped(), field.writer);
@@ -236,7 +253,12 @@ impl Books {
     pub(super) fn told_and_kept(&mut self, key: &FieldKey, now: DateTime) {
         let Some(field) = self.fields.get(key) else { return };
         let decision = &field.decision;
-        let (_, policies) = self.effective_policy(key, field, &decision.policy, decision.grounds.policy_id.as_ref());
+        let (_, policies) = self.effective_policy(
+            key,
+            field,
+            &decision.policy,
+            decision.grounds.policy_id.as_ref(),
+        );
         let grounds = Grounds { policies, ..decision.grounds.clone() };
         let policy = field.gate.policy();
         let message = Decision {
@@ -258,9 +280,11 @@ impl Books {
             version: decision.version,
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
-            policy: serde_json::to_string(&**policy).expect("policies have text keys and finite numbers"),
-            grounds: (!grounds.is_empty())
-                .then(|| serde_json::to_string(&grounds).expect("grounds have text keys and whole numbers")),
+            policy: serde_json::to_string(&**policy)
+                .expect("policies have text keys and finite numbers"),
+            grounds: (!grounds.is_empty()).then(|| {
+                serde_json::to_string(&grounds).expect("grounds have text keys and whole numbers")
+            }),
             reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decided_at: now,
@@ -287,7 +311,12 @@ impl Books {
 
     /// Why a value of this source is not taken for a field; `None` where it is.
     #[must_use]
-    pub fn refusal(&self, key: &FieldKey, source: ValueSource, now: DateTime) -> Option<StatusCode> {
+    pub fn refusal(
+        &self,
+        key: &FieldKey,
+        source: ValueSource,
+        now: DateTime,
+    ) -> Option<StatusCode> {
         match self.fields.get(key) {
             None => Some(StatusCode::BAD_NODE_ID_UNKNOWN),
             Some(field) if !field.validity.contains(now) => Some(StatusCode::BAD_INVALID_STATE),

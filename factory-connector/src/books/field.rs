@@ -48,8 +48,8 @@ pub struct Field {
     pub marks: Marks,
 }
 
-/// Where a transaction holds something about a field, so that it holds the newest only. A place may be of a former
-/// transaction: what stands there tells.
+/// Where a transaction holds something about a field, so that it holds the newest only. A place may
+/// be of a former transaction: what stands there tells.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Marks {
     /// Its state is to be written.
@@ -113,7 +113,9 @@ impl Field {
     /// What the partner is told about its precision, while the field is mapped.
     #[must_use]
     pub fn statement(&self) -> Option<DisclosureStatement> {
-        self.decision.is_mapped().then(|| self.gate.policy().statement(self.definition.unit.as_deref()))
+        self.decision
+            .is_mapped()
+            .then(|| self.gate.policy().statement(self.definition.unit.as_deref()))
     }
 
     /// What the twin shows.
@@ -123,7 +125,11 @@ impl Field {
         FieldRecord {
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
-            value: self.gate.disclosed().cloned().unwrap_or_else(|| waiting_value(decision.decided_at)),
+            value: self
+                .gate
+                .disclosed()
+                .cloned()
+                .unwrap_or_else(|| waiting_value(decision.decided_at)),
             disclosure: self.statement().map(|statement| Arc::from(statement.description)),
             reason: decision.reason.as_deref().map(Arc::from),
             decided_by: decision.decided_by.as_deref().map(Arc::from),
@@ -131,9 +137,11 @@ impl Field {
         }
     }
 
-    /// Work for the mapping engine: the mapping in force, which goes on from what its functions remember.
+    /// Work for the mapping engine: the mapping in force, which goes on from what its functions
+    /// remember.
     pub(super) fn published(&self) -> Option<MappingWork> {
-        let published = Published::new(Arc::clone(self.decision.mapping.as_ref()?), TargetKey(self.id));
+        let published =
+            Published::new(Arc::clone(self.decision.mapping.as_ref()?), TargetKey(self.id));
         Some(MappingWork::Put(Published { state: self.transform.clone(), ..published }))
     }
 
@@ -181,13 +189,16 @@ impl Field {
             reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decided_at: decision.decided_at,
-            mapping: decision
-                .mapping
-                .as_ref()
-                .map(|mapping| serde_json::to_string(&**mapping).expect("mappings have text keys and finite numbers")),
-            policy: serde_json::to_string(&*decision.policy).expect("policies have text keys and finite numbers"),
-            grounds: (!decision.grounds.is_empty())
-                .then(|| serde_json::to_string(&decision.grounds).expect("grounds have text keys and whole numbers")),
+            mapping: decision.mapping.as_ref().map(|mapping| {
+                serde_json::to_string(&**mapping)
+                    .expect("mappings have text keys and finite numbers")
+            }),
+            policy: serde_json::to_string(&*decision.policy)
+                .expect("policies have text keys and finite numbers"),
+            grounds: (!decision.grounds.is_empty()).then(|| {
+                serde_json::to_string(&decision.grounds)
+                    .expect("grounds have text keys and whole numbers")
+            }),
             consent_version: decision.version,
         }
     }
@@ -196,10 +207,10 @@ impl Field {
     pub(crate) fn value_row(&self) -> FieldValueRow {
         FieldValueRow {
             gate: gate_to_json(&self.gate.state()),
-            transform: self
-                .transform
-                .as_ref()
-                .map(|state| serde_json::to_string(state).expect("transform states have text keys and finite numbers")),
+            transform: self.transform.as_ref().map(|state| {
+                serde_json::to_string(state)
+                    .expect("transform states have text keys and finite numbers")
+            }),
         }
     }
 }
@@ -234,7 +245,10 @@ impl Books {
     }
 
     /// The fields of a request, in payload order.
-    pub fn fields_of<'b>(&'b self, request: &'b RequestKey) -> impl Iterator<Item = (FieldKey, &'b Field)> {
+    pub fn fields_of<'b>(
+        &'b self,
+        request: &'b RequestKey,
+    ) -> impl Iterator<Item = (FieldKey, &'b Field)> {
         self.request(request).into_iter().flat_map(move |(_, document)| {
             document.report_data_format.report_field_list.iter().filter_map(move |definition| {
                 let key = request.field(definition.name.clone());
@@ -250,19 +264,31 @@ impl Books {
         now: DateTime,
     ) -> Result<(), StoreError> {
         self.last_field = self.last_field.max(row.id);
-        let (Some(definition), Some((request, writer))) =
-            (self.definition(&row.key.request, &row.key.field_name), self.writer_of.get_key_value(&row.key.request))
-        else {
+        let (Some(definition), Some((request, writer))) = (
+            self.definition(&row.key.request, &row.key.field_name),
+            self.writer_of.get_key_value(&row.key.request),
+        ) else {
             // A field without its request cannot be: both are written in one transaction.
-            return Err(StoreError::Unreadable { what: "field", reason: format!("{} has no request", row.key) });
+            return Err(StoreError::Unreadable {
+                what: "field",
+                reason: format!("{} has no request", row.key),
+            });
         };
         // The fields of a request share its texts.
         let (key, writer) = (request.field(definition.name.clone()), *writer);
-        let unreadable =
-            |what| move |error: serde_json::Error| StoreError::Unreadable { what, reason: error.to_string() };
+        let unreadable = |what| {
+            move |error: serde_json::Error| StoreError::Unreadable {
+                what,
+                reason: error.to_string(),
+            }
+        };
         let policy = self.shared.policy(row.policy).map_err(unreadable("policy"))?;
-        let mapping: Option<Mapping> =
-            row.mapping.as_deref().map(serde_json::from_str).transpose().map_err(unreadable("mapping"))?;
+        let mapping: Option<Mapping> = row
+            .mapping
+            .as_deref()
+            .map(serde_json::from_str)
+            .transpose()
+            .map_err(unreadable("mapping"))?;
         let mapping = mapping.map(|mut mapping| {
             self.shared.share(&mut mapping, &key);
             Arc::new(mapping)
@@ -270,7 +296,8 @@ impl Books {
         let (gate, transform) = match value {
             None => (GateState::default(), None),
             Some(value) => (
-                gate_from_json(&value.gate).map_err(|reason| StoreError::Unreadable { what: "value", reason })?,
+                gate_from_json(&value.gate)
+                    .map_err(|reason| StoreError::Unreadable { what: "value", reason })?,
                 value
                     .transform
                     .as_deref()
@@ -290,7 +317,12 @@ impl Books {
         let mut field = Field {
             key,
             id: row.id,
-            gate: Gate::new(Arc::clone(&policy), definition.field_type.0, GateState::default(), now),
+            gate: Gate::new(
+                Arc::clone(&policy),
+                definition.field_type.0,
+                GateState::default(),
+                now,
+            ),
             definition,
             decision: FieldDecision {
                 mapping_state: row.mapping_state,
@@ -326,7 +358,12 @@ impl Books {
 
     fn definition(&self, request: &RequestKey, name: &FieldName) -> Option<ReportField> {
         let (_, document) = self.request(request)?;
-        document.report_data_format.report_field_list.iter().find(|field| field.name == *name).cloned()
+        document
+            .report_data_format
+            .report_field_list
+            .iter()
+            .find(|field| field.name == *name)
+            .cloned()
     }
 
     /// Puts a field's decision among the changes.
@@ -365,7 +402,8 @@ impl Books {
                 self.aftermath.twin.push(TwinWork::Apply(id.clone()));
             }
         }
-        let open = self.fields.iter().filter(|field| field.decision.is_open_for(ValueSource::Mapping));
+        let open =
+            self.fields.iter().filter(|field| field.decision.is_open_for(ValueSource::Mapping));
         self.aftermath.mappings.extend(open.filter_map(Field::published));
         let with_shadow = self.fields.iter().filter(|field| field.shelf.shadow.is_some());
         for key in with_shadow.map(|field| field.key.clone()).collect::<Vec<_>>() {

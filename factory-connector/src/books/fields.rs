@@ -1,4 +1,5 @@
-//! The requested fields: by their keys, as messages and people name them, and by our numbers for them, as candidates do.
+//! The requested fields: by their keys, as messages and people name them, and by our numbers for
+//! them, as candidates do.
 
 use std::{
     collections::HashMap,
@@ -52,14 +53,17 @@ impl Fields {
         let number = field.id;
         let hash = hasher.hash_one(&field.key);
         fields.insert(number, Box::new(field));
-        let rehash = |number: &i64| fields.get(number).map_or(0, |field| hasher.hash_one(&field.key));
+        let rehash =
+            |number: &i64| fields.get(number).map_or(0, |field| hasher.hash_one(&field.key));
         numbers.insert_unique(hash, number, rehash);
     }
 
     /// Takes a field out.
     pub fn remove(&mut self, key: &FieldKey) -> Option<Field> {
         let number = self.get(key)?.id;
-        if let Ok(found) = self.numbers.find_entry(self.hasher.hash_one(key), |other| *other == number) {
+        if let Ok(found) =
+            self.numbers.find_entry(self.hasher.hash_one(key), |other| *other == number)
+        {
             found.remove();
         }
         self.fields.remove(&number).map(|field| *field)

@@ -1,7 +1,8 @@
 //! Mappings of fields: their versions, mappings placed without a new consent, and shadows.
 //!
-//! A mapping says where values come from; how much of them leaves is the consent's matter. So a corrected mapping of a
-//! field that flows is a new version under the same consent, and the gate stays as it is.
+//! A mapping says where values come from; how much of them leaves is the consent's matter. So a
+//! corrected mapping of a field that flows is a new version under the same consent, and the gate
+//! stays as it is.
 
 use std::sync::Arc;
 
@@ -69,7 +70,8 @@ impl Field {
     /// The shadow's id in the engine.
     #[must_use]
     pub fn shadow_id(&self) -> MappingId {
-        MappingId::new(format!("field-{}.shadow", self.id)).expect("short and without control characters")
+        MappingId::new(format!("field-{}.shadow", self.id))
+            .expect("short and without control characters")
     }
 
     /// What a mapping in place of the present one goes on with.
@@ -87,14 +89,16 @@ impl Books {
     /// Everything about it that does not fit the field.
     pub fn fitted(&self, mapping: Mapping) -> Result<Mapping, Vec<Misfit>> {
         let Some(field) = self.fields.get(&mapping.target) else {
-            let message = format!("no partner asks for a field {}: correct the target", mapping.target);
+            let message =
+                format!("no partner asks for a field {}: correct the target", mapping.target);
             return Err(vec![Misfit { member: "target", message }]);
         };
         let definition = &field.definition;
         let mut misfits = Vec::new();
         if mapping.target_type.0 != definition.field_type.0 {
             let wanted = definition.field_type.0.name();
-            let message = format!("the partner asks for {wanted}, but this yields {}", mapping.target_type);
+            let message =
+                format!("the partner asks for {wanted}, but this yields {}", mapping.target_type);
             misfits.push(Misfit { member: "targetType", message });
         }
         if mapping.target_unit != definition.unit {
@@ -113,7 +117,11 @@ impl Books {
             );
             misfits.push(Misfit { member: "targetValueRank", message });
         }
-        if misfits.is_empty() { Ok(Mapping { mapping_id: field.mapping_id(), ..mapping }) } else { Err(misfits) }
+        if misfits.is_empty() {
+            Ok(Mapping { mapping_id: field.mapping_id(), ..mapping })
+        } else {
+            Err(misfits)
+        }
     }
 
     /// What placing this mapping would do; `None` where there is no such field.
@@ -129,13 +137,19 @@ impl Books {
         })
     }
 
-    /// Takes mappings for their fields: the next version where the field is mapped, a proposal elsewhere. No consent
-    /// changes. Fields that are gone meanwhile are passed over.
+    /// Takes mappings for their fields: the next version where the field is mapped, a proposal
+    /// elsewhere. No consent changes. Fields that are gone meanwhile are passed over.
     pub fn place(&mut self, placings: Vec<Placing>, now: DateTime) {
         for Placing { mut mapping, author, note } in placings {
-            let Some(key) = self.fields.get(&mapping.target).map(|field| field.key.clone()) else { continue };
+            let Some(key) = self.fields.get(&mapping.target).map(|field| field.key.clone()) else {
+                continue;
+            };
             self.shared.share(&mut mapping, &key);
-            let (Some(outcome), Some(field)) = (self.outcome_of(&mapping), self.fields.get_mut(&key)) else { continue };
+            let (Some(outcome), Some(field)) =
+                (self.outcome_of(&mapping), self.fields.get_mut(&key))
+            else {
+                continue;
+            };
             if outcome == Placed::Unchanged {
                 continue;
             }
@@ -167,8 +181,10 @@ impl Books {
         let field = self.fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
         let row = mapping.map(|mapping| {
             let mapping = Mapping { mapping_id: field.shadow_id(), ..mapping };
-            let row = ShadowRow { mapping: json(&mapping), author: author.to_owned(), started_at: now };
-            field.shelf.shadow = Some(Box::new(Shadow { mapping, author: author.to_owned(), started_at: now }));
+            let row =
+                ShadowRow { mapping: json(&mapping), author: author.to_owned(), started_at: now };
+            field.shelf.shadow =
+                Some(Box::new(Shadow { mapping, author: author.to_owned(), started_at: now }));
             row
         });
         if row.is_none() {
@@ -180,8 +196,8 @@ impl Books {
         Ok(())
     }
 
-    /// Tells the engine of a field's shadow. It begins with what the published mapping remembers, so that both can be
-    /// compared.
+    /// Tells the engine of a field's shadow. It begins with what the published mapping remembers,
+    /// so that both can be compared.
     pub(super) fn show_shadow(&mut self, key: &FieldKey) {
         let Some(field) = self.fields.get(key) else { return };
         self.aftermath.mappings.push(match &field.shelf.shadow {
@@ -202,7 +218,9 @@ impl Books {
         note: Option<String>,
         now: DateTime,
     ) {
-        let Some(field) = self.fields.get_mut(key).filter(|field| !field.shelf.is_recorded) else { return };
+        let Some(field) = self.fields.get_mut(key).filter(|field| !field.shelf.is_recorded) else {
+            return;
+        };
         let Some(mapping) = &field.decision.mapping else { return };
         field.shelf.version += 1;
         field.shelf.is_recorded = true;
@@ -222,8 +240,10 @@ impl Books {
         mapping: Option<&Mapping>,
         shadow: Option<ShadowRow>,
     ) -> Result<Shelf, StoreError> {
-        let unreadable =
-            |error: serde_json::Error| StoreError::Unreadable { what: "mapping", reason: error.to_string() };
+        let unreadable = |error: serde_json::Error| StoreError::Unreadable {
+            what: "mapping",
+            reason: error.to_string(),
+        };
         let is_recorded = match (&newest, mapping) {
             (Some((_, Some(recorded))), Some(mapping)) => {
                 serde_json::from_str::<Mapping>(recorded).map_err(unreadable)? == *mapping
@@ -233,10 +253,18 @@ impl Books {
         let shadow = shadow
             .map(|row| {
                 let mapping = serde_json::from_str(&row.mapping).map_err(unreadable)?;
-                Ok::<_, StoreError>(Box::new(Shadow { mapping, author: row.author, started_at: row.started_at }))
+                Ok::<_, StoreError>(Box::new(Shadow {
+                    mapping,
+                    author: row.author,
+                    started_at: row.started_at,
+                }))
             })
             .transpose()?;
-        Ok(Shelf { version: newest.map(|(version, _)| version).unwrap_or_default(), is_recorded, shadow })
+        Ok(Shelf {
+            version: newest.map(|(version, _)| version).unwrap_or_default(),
+            is_recorded,
+            shadow,
+        })
     }
 
     /// A field goes: what was to be written about its mapping goes too, and its shadow ends.

@@ -1,8 +1,11 @@
-//! What people enter about operations: into the operation's journal, and from there through the gates of its fields.
+//! What people enter about operations: into the operation's journal, and from there through the
+//! gates of its fields.
 
 use std::time::Duration;
 
-use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource, network::Operation};
+use asi_model::{
+    DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource, network::Operation,
+};
 
 use super::{Books, ConnectorEvent};
 use crate::{
@@ -26,7 +29,8 @@ pub enum EntryOutcome {
 }
 
 impl Books {
-    /// Takes an entry. Whatever it says about fields that were decided Manual goes through their gates.
+    /// Takes an entry. Whatever it says about fields that were decided Manual goes through their
+    /// gates.
     pub fn enter(&mut self, entry: OperatorEntry, now: DateTime) -> EntryOutcome {
         if let Err(fault) = self.check_entry(&entry, now) {
             return EntryOutcome::Refused(fault);
@@ -61,7 +65,11 @@ impl Books {
     #[must_use]
     pub fn operation(&self, key: &OperationKey) -> Option<&Operation> {
         let message = self.networks.get(&key.operation_network_id)?.message.as_ref()?;
-        message.operation_network.operation_list.iter().find(|operation| operation.operation_id == key.operation_id)
+        message
+            .operation_network
+            .operation_list
+            .iter()
+            .find(|operation| operation.operation_id == key.operation_id)
     }
 
     fn check_entry(&self, entry: &OperatorEntry, now: DateTime) -> Result<(), EntryFault> {
@@ -72,16 +80,19 @@ impl Books {
         }
         if let crate::operator::Action::Value { value, .. } = &entry.action {
             let field = entry.action.field(&entry.operation).and_then(|key| self.fields.get(&key));
-            let field =
-                field.filter(|field| field.decision.is_open_for(ValueSource::Manual)).ok_or(EntryFault::NotManual)?;
-            typed_value(value, field.definition.field_type.0, entry.made_at).map_err(EntryFault::WrongType)?;
+            let field = field
+                .filter(|field| field.decision.is_open_for(ValueSource::Manual))
+                .ok_or(EntryFault::NotManual)?;
+            typed_value(value, field.definition.field_type.0, entry.made_at)
+                .map_err(EntryFault::WrongType)?;
         }
         Ok(())
     }
 
     /// What an operation's journal says about those of its fields that are decided Manual.
     fn answers(&self, operation: &OperationKey) -> Vec<(FieldKey, DataValue)> {
-        let Some((document, journal)) = self.operation(operation).zip(self.journals.get(operation)) else {
+        let Some((document, journal)) = self.operation(operation).zip(self.journals.get(operation))
+        else {
             return Vec::new();
         };
         let mut answers = Vec::new();
@@ -90,13 +101,15 @@ impl Books {
             if !field.decision.is_open_for(ValueSource::Manual) {
                 continue;
             }
-            let Some((answer, at)) = journal.answer(&key, definition.semantic.as_ref(), document.planned_quantity)
+            let Some((answer, at)) =
+                journal.answer(&key, definition.semantic.as_ref(), document.planned_quantity)
             else {
                 continue;
             };
             let value = match answer.json(definition.field_type.0) {
                 None => Some(DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at))),
-                // A meaning that does not fit the field's type says nothing; a typed value was checked when it came.
+                // A meaning that does not fit the field's type says nothing; a typed value was
+                // checked when it came.
                 Some(json) => typed_value(&json, definition.field_type.0, at).ok(),
             };
             answers.extend(value.map(|value| (key, value)));

@@ -1,5 +1,6 @@
-//! Policies as documents of their own, and the precision that holds for a field: the strictest of what was consented to,
-//! of the named policy it takes, and of the policies set for any of its recipients.
+//! Policies as documents of their own, and the precision that holds for a field: the strictest of
+//! what was consented to, of the named policy it takes, and of the policies set for any of its
+//! recipients.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -12,8 +13,8 @@ use serde::{Deserialize, Serialize};
 use super::{Books, ConnectorEvent, Field};
 use crate::{
     disclosure::{
-        DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, PolicyFault, Rule,
-        RuleFault, Versioned,
+        DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy,
+        PolicyFault, Rule, RuleFault, Versioned,
     },
     store::{DocumentRow, RecipientPolicyRow},
 };
@@ -80,7 +81,10 @@ pub enum DocumentError {
 
 impl From<PolicyFault> for RuleFault {
     fn from(fault: PolicyFault) -> Self {
-        Self { pointer: format!("/disclosure/{}", fault.member), message: format!("{}.", fault.message) }
+        Self {
+            pointer: format!("/disclosure/{}", fault.member),
+            message: format!("{}.", fault.message),
+        }
     }
 }
 
@@ -106,11 +110,14 @@ impl Books {
     /// The policies set for recipients.
     #[must_use]
     pub fn recipient_policies(&self) -> Vec<(OrganisationId, RecipientPolicy)> {
-        self.recipient_policies.iter().map(|(recipient, set)| (recipient.clone(), set.clone())).collect()
+        self.recipient_policies
+            .iter()
+            .map(|(recipient, set)| (recipient.clone(), set.clone()))
+            .collect()
     }
 
-    /// Keeps a new version of a named policy. The precision of the fields that take it, and of those whose recipients
-    /// it is set for, changes at once; their partners are told.
+    /// Keeps a new version of a named policy. The precision of the fields that take it, and of
+    /// those whose recipients it is set for, changes at once; their partners are told.
     ///
     /// # Errors
     /// [`DocumentError`]; then nothing is changed.
@@ -122,7 +129,8 @@ impl Books {
         by: &str,
         now: DateTime,
     ) -> Result<DocumentVersion, DocumentError> {
-        let mut faults: Vec<RuleFault> = policy.disclosure.own_faults().into_iter().map(RuleFault::from).collect();
+        let mut faults: Vec<RuleFault> =
+            policy.disclosure.own_faults().into_iter().map(RuleFault::from).collect();
         if policy.name.trim().is_empty() || policy.name.chars().count() > NAME_CHARS_MAX {
             let message = "A name has 1 to 120 characters.".to_owned();
             faults.insert(0, RuleFault { pointer: "/name".to_owned(), message });
@@ -130,7 +138,8 @@ impl Books {
         if !faults.is_empty() {
             return Err(DocumentError::Faults(faults));
         }
-        let key = keep(&mut self.policies, &mut self.changes.policies, id, policy, expected, (by, now))?;
+        let key =
+            keep(&mut self.policies, &mut self.changes.policies, id, policy, expected, (by, now))?;
         self.aftermath.events.push(ConnectorEvent::Policies);
         self.apply_policies(by, now);
         Ok(key)
@@ -153,8 +162,11 @@ impl Books {
         }
         let known = self.recipient_policies.get(recipient).map(|set| set.version);
         let version = next_version(known, expected, self.recipient_policies.len())?;
-        let set = RecipientPolicy { version, policy_id, changed_by: by.to_owned(), changed_at: now };
-        self.changes.recipient_policies.push(RecipientPolicyRow { recipient: recipient.clone(), set: set.clone() });
+        let set =
+            RecipientPolicy { version, policy_id, changed_by: by.to_owned(), changed_at: now };
+        self.changes
+            .recipient_policies
+            .push(RecipientPolicyRow { recipient: recipient.clone(), set: set.clone() });
         self.recipient_policies.insert(recipient.clone(), set);
         self.aftermath.events.push(ConnectorEvent::Policies);
         self.apply_policies(by, now);
@@ -171,15 +183,17 @@ impl Books {
         policy_id: Option<&DocumentId>,
     ) -> (Arc<DisclosurePolicy>, Vec<DocumentVersion>) {
         let (mut effective, mut versions) = (policy.clone(), Vec::new());
-        for policy in self.named_for(key, policy_id).into_iter().filter_map(|id| self.policies.get(id)) {
+        for policy in
+            self.named_for(key, policy_id).into_iter().filter_map(|id| self.policies.get(id))
+        {
             effective = effective.strictest(&fitted(&policy.document.disclosure, field));
             versions.push(policy.key.clone());
         }
         (Arc::new(effective), versions)
     }
 
-    /// The mapped fields whose precision a draft of a named policy would change: with what holds, what would, and the
-    /// field's unit.
+    /// The mapped fields whose precision a draft of a named policy would change: with what holds,
+    /// what would, and the field's unit.
     #[must_use]
     pub fn policy_changes(&self, id: &DocumentId, draft: &DisclosurePolicy) -> Vec<PolicyChange> {
         let mapped = self.fields.iter().filter(|field| field.decision.is_mapped());
@@ -188,7 +202,10 @@ impl Books {
                 let (key, decision, definition) = (&field.key, &field.decision, &field.definition);
                 let with = |own: &DisclosurePolicy| {
                     let mut all = decision.policy.strictest(own);
-                    for id in self.named_for(key, decision.grounds.policy_id.as_ref()).into_iter().filter(|n| *n != id)
+                    for id in self
+                        .named_for(key, decision.grounds.policy_id.as_ref())
+                        .into_iter()
+                        .filter(|n| *n != id)
                     {
                         if let Some(policy) = self.policies.get(id) {
                             all = all.strictest(&fitted(&policy.document.disclosure, field));
@@ -196,7 +213,8 @@ impl Books {
                     }
                     Arc::new(all)
                 };
-                let is_meant = self.named_for(key, decision.grounds.policy_id.as_ref()).contains(id);
+                let is_meant =
+                    self.named_for(key, decision.grounds.policy_id.as_ref()).contains(id);
                 let then = with(&fitted(draft, field));
                 let now = Arc::clone(field.gate.policy());
                 (is_meant && then != now).then(|| (key.clone(), now, then, definition.unit.clone()))
@@ -205,18 +223,26 @@ impl Books {
     }
 
     /// The named policies that hold for a field: the one it takes and those of its recipients.
-    fn named_for<'b>(&'b self, key: &FieldKey, policy_id: Option<&'b DocumentId>) -> BTreeSet<&'b DocumentId> {
+    fn named_for<'b>(
+        &'b self,
+        key: &FieldKey,
+        policy_id: Option<&'b DocumentId>,
+    ) -> BTreeSet<&'b DocumentId> {
         let mut named: BTreeSet<&DocumentId> = policy_id.into_iter().collect();
         if !self.recipient_policies.is_empty()
             && let Some((_, request)) = self.request(&key.request)
         {
-            let set = request.recipient_list.iter().filter_map(|recipient| self.recipient_policies.get(recipient));
+            let set = request
+                .recipient_list
+                .iter()
+                .filter_map(|recipient| self.recipient_policies.get(recipient));
             named.extend(set.filter_map(|set| set.policy_id.as_ref()));
         }
         named
     }
 
-    /// A policy changed: brings every mapped field to the precision that now holds, each a consent of its own.
+    /// A policy changed: brings every mapped field to the precision that now holds, each a consent
+    /// of its own.
     fn apply_policies(&mut self, by: &str, now: DateTime) {
         let changed: Vec<(FieldKey, Arc<DisclosurePolicy>)> = self
             .fields
@@ -224,8 +250,12 @@ impl Books {
             .filter(|field| field.decision.is_mapped())
             .filter_map(|field| {
                 let (key, decision) = (&field.key, &field.decision);
-                let (effective, _) =
-                    self.effective_policy(key, field, &decision.policy, decision.grounds.policy_id.as_ref());
+                let (effective, _) = self.effective_policy(
+                    key,
+                    field,
+                    &decision.policy,
+                    decision.grounds.policy_id.as_ref(),
+                );
                 (effective != *field.gate.policy()).then(|| (key.clone(), effective))
             })
             .collect();
@@ -260,7 +290,8 @@ pub(super) fn keep<T: Serialize>(
     expected: Option<u32>,
     (by, now): (&str, DateTime),
 ) -> Result<DocumentVersion, DocumentError> {
-    let version = next_version(documents.get(id).map(|known| known.key.version), expected, documents.len())?;
+    let version =
+        next_version(documents.get(id).map(|known| known.key.version), expected, documents.len())?;
     let key = DocumentVersion { id: id.clone(), version };
     rows.push(DocumentRow::new(&key, &document, by, now));
     let kept = Versioned { key: key.clone(), document, changed_by: by.to_owned(), changed_at: now };
@@ -269,7 +300,11 @@ pub(super) fn keep<T: Serialize>(
 }
 
 /// The version that follows, where nobody else was faster and there are not too many.
-fn next_version(known: Option<u32>, expected: Option<u32>, count: usize) -> Result<u32, DocumentError> {
+fn next_version(
+    known: Option<u32>,
+    expected: Option<u32>,
+    count: usize,
+) -> Result<u32, DocumentError> {
     let version = known.unwrap_or(0);
     if expected.is_some_and(|expected| expected != version) {
         return Err(DocumentError::Changed(version));

@@ -6,13 +6,16 @@ use asi_model::{
     DateTime, FieldKey, MessageId, OperationNetworkId, RequestKey,
     difference::{ConsentEffect, FieldChange, MappingEffect, difference},
     messages::{
-        Acknowledgement, AcknowledgementResult, Comment, FactoryMessage, Fault, GapCause, OperationNetworkMessage,
-        Withdraw,
+        Acknowledgement, AcknowledgementResult, Comment, FactoryMessage, Fault, GapCause,
+        OperationNetworkMessage, Withdraw,
     },
     network::{OperationNetwork, ReportField},
 };
 
-use super::{Books, ConnectorEvent, Field, FieldDecision, MappingWork, Network, Traffic, TwinWork, new_message_id};
+use super::{
+    Books, ConnectorEvent, Field, FieldDecision, MappingWork, Network, Traffic, TwinWork,
+    new_message_id,
+};
 use crate::{
     disclosure::{Gate, GateState},
     store::{CommentRow, NetworkRow},
@@ -20,7 +23,12 @@ use crate::{
 
 impl Books {
     /// A network came, in a new revision or again. `raw` is the message as stored.
-    pub fn network_arrived(&mut self, message: OperationNetworkMessage, raw: String, now: DateTime) {
+    pub fn network_arrived(
+        &mut self,
+        message: OperationNetworkMessage,
+        raw: String,
+        now: DateTime,
+    ) {
         let id = message.operation_network.operation_network_id.clone();
         let known = self.networks.get(&id);
         let result = if known.is_some_and(|known| message.revision <= known.revision) {
@@ -30,14 +38,25 @@ impl Books {
             let old = known.and_then(|known| known.message.clone());
             let message = Arc::new(message.clone());
             self.apply(old.as_deref().map(|old| &old.operation_network), &message, now);
-            let row = NetworkRow { operation_network_id: id.clone(), revision, message: Some(raw), received_at: now };
+            let row = NetworkRow {
+                operation_network_id: id.clone(),
+                revision,
+                message: Some(raw),
+                received_at: now,
+            };
             self.changes.networks.push(row);
             self.aftermath.twin.push(TwinWork::Apply(id.clone()));
             self.aftermath.events.push(ConnectorEvent::Inbox(id.clone()));
             tracing::info!(operation.network = %id, revision, "An operation network is in effect.");
             AcknowledgementResult::Accepted
         };
-        self.acknowledge(message.message_id, Some((id.clone(), message.revision)), result, Vec::new(), now);
+        self.acknowledge(
+            message.message_id,
+            Some((id.clone(), message.revision)),
+            result,
+            Vec::new(),
+            now,
+        );
         if result == AcknowledgementResult::Accepted {
             let count = self.apply_rules(Some(&id), now);
             if count > 0 {
@@ -117,7 +136,12 @@ impl Books {
     }
 
     /// Brings fields and writers from the old revision to the new one.
-    fn apply(&mut self, old: Option<&OperationNetwork>, message: &Arc<OperationNetworkMessage>, now: DateTime) {
+    fn apply(
+        &mut self,
+        old: Option<&OperationNetwork>,
+        message: &Arc<OperationNetworkMessage>,
+        now: DateTime,
+    ) {
         let new = &message.operation_network;
         let empty = OperationNetwork {
             operation_network_id: new.operation_network_id.clone(),
@@ -127,13 +151,19 @@ impl Books {
             operation_relation_list: Vec::new(),
         };
         let difference = difference(old.unwrap_or(&empty), new);
-        for change in difference.fields.iter().filter(|change| change.change == FieldChange::Removed) {
+        for change in
+            difference.fields.iter().filter(|change| change.change == FieldChange::Removed)
+        {
             self.consent_withdrawn(&change.key);
         }
         for request in &difference.requests.removed {
             self.retire_writer(request, GapCause::Withdrawn, now);
         }
-        let network = Network { revision: message.revision, message: Some(Arc::clone(message)), received_at: now };
+        let network = Network {
+            revision: message.revision,
+            message: Some(Arc::clone(message)),
+            received_at: now,
+        };
         self.networks.insert(new.operation_network_id.clone(), network);
         let mut to_refresh: BTreeSet<RequestKey> = BTreeSet::new();
         for (request, ..) in new.requests() {
@@ -166,7 +196,9 @@ impl Books {
     }
 
     fn add_field(&mut self, key: &FieldKey, now: DateTime) {
-        let (Some(definition), Some(writer)) = (self.requested(key), self.writer_of.get(&key.request).copied()) else {
+        let (Some(definition), Some(writer)) =
+            (self.requested(key), self.writer_of.get(&key.request).copied())
+        else {
             tracing::error!(field = %key, "A requested field has no data set writer: all 65 535 are taken.");
             return;
         };
@@ -175,7 +207,12 @@ impl Books {
         let field = Field {
             key: key.clone(),
             id: self.last_field,
-            gate: Gate::new(Arc::clone(&decision.policy), definition.field_type.0, GateState::default(), now),
+            gate: Gate::new(
+                Arc::clone(&decision.policy),
+                definition.field_type.0,
+                GateState::default(),
+                now,
+            ),
             definition,
             decision,
             traffic: Traffic::new(now),
@@ -194,14 +231,27 @@ impl Books {
     /// A field's definition as its request now states it.
     fn requested(&self, key: &FieldKey) -> Option<ReportField> {
         let (_, request) = self.request(&key.request)?;
-        request.report_data_format.report_field_list.iter().find(|field| field.name == key.field_name).cloned()
+        request
+            .report_data_format
+            .report_field_list
+            .iter()
+            .find(|field| field.name == key.field_name)
+            .cloned()
     }
 
     /// The partner takes a request for a mapped field back.
     fn consent_withdrawn(&mut self, key: &FieldKey) {
         let decision = self.fields.get(key).map(|field| &field.decision);
-        if let Some(version) = decision.filter(|decision| decision.is_mapped()).map(|decision| decision.version) {
-            self.consent_ends(key, version, GapCause::Withdrawn, Some("The partner withdrew the request."), None);
+        if let Some(version) =
+            decision.filter(|decision| decision.is_mapped()).map(|decision| decision.version)
+        {
+            self.consent_ends(
+                key,
+                version,
+                GapCause::Withdrawn,
+                Some("The partner withdrew the request."),
+                None,
+            );
         }
     }
 
@@ -224,7 +274,13 @@ impl Books {
     }
 
     /// True where the data set of the field's request changes.
-    fn change_field(&mut self, key: &FieldKey, mapping: MappingEffect, consent: ConsentEffect, now: DateTime) -> bool {
+    fn change_field(
+        &mut self,
+        key: &FieldKey,
+        mapping: MappingEffect,
+        consent: ConsentEffect,
+        now: DateTime,
+    ) -> bool {
         let Some(definition) = self.requested(key) else { return false };
         let validity = self.validity_of(key);
         let Some(field) = self.fields.get_mut(key) else {
@@ -236,8 +292,12 @@ impl Books {
         field.definition = definition;
         field.validity = validity;
         if has_other_type {
-            field.gate =
-                Gate::new(Arc::clone(field.gate.policy()), field.definition.field_type.0, GateState::default(), now);
+            field.gate = Gate::new(
+                Arc::clone(field.gate.policy()),
+                field.definition.field_type.0,
+                GateState::default(),
+                now,
+            );
         }
         if mapping == MappingEffect::Suggested {
             field.transform = None;

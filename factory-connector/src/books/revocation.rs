@@ -57,8 +57,10 @@ impl Books {
         if fields.iter().any(|key| !self.fields.contains_key(key)) {
             return Err(DecisionError::UnknownField);
         }
-        let mapped: Vec<&FieldKey> =
-            fields.iter().filter(|key| self.fields.get(key).is_some_and(|field| field.decision.is_mapped())).collect();
+        let mapped: Vec<&FieldKey> = fields
+            .iter()
+            .filter(|key| self.fields.get(key).is_some_and(|field| field.decision.is_mapped()))
+            .collect();
         if mapped.is_empty() {
             return Err(DecisionError::NothingToRevoke);
         }
@@ -74,7 +76,12 @@ impl Books {
         Ok(id)
     }
 
-    fn begin_ending(&mut self, cause: GapCause, reason: Option<&str>, revoked_by: Option<&str>) -> Uuid {
+    fn begin_ending(
+        &mut self,
+        cause: GapCause,
+        reason: Option<&str>,
+        revoked_by: Option<&str>,
+    ) -> Uuid {
         let revocation_id = Uuid::now_v7();
         self.ended.push(EndedConsents {
             revocation_id,
@@ -87,7 +94,8 @@ impl Books {
         revocation_id
     }
 
-    /// Notes that a mapped field's consent ends. To be called while request and writer stand as they stood.
+    /// Notes that a mapped field's consent ends. To be called while request and writer stand as
+    /// they stood.
     pub(super) fn consent_ends(
         &mut self,
         key: &FieldKey,
@@ -107,7 +115,9 @@ impl Books {
             recipients: self.recipients(&key.request),
         });
         let fits = |last: &EndedConsents| {
-            last.cause == cause && last.revoked_by.as_deref() == revoked_by && last.reason.as_deref() == reason
+            last.cause == cause
+                && last.revoked_by.as_deref() == revoked_by
+                && last.reason.as_deref() == reason
         };
         let goes_on = self.is_ending_together || revoked_by.is_none();
         if !(goes_on && self.ended.last().is_some_and(fits)) {
@@ -132,7 +142,9 @@ impl Books {
             let of_epoch = |is_sent: bool| {
                 let rows = rows.iter().filter(|kept| kept.row.epoch == writer.epoch);
                 Sequences::of(
-                    rows.filter(|kept| kept.row.sent_at.is_some() == is_sent).map(|k| k.row.sequence).collect(),
+                    rows.filter(|kept| kept.row.sent_at.is_some() == is_sent)
+                        .map(|k| k.row.sequence)
+                        .collect(),
                 )
             };
             let revoked = RevokedWriter {

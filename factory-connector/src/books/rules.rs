@@ -5,9 +5,14 @@ use std::sync::Arc;
 use asi_model::{DateTime, FieldKey, OperationNetworkId, messages::ValueSource};
 use mapping_engine::Mapping;
 
-use super::{Books, ConnectorEvent, DecisionError, DocumentError, Grounds, Verdict, policies::keep};
+use super::{
+    Books, ConnectorEvent, DecisionError, DocumentError, Grounds, Verdict, policies::keep,
+};
 use crate::{
-    disclosure::{DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome, outcome},
+    disclosure::{
+        DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome,
+        outcome,
+    },
     store::RuleDecisionRow,
 };
 
@@ -23,8 +28,9 @@ pub struct RuleOffer {
     pub rules: Vec<(DocumentVersion, String)>,
     /// The precision.
     pub disclosure: Arc<DisclosurePolicy>,
-    /// The named policy of the rules, where they name one: when it becomes stricter, so does what was accepted. Where it
-    /// becomes less strict, an engineer has to decide anew, for the consent was for the precision of then.
+    /// The named policy of the rules, where they name one: when it becomes stricter, so does what
+    /// was accepted. Where it becomes less strict, an engineer has to decide anew, for the consent
+    /// was for the precision of then.
     pub policy_id: Option<DocumentId>,
     /// Where values would come from.
     pub value_source: Option<ValueSource>,
@@ -43,7 +49,8 @@ impl RuleOffer {
 }
 
 impl Books {
-    /// Keeps a new version of a rule. It is applied to what comes; [`Self::apply_rules`] applies it to what is there.
+    /// Keeps a new version of a rule. It is applied to what comes; [`Self::apply_rules`] applies it
+    /// to what is there.
     ///
     /// # Errors
     /// [`DocumentError`]; then nothing is changed.
@@ -56,7 +63,9 @@ impl Books {
         now: DateTime,
     ) -> Result<DocumentVersion, DocumentError> {
         let mut faults = rule.faults();
-        if let Some(policy_id) = rule.policy_id.as_ref().filter(|id| self.named_policy(id).is_none()) {
+        if let Some(policy_id) =
+            rule.policy_id.as_ref().filter(|id| self.named_policy(id).is_none())
+        {
             let message = format!("There is no policy {policy_id} that could be applied.");
             faults.push(RuleFault { pointer: "/policyId".to_owned(), message });
         }
@@ -83,7 +92,9 @@ impl Books {
             .fields
             .iter()
             .map(|field| &field.key)
-            .filter_map(|field| Some((field.clone(), self.offer_of(field, std::iter::once((&key, rule)))?)))
+            .filter_map(|field| {
+                Some((field.clone(), self.offer_of(field, std::iter::once((&key, rule)))?))
+            })
             .collect();
         found.sort_by(|left, right| left.0.cmp(&right.0));
         found
@@ -96,26 +107,38 @@ impl Books {
     ) -> Option<RuleOffer> {
         let field = self.fields.get(key)?;
         let (_, request) = self.request(&key.request)?;
-        let named = |id: &DocumentId| self.named_policy(id).map(|policy| policy.document.disclosure.clone());
-        let found: RuleOutcome<'_, DocumentVersion> = outcome(rules, named, request, &field.definition)?;
+        let named = |id: &DocumentId| {
+            self.named_policy(id).map(|policy| policy.document.disclosure.clone())
+        };
+        let found: RuleOutcome<'_, DocumentVersion> =
+            outcome(rules, named, request, &field.definition)?;
         let (_, first) = found.rules.first()?;
         let value_source = first.value_source.filter(|_| found.action != RuleAction::Refuse);
-        let mapping = if value_source == Some(ValueSource::Mapping) { self.mapping_for(key) } else { None };
+        let mapping =
+            if value_source == Some(ValueSource::Mapping) { self.mapping_for(key) } else { None };
         let is_sourceless = value_source == Some(ValueSource::Mapping) && mapping.is_none();
-        let cannot_hold =
-            !found.disclosure.faults(field.definition.field_type.0, field.definition.value_rank >= 0).is_empty()
-                || !self.withholding_faults(key, &found.disclosure).is_empty();
+        let cannot_hold = !found
+            .disclosure
+            .faults(field.definition.field_type.0, field.definition.value_rank >= 0)
+            .is_empty()
+            || !self.withholding_faults(key, &found.disclosure).is_empty();
         let action = if found.action == RuleAction::Accept && (is_sourceless || cannot_hold) {
             RuleAction::Prefill
         } else {
             found.action
         };
         let mut named = found.rules.iter().filter_map(|(_, rule)| rule.policy_id.as_ref());
-        let policy_id = named.next().filter(|first| action != RuleAction::Refuse && named.all(|next| next == *first));
+        let policy_id = named
+            .next()
+            .filter(|first| action != RuleAction::Refuse && named.all(|next| next == *first));
         Some(RuleOffer {
             action,
             policy_id: policy_id.cloned(),
-            rules: found.rules.iter().map(|(key, rule)| ((*key).clone(), rule.name.clone())).collect(),
+            rules: found
+                .rules
+                .iter()
+                .map(|(key, rule)| ((*key).clone(), rule.name.clone()))
+                .collect(),
             disclosure: found.disclosure,
             value_source,
             mapping,
@@ -136,7 +159,8 @@ impl Books {
         let equal = || {
             let (message, _) = self.request(&key.request)?;
             let mut operations = message.operation_network.operation_list.iter();
-            let operation = operations.find(|operation| operation.operation_id == key.request.operation_id)?;
+            let operation =
+                operations.find(|operation| operation.operation_id == key.request.operation_id)?;
             operation.dynamic_data_request_list.iter().find_map(|request| {
                 let mut other = key.clone();
                 other.request.dynamic_data_request_id = request.dynamic_data_request_id.clone();
@@ -152,7 +176,8 @@ impl Books {
         Some(mapping)
     }
 
-    /// Applies the enabled rules to the undecided fields of a network, or of all. How many were decided.
+    /// Applies the enabled rules to the undecided fields of a network, or of all. How many were
+    /// decided.
     pub fn apply_rules(&mut self, network: Option<&OperationNetworkId>, now: DateTime) -> usize {
         if !self.rules.values().any(|rule| rule.document.is_enabled) {
             return 0;
@@ -162,7 +187,8 @@ impl Books {
             .iter()
             .filter(|field| {
                 // What an engineer left open stays with the engineer.
-                network.is_none_or(|network| field.key.request.operation_network_id == *network) && field.is_undecided()
+                network.is_none_or(|network| field.key.request.operation_network_id == *network)
+                    && field.is_undecided()
             })
             .map(|field| field.key.clone())
             .collect();
@@ -179,9 +205,11 @@ impl Books {
         };
         let verdict = match (offer.action, offer.value_source) {
             (RuleAction::Refuse, _) => Verdict::Refuse,
-            (RuleAction::Accept, Some(value_source)) => {
-                Verdict::Map { value_source, mapping: offer.mapping.map(Box::new), policy: (*offer.disclosure).clone() }
-            }
+            (RuleAction::Accept, Some(value_source)) => Verdict::Map {
+                value_source,
+                mapping: offer.mapping.map(Box::new),
+                policy: (*offer.disclosure).clone(),
+            },
             _ => return false,
         };
         let rules = grounds.rules.clone();
@@ -204,8 +232,8 @@ impl Books {
         true
     }
 
-    /// Takes back what a rule decided, as long as nothing else was decided since. The field is the engineer's from then
-    /// on.
+    /// Takes back what a rule decided, as long as nothing else was decided since. The field is the
+    /// engineer's from then on.
     ///
     /// # Errors
     /// [`DecisionError`]; then nothing is changed.

@@ -11,8 +11,8 @@ use shop_floor::SourceId;
 
 use crate::disclosure::DisclosurePolicy;
 
-/// The sources and namespaces that mappings name - there are few of them, whatever comes and goes - and the policies of
-/// fields.
+/// The sources and namespaces that mappings name - there are few of them, whatever comes and goes -
+/// and the policies of fields.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     sources: HashSet<SourceId>,
@@ -22,7 +22,8 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// A mapping of a field that shares what it has in common with the field's key and with other mappings.
+    /// A mapping of a field that shares what it has in common with the field's key and with other
+    /// mappings.
     pub fn share(&mut self, mapping: &mut Mapping, key: &FieldKey) {
         if mapping.target == *key {
             mapping.target = key.clone();
@@ -58,12 +59,14 @@ impl Shared {
         if effective == *own {
             return Arc::clone(own);
         }
-        let json = serde_json::to_string(&*effective).expect("policies have text keys and finite numbers");
+        let json =
+            serde_json::to_string(&*effective).expect("policies have text keys and finite numbers");
         self.forget_unused();
         Arc::clone(self.policies.entry(json).or_insert(effective))
     }
 
-    /// Every figure that was ever typed would be a policy: those that no field has any more go before the table grows.
+    /// Every figure that was ever typed would be a policy: those that no field has any more go
+    /// before the table grows.
     fn forget_unused(&mut self) {
         if self.policies.len() == self.policies.capacity() {
             self.policies.retain(|_, policy| Arc::strong_count(policy) > 1);
@@ -97,7 +100,10 @@ mod tests {
             assert_eq!(*held, policy);
         }
         assert!(shared.policies.len() < 100, "{}", shared.policies.len());
-        assert!(Arc::ptr_eq(&used, &shared.policy("{}".to_owned()).expect("a policy")), "one in use stays");
+        assert!(
+            Arc::ptr_eq(&used, &shared.policy("{}".to_owned()).expect("a policy")),
+            "one in use stays"
+        );
     }
 
     #[test]

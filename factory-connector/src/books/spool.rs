@@ -19,17 +19,23 @@ impl Books {
     pub fn sent(&mut self, reports: &[(WaitingRow, Option<MessageId>)], at: DateTime) {
         let mut messages: BTreeMap<i64, (Option<MessageId>, Vec<WaitingRow>)> = BTreeMap::new();
         for (kept, message_id) in reports {
-            let message = messages.entry(kept.message).or_insert_with(|| (message_id.clone(), Vec::new()));
+            let message =
+                messages.entry(kept.message).or_insert_with(|| (message_id.clone(), Vec::new()));
             message.1.push(kept.clone());
         }
         for (message_id, rows) in messages.into_values() {
-            self.record_outcome(&rows, at, |range| Event::Sent { range, message_id: message_id.clone() });
+            self.record_outcome(&rows, at, |range| Event::Sent {
+                range,
+                message_id: message_id.clone(),
+            });
         }
-        let reports = reports.iter().map(|(kept, message_id)| (kept.row.id.0, message_id.clone())).collect();
+        let reports =
+            reports.iter().map(|(kept, message_id)| (kept.row.id.0, message_id.clone())).collect();
         self.changes.report_moves.push(ReportMove::Sent { reports, at });
     }
 
-    /// What a receipt says about one writer; `rows` are all that the spool holds of it in the receipt's epoch.
+    /// What a receipt says about one writer; `rows` are all that the spool holds of it in the
+    /// receipt's epoch.
     pub fn receipted(&mut self, effect: &ReceiptEffect, rows: &[WaitingRow], now: DateTime) {
         let of = |ids: &[RowId]| -> Vec<WaitingRow> {
             rows.iter().filter(|kept| ids.contains(&kept.row.id)).cloned().collect()
@@ -38,9 +44,12 @@ impl Books {
         let held = of(&effect.held);
         if !held.is_empty() {
             self.record_outcome(&held, now, Event::Receipted);
-            self.changes.report_moves.push(ReportMove::Receipted { reports: ids_of(&held), at: now });
+            self.changes
+                .report_moves
+                .push(ReportMove::Receipted { reports: ids_of(&held), at: now });
         }
-        let (revoked, resend): (Vec<_>, Vec<_>) = of(&effect.resend).into_iter().partition(|kept| kept.is_revoked);
+        let (revoked, resend): (Vec<_>, Vec<_>) =
+            of(&effect.resend).into_iter().partition(|kept| kept.is_revoked);
         if !resend.is_empty() {
             metrics::counter!("verbund_reports_resent_total").increment(resend.len() as u64);
             self.changes.report_moves.push(ReportMove::Waiting(ids_of(&resend)));
@@ -52,9 +61,11 @@ impl Books {
 
     /// Takes a writer's reports back: what waits never leaves, what was sent is not sent again.
     pub fn purge(&mut self, rows: Vec<WaitingRow>, cause: GapCause, now: DateTime) {
-        let (waiting, sent): (Vec<_>, Vec<_>) = rows.into_iter().partition(|kept| kept.row.sent_at.is_none());
+        let (waiting, sent): (Vec<_>, Vec<_>) =
+            rows.into_iter().partition(|kept| kept.row.sent_at.is_none());
         self.take_back(&waiting, cause, now);
-        // What the link has fetched of it is left out of what it sends; the rest of those messages is fetched again.
+        // What the link has fetched of it is left out of what it sends; the rest of those messages
+        // is fetched again.
         self.aftermath.is_spool_rewound |= !waiting.is_empty();
         if !sent.is_empty() {
             self.changes.report_moves.push(ReportMove::Revoked(ids_of(&sent)));

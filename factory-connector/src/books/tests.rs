@@ -9,7 +9,8 @@ use super::*;
 use crate::disclosure::DisclosurePolicy;
 
 const START: i64 = 1_800_000_000_000_000;
-const SOURCES: [ValueSource; 3] = [ValueSource::Mapping, ValueSource::Manual, ValueSource::External];
+const SOURCES: [ValueSource; 3] =
+    [ValueSource::Mapping, ValueSource::Manual, ValueSource::External];
 
 pub(crate) fn at(ms: i64) -> DateTime {
     DateTime::from_unix_micros(START + ms * 1_000)
@@ -28,7 +29,8 @@ pub(crate) fn network(revision: u64, change: impl FnOnce(&mut Value)) -> Operati
 }
 
 pub(crate) fn books() -> Books {
-    let config = BooksConfig { factory_id: "F".parse().expect("an id"), encoding: Encoding::Digicor };
+    let config =
+        BooksConfig { factory_id: "F".parse().expect("an id"), encoding: Encoding::Digicor };
     let mut books = Books::new(config, Snapshot::default(), false, at(0)).expect("empty books");
     arrive(&mut books, network(1, |_| ()));
     books
@@ -60,7 +62,12 @@ pub(crate) fn map(books: &mut Books, name: &str, value_source: ValueSource, poli
 }
 
 /// Offers a value and reports; the bodies of what left.
-pub(crate) fn offer(books: &mut Books, name: &str, value: impl Into<Variant>, ms: i64) -> Vec<Value> {
+pub(crate) fn offer(
+    books: &mut Books,
+    name: &str,
+    value: impl Into<Variant>,
+    ms: i64,
+) -> Vec<Value> {
     let value = DataValue::good(value, at(ms));
     books.candidate(&field(name), ValueSource::Manual, value, None, at(ms));
     books.report(at(ms), || [7; SALT]);
@@ -77,17 +84,29 @@ fn only_the_decided_source_gets_a_value_through() {
     for open in SOURCES {
         for offered in SOURCES {
             let mut books = books();
-            assert_eq!(books.candidate(&field("made"), offered, value(), None, at(1)), None, "undecided");
+            assert_eq!(
+                books.candidate(&field("made"), offered, value(), None, at(1)),
+                None,
+                "undecided"
+            );
             map(&mut books, "made", open, "{}");
             let outcome = books.candidate(&field("made"), offered, value(), None, at(1));
             assert_eq!(outcome.is_some(), open == offered, "{open:?} decided, {offered:?} offered");
             assert_eq!(books.has_news(), open == offered);
-            let refused = books.decide(&field("made"), Verdict::Refuse, Some("no".to_owned()), "eve", at(2));
+            let refused =
+                books.decide(&field("made"), Verdict::Refuse, Some("no".to_owned()), "eve", at(2));
             refused.expect("refused");
-            assert_eq!(books.candidate(&field("made"), offered, value(), None, at(3)), None, "refused");
+            assert_eq!(
+                books.candidate(&field("made"), offered, value(), None, at(3)),
+                None,
+                "refused"
+            );
         }
     }
-    assert_eq!(books().candidate(&field("unknown"), ValueSource::Manual, value(), None, at(1)), None);
+    assert_eq!(
+        books().candidate(&field("unknown"), ValueSource::Manual, value(), None, at(1)),
+        None
+    );
 }
 
 #[test]
@@ -95,7 +114,13 @@ fn a_report_and_its_ledger_entries_are_one_change() {
     let mut books = books();
     map(&mut books, "made", ValueSource::Manual, "{}");
     books.take();
-    books.candidate(&field("made"), ValueSource::Manual, DataValue::good(7_u64, at(5)), None, at(5));
+    books.candidate(
+        &field("made"),
+        ValueSource::Manual,
+        DataValue::good(7_u64, at(5)),
+        None,
+        at(5),
+    );
     books.report(at(6), || [7; SALT]);
     let (changes, aftermath) = books.take();
     assert_eq!(changes.reports.len(), 1);
@@ -125,18 +150,24 @@ fn a_report_and_its_ledger_entries_are_one_change() {
     assert_eq!(report["Payload"]["made"], json!({ "Type": 9, "Body": "7" }));
 }
 
-/// The metadata messages of a transaction: which fields each describes, with the versions of its data set.
+/// The metadata messages of a transaction: which fields each describes, with the versions of its
+/// data set.
 fn descriptions(books: &mut Books) -> Vec<(Vec<String>, u64, u64)> {
     let (changes, _) = books.take();
-    let bodies =
-        changes.controls.iter().filter(|control| control.subject == "ua-metadata").map(|control| &control.body);
+    let bodies = changes
+        .controls
+        .iter()
+        .filter(|control| control.subject == "ua-metadata")
+        .map(|control| &control.body);
     bodies
         .map(|body| {
             let message: Value = serde_json::from_str(body).expect("JSON");
             let meta = &message["MetaData"];
             let names = meta["Fields"].as_array().expect("fields").iter().skip(5);
-            let names = names.filter_map(|field| field["Name"].as_str().map(str::to_owned)).collect();
-            let version = |member: &str| meta["ConfigurationVersion"][member].as_u64().expect("a version");
+            let names =
+                names.filter_map(|field| field["Name"].as_str().map(str::to_owned)).collect();
+            let version =
+                |member: &str| meta["ConfigurationVersion"][member].as_u64().expect("a version");
             (names, version("MajorVersion"), version("MinorVersion"))
         })
         .collect()
@@ -157,7 +188,8 @@ fn all_decisions_of_a_transaction_are_described_once() {
     assert_eq!((again[0].1, again[0].2), (described[0].1, described[0].2 + 1));
 }
 
-/// What was taken back is over: what comes after it is of another epoch, though the fields are the same.
+/// What was taken back is over: what comes after it is of another epoch, though the fields are the
+/// same.
 #[test]
 fn a_consent_that_ends_and_comes_again_in_one_transaction_begins_an_epoch() {
     let mut books = books();
@@ -178,7 +210,13 @@ fn of_several_values_in_one_transaction_the_newest_is_shown() {
     map(&mut books, "note", ValueSource::Manual, "{}");
     books.take();
     let mut offer = |name: &str, value: Variant, ms| {
-        books.candidate(&field(name), ValueSource::Manual, DataValue::good(value, at(ms)), None, at(ms));
+        books.candidate(
+            &field(name),
+            ValueSource::Manual,
+            DataValue::good(value, at(ms)),
+            None,
+            at(ms),
+        );
     };
     offer("made", 1_u64.into(), 1);
     offer("note", "a".into(), 2);
@@ -186,7 +224,8 @@ fn of_several_values_in_one_transaction_the_newest_is_shown() {
     offer("note", "b".into(), 4);
     books.report(at(5), || [7; SALT]);
     let (changes, aftermath) = books.take();
-    let shown: Vec<_> = aftermath.values.iter().map(|(key, value)| (key.clone(), value.value.clone())).collect();
+    let shown: Vec<_> =
+        aftermath.values.iter().map(|(key, value)| (key.clone(), value.value.clone())).collect();
     assert_eq!(shown, [(field("made"), 2_u64.into()), (field("note"), "b".into())]);
     assert_eq!(aftermath.events.len(), 2, "{:?}", aftermath.events);
     assert_eq!((changes.reports.len(), changes.field_values.len()), (1, 2));
@@ -194,7 +233,10 @@ fn of_several_values_in_one_transaction_the_newest_is_shown() {
     books.candidate(&field("note"), ValueSource::Manual, DataValue::good("c", at(6)), None, at(6));
     books.report(at(6), || [7; SALT]);
     let (changes, aftermath) = books.take();
-    assert_eq!((aftermath.values.len(), aftermath.events.len(), changes.field_values.len()), (1, 1, 1));
+    assert_eq!(
+        (aftermath.values.len(), aftermath.events.len(), changes.field_values.len()),
+        (1, 1, 1)
+    );
 }
 
 #[test]
@@ -234,11 +276,22 @@ fn a_revision_takes_consent_back_only_where_more_is_asked_for() {
     };
     check(|request| request["description"] = json!("more words"), Some(MappingState::Mapped));
     check(|request| request["purpose"] = json!("something else"), Some(MappingState::Pending));
-    check(|request| request["recipientList"] = json!(["acme", "hull", "spy"]), Some(MappingState::Pending));
+    check(
+        |request| request["recipientList"] = json!(["acme", "hull", "spy"]),
+        Some(MappingState::Pending),
+    );
     check(|request| request["updateFrequency"] = json!(60), Some(MappingState::Pending));
-    let books =
-        check(|request| drop(request["reportDataFormat"]["reportFieldList"].as_array_mut().map(|l| l.remove(0))), None);
-    assert_eq!(books.purges.values().next(), Some(&GapCause::Withdrawn), "what was queued is announced as a gap");
+    let books = check(
+        |request| {
+            drop(request["reportDataFormat"]["reportFieldList"].as_array_mut().map(|l| l.remove(0)))
+        },
+        None,
+    );
+    assert_eq!(
+        books.purges.values().next(),
+        Some(&GapCause::Withdrawn),
+        "what was queued is announced as a gap"
+    );
 }
 
 #[test]
@@ -267,10 +320,14 @@ fn entry(id: &str, action: Value, ms: i64) -> crate::operator::OperatorEntry {
 }
 
 fn made(books: &Books) -> Option<Variant> {
-    books.field(&field("made")).and_then(|field| field.gate.disclosed()).map(|value| value.value.clone())
+    books
+        .field(&field("made"))
+        .and_then(|field| field.gate.disclosed())
+        .map(|value| value.value.clone())
 }
 
-/// Entries of the operator's page take the way of all values: the decision must be Manual, and the gate coarsens.
+/// Entries of the operator's page take the way of all values: the decision must be Manual, and the
+/// gate coarsens.
 #[test]
 fn entries_go_through_the_gate_once() {
     let mut books = books();
@@ -295,15 +352,25 @@ fn entries_go_through_the_gate_once() {
     map(&mut books, "made", ValueSource::External, "{}");
     assert_eq!(refused(books.enter(entry("d", value, 6), at(6))), "NOT_MANUAL");
     assert_eq!(taken(books.enter(entry("e", add, 7), at(7))), 0, "another source is decided");
-    let stored: Vec<_> =
-        books.take().0.operator_entries.iter().map(|entry| entry.entry_id.as_str().to_owned()).collect();
+    let stored: Vec<_> = books
+        .take()
+        .0
+        .operator_entries
+        .iter()
+        .map(|entry| entry.entry_id.as_str().to_owned())
+        .collect();
     assert_eq!(stored, ["a", "b", "late", "e"], "only what was taken is stored");
     books.network_withdrawn(
-        serde_json::from_value(json!({ "messageId": "w", "factoryId": "F", "operationNetworkId": "n", "revision": 9 }))
-            .expect("a withdrawal"),
+        serde_json::from_value(
+            json!({ "messageId": "w", "factoryId": "F", "operationNetworkId": "n", "revision": 9 }),
+        )
+        .expect("a withdrawal"),
         at(8),
     );
-    assert_eq!(refused(books.enter(entry("f", json!({ "action": "DONE" }), 8), at(8))), "UNKNOWN_OPERATION");
+    assert_eq!(
+        refused(books.enter(entry("f", json!({ "action": "DONE" }), 8), at(8))),
+        "UNKNOWN_OPERATION"
+    );
 }
 
 /// A mapping of `made` with these functions, as the field takes it.
@@ -318,7 +385,8 @@ fn a_corrected_mapping_is_a_version_and_no_consent() {
     let mut books = books();
     let steps = json!([{ "function": "counter" }]);
     let place = |books: &mut Books, steps: &Value| {
-        let placing = Placing { mapping: fitted(books, steps), author: "eve".to_owned(), note: None };
+        let placing =
+            Placing { mapping: fitted(books, steps), author: "eve".to_owned(), note: None };
         books.place(vec![placing], at(1));
         let (changes, aftermath) = books.take();
         let versions: Vec<u32> = changes.mappings.versions.iter().map(|row| row.version).collect();
@@ -337,14 +405,19 @@ fn a_corrected_mapping_is_a_version_and_no_consent() {
     assert!(books.take().0.mappings.versions.is_empty(), "the same is no version");
 
     let state: mapping_engine::TransformState =
-        serde_json::from_str(r#"[{"function":"counter","total":5,"last":15,"level":null}]"#).expect("a state");
+        serde_json::from_str(r#"[{"function":"counter","total":5,"last":15,"level":null}]"#)
+            .expect("a state");
     let value = DataValue::good(5_u64, at(3));
     books.candidate(&field("made"), ValueSource::Mapping, value, Some(state), at(3));
     let scaled = json!([{ "function": "counter" }, { "function": "scale", "factor": 2 }]);
     assert_eq!(place(&mut books, &scaled), (vec![2], 0, 1));
     assert_eq!(place(&mut books, &scaled), (vec![], 0, 0));
-    let kept = books.field(&field("made")).and_then(|field| serde_json::to_string(&field.transform).ok());
-    assert!(kept.is_some_and(|kept| kept.contains(r#""total":5"#)), "a counter goes on through a correction");
+    let kept =
+        books.field(&field("made")).and_then(|field| serde_json::to_string(&field.transform).ok());
+    assert!(
+        kept.is_some_and(|kept| kept.contains(r#""total":5"#)),
+        "a counter goes on through a correction"
+    );
 
     let misfit = Mapping { target_unit: Some("KGM".to_owned()), ..fitted(&books, &scaled) };
     assert_eq!(books.fitted(misfit).expect_err("another unit")[0].member, "targetUnit");
@@ -356,8 +429,14 @@ fn a_shadow_goes_with_its_field() {
     let shadow = fitted(&books, &json!([]));
     books.set_shadow(&field("made"), Some(shadow), "eve", at(1)).expect("there is the field");
     let started = books.take();
-    assert!(matches!(started.1.mappings.as_slice(), [MappingWork::Put(Published { is_shadow: true, .. })]));
-    arrive(&mut books, network(2, |request| request["reportDataFormat"]["reportFieldList"] = json!([])));
+    assert!(matches!(
+        started.1.mappings.as_slice(),
+        [MappingWork::Put(Published { is_shadow: true, .. })]
+    ));
+    arrive(
+        &mut books,
+        network(2, |request| request["reportDataFormat"]["reportFieldList"] = json!([])),
+    );
     let (changes, aftermath) = books.take();
     assert!(changes.mappings.is_empty());
     assert!(aftermath.mappings.iter().any(|work| matches!(work, MappingWork::Remove(_))));

@@ -1,4 +1,5 @@
-//! How many values come and leave, for the leak budget and for what "every change" would add. Kept in memory only.
+//! How many values come and leave, for the leak budget and for what "every change" would add. Kept
+//! in memory only.
 
 use asi_model::{DateTime, FieldKey, FieldName, OrganisationId};
 use std::{collections::BTreeMap, sync::Arc};
@@ -17,7 +18,8 @@ pub struct Traffic {
     /// The present hour, since 1970, and its counts.
     hour: i64,
     present: (u32, u32),
-    /// The counts of the hours before it, each in the place of its hour; made when they are first needed.
+    /// The counts of the hours before it, each in the place of its hour; made when they are first
+    /// needed.
     earlier: Option<Box<[(u32, u32); HOURS]>>,
 }
 
@@ -25,7 +27,12 @@ impl Traffic {
     /// Nothing counted yet.
     #[must_use]
     pub fn new(since: DateTime) -> Self {
-        Self { since, hour: since.unix_millis().div_euclid(HOUR_MS), present: (0, 0), earlier: None }
+        Self {
+            since,
+            hour: since.unix_millis().div_euclid(HOUR_MS),
+            present: (0, 0),
+            earlier: None,
+        }
     }
 
     /// A value came.
@@ -46,7 +53,8 @@ impl Traffic {
     pub fn measured(&self, now: DateTime) -> Measured {
         let mut counted = self.clone();
         counted.turn_to(now);
-        let counts = || counted.earlier.iter().flat_map(|hours| hours.iter()).chain([&counted.present]);
+        let counts =
+            || counted.earlier.iter().flat_map(|hours| hours.iter()).chain([&counted.present]);
         let hours = (now.since(self.since).as_secs_f64() / 3600.0).min(HOURS as f64);
         Measured {
             candidates: counts().map(|(came, _)| u64::from(*came)).sum(),
@@ -89,18 +97,22 @@ impl Books {
             for operation in &message.operation_network.operation_list {
                 for request in &operation.dynamic_data_request_list {
                     for definition in &request.report_data_format.report_field_list {
-                        let Some((key, field)) = self.find(message, operation, request, &definition.name) else {
+                        let Some((key, field)) =
+                            self.find(message, operation, request, &definition.name)
+                        else {
                             continue;
                         };
-                        let as_supposed = supposed.filter(|(wanted, _)| *wanted == key).map(|(_, policy)| policy);
-                        let Some(policy) =
-                            as_supposed.or_else(|| field.decision.is_mapped().then(|| field.gate.policy()))
+                        let as_supposed =
+                            supposed.filter(|(wanted, _)| *wanted == key).map(|(_, policy)| policy);
+                        let Some(policy) = as_supposed
+                            .or_else(|| field.decision.is_mapped().then(|| field.gate.policy()))
                         else {
                             continue;
                         };
                         let measured = field.traffic.measured(now);
                         let entry = OpenField { key, definition, operation, policy, measured };
-                        let mut partners: Vec<&OrganisationId> = request.recipient_list.iter().collect();
+                        let mut partners: Vec<&OrganisationId> =
+                            request.recipient_list.iter().collect();
                         if !partners.contains(&&request.requester_id) {
                             partners.push(&request.requester_id);
                         }

@@ -44,7 +44,9 @@ impl Books {
 
     /// Notes when the next mapped field's request ends.
     pub(super) fn note_expiry(&mut self, field: &FieldKey) {
-        let Some(field) = self.fields.get(field).filter(|field| field.decision.is_mapped()) else { return };
+        let Some(field) = self.fields.get(field).filter(|field| field.decision.is_mapped()) else {
+            return;
+        };
         if let Some(until) = field.validity.until {
             self.next_expiry = Some(self.next_expiry.map_or(until, |next| next.min(until)));
         }
@@ -67,15 +69,19 @@ impl Books {
         }
     }
 
-    /// Ends what requests do not ask for any more: the fields are undecided again and nothing of them leaves. What was
-    /// disclosed in time is still delivered.
+    /// Ends what requests do not ask for any more: the fields are undecided again and nothing of
+    /// them leaves. What was disclosed in time is still delivered.
     pub fn expire(&mut self, now: DateTime) {
         if self.next_expiry.is_none_or(|next| next > now) {
             return;
         }
         let is_over = |field: &Field| field.decision.is_mapped() && field.validity.has_ended(now);
-        let mut over: Vec<FieldKey> =
-            self.fields.iter().filter(|field| is_over(field)).map(|field| field.key.clone()).collect();
+        let mut over: Vec<FieldKey> = self
+            .fields
+            .iter()
+            .filter(|field| is_over(field))
+            .map(|field| field.key.clone())
+            .collect();
         over.sort();
         let mut writers = std::collections::BTreeSet::new();
         for key in over {
@@ -101,8 +107,11 @@ impl Books {
         for writer in writers {
             self.refresh_writer(writer, now);
         }
-        let ends =
-            self.fields.iter().filter(|field| field.decision.is_mapped()).filter_map(|field| field.validity.until);
+        let ends = self
+            .fields
+            .iter()
+            .filter(|field| field.decision.is_mapped())
+            .filter_map(|field| field.validity.until);
         self.next_expiry = ends.min();
     }
 }

@@ -31,7 +31,12 @@ struct Follows<'b> {
 
 impl Follows<'_> {
     /// Whatever a field's gate is told, and what follows from it.
-    fn through_gate<T>(&mut self, field: &mut Field, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> T {
+    fn through_gate<T>(
+        &mut self,
+        field: &mut Field,
+        now: DateTime,
+        tell: impl FnOnce(&mut Gate) -> T,
+    ) -> T {
         let told = tell(&mut field.gate);
         field.mark_dirty(self.dirty_fields);
         field.note_due(self.due);
@@ -46,7 +51,8 @@ impl Follows<'_> {
 }
 
 impl Books {
-    /// A candidate for a field, whoever brought it. `None` where the field takes none from this source.
+    /// A candidate for a field, whoever brought it. `None` where the field takes none from this
+    /// source.
     pub fn candidate(
         &mut self,
         key: &FieldKey,
@@ -70,7 +76,8 @@ impl Books {
     ) -> Option<Outcome> {
         let Self { fields, watchers, dirty_fields, dirty_writers, due, .. } = self;
         let mut follows = Follows { dirty_fields, dirty_writers, due };
-        let field = fields.get_numbered_mut(number).filter(|field| field.decision.is_open_for(source))?;
+        let field =
+            fields.get_numbered_mut(number).filter(|field| field.decision.is_open_for(source))?;
         if !field.validity.contains(now) {
             if let Some(from) = field.validity.from.filter(|from| *from > now) {
                 field.newest = Some(value);
@@ -135,13 +142,19 @@ impl Books {
         }
     }
 
-    fn through_gate<T>(&mut self, number: i64, now: DateTime, tell: impl FnOnce(&mut Gate) -> T) -> Option<T> {
+    fn through_gate<T>(
+        &mut self,
+        number: i64,
+        now: DateTime,
+        tell: impl FnOnce(&mut Gate) -> T,
+    ) -> Option<T> {
         let Self { fields, dirty_fields, dirty_writers, due, .. } = self;
         let mut follows = Follows { dirty_fields, dirty_writers, due };
         Some(follows.through_gate(fields.get_numbered_mut(number)?, now, tell))
     }
 
-    /// Makes one key frame per data set with news, and notes everything that has to be stored with it.
+    /// Makes one key frame per data set with news, and notes everything that has to be stored with
+    /// it.
     ///
     /// `salt` yields fresh random bytes for each report.
     pub fn report(&mut self, now: DateTime, mut salt: impl FnMut() -> [u8; SALT_BYTES]) {
@@ -153,12 +166,18 @@ impl Books {
             let Some((frame, consents)) = self.key_frame(id, now) else { continue };
             let Some(body) = self.body_of(&frame) else { continue };
             let Some(writer) = self.writers.get_mut(&id) else { continue };
-            let (epoch, sequence, request) = (writer.epoch, writer.next_sequence, writer.request.clone());
+            let (epoch, sequence, request) =
+                (writer.epoch, writer.next_sequence, writer.request.clone());
             writer.next_sequence = writer.next_sequence.wrapping_add(1);
             writer.last_sign_at = now;
             for name in consents.keys().filter(|name| writer.carried.insert((*name).clone())) {
                 let field = request.field(name.clone());
-                let row = CarriedFieldRow { field, data_set_writer_id: id, epoch, first_sequence: sequence };
+                let row = CarriedFieldRow {
+                    field,
+                    data_set_writer_id: id,
+                    epoch,
+                    first_sequence: sequence,
+                };
                 self.changes.carried_fields.push(row);
             }
             self.store_writer(id);
@@ -174,8 +193,13 @@ impl Books {
                 salt: salt(),
                 is_purged: false,
             };
-            let root = values_root(&report.body, &report.salt).expect("our own encoder writes a JSON object");
-            let event = Event::Queued { range: range_of(id, epoch, sequence), values: hex::encode(root), consents };
+            let root = values_root(&report.body, &report.salt)
+                .expect("our own encoder writes a JSON object");
+            let event = Event::Queued {
+                range: range_of(id, epoch, sequence),
+                values: hex::encode(root),
+                consents,
+            };
             self.record(&report.recipients.clone(), now, Some(report.id), &event);
             if !shared.is_empty() && shared_bytes + report.body.len() > SHARED_BYTES_MAX {
                 self.close_message(&mut shared);
@@ -189,7 +213,8 @@ impl Books {
             let Some(field) = self.fields.get_numbered_mut(number) else { continue };
             let Marks { is_dirty, has_left, .. } = &mut field.marks;
             *is_dirty = false;
-            // What partners do not get, nodes and pages do not show: the newest that left, not each.
+            // What partners do not get, nodes and pages do not show: the newest that left, not
+            // each.
             if std::mem::take(has_left)
                 && let Some(value) = field.gate.disclosed()
             {
@@ -208,18 +233,25 @@ impl Books {
     }
 
     /// The newest disclosed values of a writer's data set, in payload order.
-    pub(crate) fn key_frame(&self, id: u16, now: DateTime) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
+    pub(crate) fn key_frame(
+        &self,
+        id: u16,
+        now: DateTime,
+    ) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
         let writer = self.writers.get(&id).filter(|writer| !writer.fields.is_empty())?;
         let (message, request) = self.request(&writer.request)?;
         let mut values = Vec::with_capacity(writer.fields.len() * 2);
         let mut consents = BTreeMap::new();
         let mut newest: Option<DateTime> = None;
         for name in &writer.fields {
-            let Some(field) = self.fields.get(&writer.request.field(name.clone())) else { continue };
+            let Some(field) = self.fields.get(&writer.request.field(name.clone())) else {
+                continue;
+            };
             let Some(value) = field.gate.disclosed() else { continue };
             newest = newest.max(value.source_timestamp);
             consents.insert(name.clone(), field.decision.version);
-            let shown = DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
+            let shown =
+                DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
             values.push(PayloadField::with(Arc::from(name.as_str()), shown));
             if let Some(unit) = &field.definition.unit {
                 values.push(PayloadField::new(format!("{name}Unit"), unit.as_str()));
@@ -237,9 +269,15 @@ impl Books {
             .unwrap_or_default();
         let mut fields = vec![
             PayloadField::new("reportName", request.report_data_format.report_name.as_str()),
-            PayloadField::new("dynamicDataRequestId", writer.request.dynamic_data_request_id.as_str()),
+            PayloadField::new(
+                "dynamicDataRequestId",
+                writer.request.dynamic_data_request_id.as_str(),
+            ),
             PayloadField::new("operationId", writer.request.operation_id.as_str()),
-            PayloadField::new("operationNetworkId", message.operation_network.operation_network_id.as_str()),
+            PayloadField::new(
+                "operationNetworkId",
+                message.operation_network.operation_network_id.as_str(),
+            ),
             PayloadField::new("shopfloorTimestamp", newest.unwrap_or(now).floor_to(step)),
         ];
         fields.append(&mut values);
@@ -255,7 +293,11 @@ impl Books {
     }
 
     /// A writer's report before any of its fields has a value.
-    pub(crate) fn empty_frame(&self, id: u16, now: DateTime) -> (DataSetMessage, BTreeMap<FieldName, u32>) {
+    pub(crate) fn empty_frame(
+        &self,
+        id: u16,
+        now: DateTime,
+    ) -> (DataSetMessage, BTreeMap<FieldName, u32>) {
         let mut fields = Vec::new();
         if let Some(writer) = self.writers.get(&id)
             && let Some((_, request)) = self.request(&writer.request)

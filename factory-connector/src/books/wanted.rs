@@ -18,8 +18,10 @@ impl Books {
         let field = self.field(key)?;
         let (message, request) = self.request(&key.request)?;
         let network = &message.operation_network;
-        let operation =
-            network.operation_list.iter().find(|operation| operation.operation_id == key.request.operation_id)?;
+        let operation = network
+            .operation_list
+            .iter()
+            .find(|operation| operation.operation_id == key.request.operation_id)?;
         let texts = [
             field.definition.description.as_deref(),
             request.description.as_deref(),
@@ -51,8 +53,10 @@ impl Books {
     /// Which variables were chosen for which fields, whether or not they still flow.
     #[must_use]
     pub fn past_decisions(&self) -> Vec<PastDecision> {
-        let decided =
-            self.fields.iter().filter_map(|field| Some((&field.key, field, field.decision.mapping.as_ref()?)));
+        let decided = self
+            .fields
+            .iter()
+            .filter_map(|field| Some((&field.key, field, field.decision.mapping.as_ref()?)));
         decided
             .flat_map(|(key, field, mapping)| {
                 mapping.inputs.iter().map(|input| PastDecision {

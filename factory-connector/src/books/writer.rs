@@ -4,7 +4,9 @@ use std::{collections::BTreeSet, sync::Arc, time::Duration};
 
 use asi_model::{
     DateTime, FieldName, OrganisationId, RequestKey,
-    pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, MetaDataVersion, json::encode_meta_data},
+    pubsub::{
+        DataSetMetaData, FieldMetaData, MetaDataMessage, MetaDataVersion, json::encode_meta_data,
+    },
 };
 use uuid::Uuid;
 
@@ -77,7 +79,8 @@ impl Books {
         if let Some(id) = self.writer_of.get(request) {
             return Some(*id);
         }
-        let has_rested = |writer: &Writer| writer.retired_at.is_some_and(|at| now.since(at) >= REST);
+        let has_rested =
+            |writer: &Writer| writer.retired_at.is_some_and(|at| now.since(at) >= REST);
         let id = (1..=u16::MAX).find(|id| self.writers.get(id).is_none_or(has_rested))?;
         let last_epoch = self.writers.get(&id).map_or(0, |writer| writer.epoch);
         let epoch = now.version_time().max(last_epoch.saturating_add(1));
@@ -98,7 +101,12 @@ impl Books {
     }
 
     /// Retires a request's writer and takes back what waits.
-    pub(crate) fn retire_writer(&mut self, request: &RequestKey, cause: asi_model::messages::GapCause, now: DateTime) {
+    pub(crate) fn retire_writer(
+        &mut self,
+        request: &RequestKey,
+        cause: asi_model::messages::GapCause,
+        now: DateTime,
+    ) {
         let Some(id) = self.writer_of.remove(request) else { return };
         self.purges.insert(id, cause);
         self.dirty_writers.remove(&id);
@@ -115,7 +123,8 @@ impl Books {
         }
     }
 
-    /// Begins a new epoch: sequence numbers start again, and everything is described and reported anew.
+    /// Begins a new epoch: sequence numbers start again, and everything is described and reported
+    /// anew.
     pub(crate) fn begin_epoch(&mut self, id: u16, now: DateTime) {
         if let Some(writer) = self.writers.get_mut(&id) {
             writer.epoch = now.version_time().max(writer.epoch.saturating_add(1));
@@ -126,16 +135,17 @@ impl Books {
         self.describe(id, now);
     }
 
-    /// After decisions about a request's fields: its writer's data set is to be brought up to date. That is done once for
-    /// all decisions of a transaction, so that a partner gets one description and not one per field.
+    /// After decisions about a request's fields: its writer's data set is to be brought up to date.
+    /// That is done once for all decisions of a transaction, so that a partner gets one description
+    /// and not one per field.
     pub(crate) fn refresh_writer(&mut self, id: u16, now: DateTime) {
         if self.writers.contains_key(&id) {
             self.changed_writers.insert(id, now);
         }
     }
 
-    /// Brings the data sets up to date about whose fields something was decided: to be called before what waits of them
-    /// is taken back, and before they report.
+    /// Brings the data sets up to date about whose fields something was decided: to be called
+    /// before what waits of them is taken back, and before they report.
     pub(crate) fn refresh_writers(&mut self) {
         for (id, now) in std::mem::take(&mut self.changed_writers) {
             self.refresh_now(id, now);
@@ -144,7 +154,10 @@ impl Books {
 
     /// Appended fields change the minor version only; anything else begins a new epoch.
     fn refresh_now(&mut self, id: u16, now: DateTime) {
-        let Some(writer) = self.writers.get(&id).filter(|writer| writer.retired_at.is_none()) else { return };
+        let Some(writer) = self.writers.get(&id).filter(|writer| writer.retired_at.is_none())
+        else {
+            return;
+        };
         let request = writer.request.clone();
         let fields: Vec<FieldName> = self
             .fields_of(&request)
@@ -164,10 +177,13 @@ impl Books {
         }
     }
 
-    /// Sends the metadata of a writer; it precedes the data that it describes. Reports what is disclosed already.
+    /// Sends the metadata of a writer; it precedes the data that it describes. Reports what is
+    /// disclosed already.
     fn describe(&mut self, id: u16, now: DateTime) {
         self.store_writer(id);
-        let Some(writer) = self.writers.get(&id).filter(|writer| !writer.fields.is_empty()) else { return };
+        let Some(writer) = self.writers.get(&id).filter(|writer| !writer.fields.is_empty()) else {
+            return;
+        };
         let request = writer.request.clone();
         let Some(meta_data) = self.meta_data(id) else { return };
         let message_id = new_message_id();
@@ -179,8 +195,8 @@ impl Books {
             meta_data,
             ..MetaDataMessage::default()
         };
-        let body =
-            String::from_utf8(encode_meta_data(&message, self.config.encoding)).expect("the encoder writes UTF-8");
+        let body = String::from_utf8(encode_meta_data(&message, self.config.encoding))
+            .expect("the encoder writes UTF-8");
         let row = ControlRow {
             id: self.next_row(),
             message_id,
@@ -192,7 +208,10 @@ impl Books {
         };
         self.changes.controls.push(row);
         self.aftermath.is_spool_filled = true;
-        if self.fields_of(&request).any(|(_, field)| field.decision.is_mapped() && field.gate.disclosed().is_some()) {
+        if self
+            .fields_of(&request)
+            .any(|(_, field)| field.decision.is_mapped() && field.gate.disclosed().is_some())
+        {
             self.dirty_writers.insert(id);
         }
     }
@@ -211,10 +230,14 @@ impl Books {
         ];
         let mut fields: Vec<FieldMetaData> = header
             .into_iter()
-            .map(|(name, field_type)| FieldMetaData::new(name, field_type, field_id(&writer.request, name)))
+            .map(|(name, field_type)| {
+                FieldMetaData::new(name, field_type, field_id(&writer.request, name))
+            })
             .collect();
         for name in &writer.fields {
-            let Some(field) = self.fields.get(&writer.request.field(name.clone())) else { continue };
+            let Some(field) = self.fields.get(&writer.request.field(name.clone())) else {
+                continue;
+            };
             let statement = field.statement();
             fields.push(FieldMetaData::of_report_field(
                 &field.definition,
@@ -223,7 +246,11 @@ impl Books {
             ));
             if field.definition.unit.is_some() {
                 let unit = format!("{name}Unit");
-                fields.push(FieldMetaData::new(unit.as_str(), text, field_id(&writer.request, &unit)));
+                fields.push(FieldMetaData::new(
+                    unit.as_str(),
+                    text,
+                    field_id(&writer.request, &unit),
+                ));
             }
         }
         Some(DataSetMetaData {
@@ -236,11 +263,14 @@ impl Books {
 
     /// Who may see a request's answers.
     pub(crate) fn recipients(&self, request: &RequestKey) -> Vec<OrganisationId> {
-        self.request(request).map(|(_, document)| document.recipient_list.clone()).unwrap_or_default()
+        self.request(request)
+            .map(|(_, document)| document.recipient_list.clone())
+            .unwrap_or_default()
     }
 }
 
-/// The id of a field over renames: derived from its key, so that it is the same after every restart.
+/// The id of a field over renames: derived from its key, so that it is the same after every
+/// restart.
 fn field_id(request: &RequestKey, name: &str) -> Uuid {
     use sha2::{Digest, Sha256};
     let digest = Sha256::digest(format!("{request}/{name}"));

@@ -20,7 +20,8 @@ const COMMAND_LINE: &str = "command line";
 pub(super) enum CertificateCommand {
     /// Show the OPC UA server's own certificate.
     Show,
-    /// Print a request for a certificate (PKCS #10), to be given to an authority. The key stays here.
+    /// Print a request for a certificate (PKCS #10), to be given to an authority. The key stays
+    /// here.
     Request {
         /// The common name to ask for; authorities may put another one in its place.
         #[arg(long)]
@@ -28,49 +29,61 @@ pub(super) enum CertificateCommand {
         /// The organisation to ask for.
         #[arg(long)]
         organization: Option<String>,
-        /// Make a new key, used from the installation on; without it the request is for the present key.
+        /// Make a new key, used from the installation on; without it the request is for the present
+        /// key.
         #[arg(long)]
         new_key: bool,
         /// Write the request to this file instead of standard output.
         #[arg(long, short)]
         output: Option<PathBuf>,
     },
-    /// Install the certificate that an authority made of the request. A running connector uses it from the next
-    /// connection on.
+    /// Install the certificate that an authority made of the request. A running connector uses it
+    /// from the next connection on.
     Install {
-        /// The certificate, and those of its authorities up to the root unless the trust list has them: PEM or DER, in any
-        /// order.
+        /// The certificate, and those of its authorities up to the root unless the trust list has
+        /// them: PEM or DER, in any order.
         #[arg(required = true)]
         files: Vec<PathBuf>,
     },
 }
 
-pub(super) async fn run(command: CertificateCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
+pub(super) async fn run(
+    command: CertificateCommand,
+    config: &ConnectorConfig,
+) -> anyhow::Result<()> {
     let mut connection = Store::connect(&config.data_directory).await?;
     let enrolled = enrolment(&mut connection)
         .await?
         .context("this connector is not enrolled yet, so that its OPC UA server has no name: run `enrol` first")?;
     drop(connection);
-    let own = ApplicationCertificate::new(&FactoryId::new(&enrolled.factory_id)?, config.twin_config());
+    let own =
+        ApplicationCertificate::new(&FactoryId::new(&enrolled.factory_id)?, config.twin_config());
     match command {
         CertificateCommand::Show => show(&own.show()?),
         CertificateCommand::Request { common_name, organization, new_key, output } => {
-            let request = own.request(&RequestedSubject { common_name, organization, with_new_key: new_key })?;
+            let request = own.request(&RequestedSubject {
+                common_name,
+                organization,
+                with_new_key: new_key,
+            })?;
             let Some(path) = output else { return print(request.trim_end()) };
-            std::fs::write(&path, request).with_context(|| format!("writing {}", path.display()))?;
+            std::fs::write(&path, request)
+                .with_context(|| format!("writing {}", path.display()))?;
             print(&format!("The request is in {}. Give it to the authority.", path.display()))
         }
-        CertificateCommand::Install { files } => match own.install(&together(&files)?, COMMAND_LINE) {
-            Ok(installed) => {
-                print("Installed. A running connector uses it from the next connection on.")?;
-                show(&installed)
+        CertificateCommand::Install { files } => {
+            match own.install(&together(&files)?, COMMAND_LINE) {
+                Ok(installed) => {
+                    print("Installed. A running connector uses it from the next connection on.")?;
+                    show(&installed)
+                }
+                Err(TwinError::Refused { faults }) => {
+                    let sentences: Vec<_> = faults.into_iter().map(|fault| fault.message).collect();
+                    anyhow::bail!("the certificate cannot be used:\n  {}", sentences.join("\n  "))
+                }
+                Err(other) => Err(other.into()),
             }
-            Err(TwinError::Refused { faults }) => {
-                let sentences: Vec<_> = faults.into_iter().map(|fault| fault.message).collect();
-                anyhow::bail!("the certificate cannot be used:\n  {}", sentences.join("\n  "))
-            }
-            Err(other) => Err(other.into()),
-        },
+        }
     }
 }
 

@@ -20,8 +20,8 @@ use factory_connector::{
 pub(super) enum LedgerCommand {
     /// Find any change, deletion or reordering; exit status 1 where there is one.
     Verify {
-        /// The public key that everything must be signed with, hexadecimal, as an earlier verification named it. Without
-        /// it, that of the key beside the ledger.
+        /// The public key that everything must be signed with, hexadecimal, as an earlier
+        /// verification named it. Without it, that of the key beside the ledger.
         #[arg(long, value_parser = public_key)]
         public_key: Option<Hash>,
     },
@@ -89,7 +89,8 @@ pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> any
             let filter = LedgerFilter { recipient, from, until, ..LedgerFilter::default() };
             let mut output: Box<dyn Write> = match output {
                 Some(path) => {
-                    let file = File::create(&path).with_context(|| format!("making {}", path.display()))?;
+                    let file = File::create(&path)
+                        .with_context(|| format!("making {}", path.display()))?;
                     Box::new(BufWriter::new(file))
                 }
                 None => Box::new(BufWriter::new(std::io::stdout())),
@@ -107,7 +108,11 @@ async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::R
     };
     let outcome = verify_ledger(&mut connection, trusted).await?;
     super::print(&serde_json::to_string_pretty(&outcome)?)?;
-    anyhow::ensure!(outcome.is_intact(), "the ledger was changed: {} fault(s)", outcome.fault_count);
+    anyhow::ensure!(
+        outcome.is_intact(),
+        "the ledger was changed: {} fault(s)",
+        outcome.fault_count
+    );
     Ok(())
 }
 
@@ -119,7 +124,8 @@ async fn export(
 ) -> anyhow::Result<()> {
     let writing = "writing the export";
     let mut connection = Store::connect(&config.data_directory).await?;
-    let factory = enrolment(&mut connection).await?.map(|enrolment| enrolment.factory_id).unwrap_or_default();
+    let factory =
+        enrolment(&mut connection).await?.map(|enrolment| enrolment.factory_id).unwrap_or_default();
     output.write_all(exporter.begin(&factory).as_bytes()).context(writing)?;
     let mut reader = LedgerReader::default();
     loop {

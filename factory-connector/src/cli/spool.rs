@@ -37,7 +37,12 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
                 writeln!(
                     output,
                     "{:>10} {:8} {:>10} {:20} {:>8} {}",
-                    message.id, message.state, message.bytes, message.created_at, message.attempts, message.about
+                    message.id,
+                    message.state,
+                    message.bytes,
+                    message.created_at,
+                    message.attempts,
+                    message.about
                 )
             })
             .await?
@@ -46,15 +51,20 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
             }
         }
         SpoolCommand::Show { id } => {
-            let found = spooled(&mut connection, id - 1, 1).await?.into_iter().find(|message| message.id == id);
-            let found = found.with_context(|| format!("the spool holds nothing with the number {id}"))?;
+            let found = spooled(&mut connection, id - 1, 1)
+                .await?
+                .into_iter()
+                .find(|message| message.id == id);
+            let found =
+                found.with_context(|| format!("the spool holds nothing with the number {id}"))?;
             writeln!(output, "{}", serde_json::to_string_pretty(&found)?)?;
         }
         SpoolCommand::Export => {
             let mut after = 0;
-            while let Some(last) =
-                for_block(&mut connection, after, |message| writeln!(output, "{}", serde_json::to_string(message)?))
-                    .await?
+            while let Some(last) = for_block(&mut connection, after, |message| {
+                writeln!(output, "{}", serde_json::to_string(message)?)
+            })
+            .await?
             {
                 after = last;
             }

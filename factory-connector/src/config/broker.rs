@@ -45,7 +45,9 @@ impl BrokerSection {
                 faults.push(format!("broker.proxy.url: {fault}"));
             }
             if proxy.user_name.is_some() != proxy.password.is_some() {
-                faults.push("broker.proxy: give both user_name and password, or none of them".to_owned());
+                faults.push(
+                    "broker.proxy: give both user_name and password, or none of them".to_owned(),
+                );
             }
         }
         faults
@@ -59,7 +61,10 @@ impl ProxySection {
     /// [`InvalidBrokerUrl`] when the address is none of a proxy.
     pub fn http_proxy(&self) -> Result<HttpProxy, InvalidBrokerUrl> {
         let login = self.user_name.as_ref().zip(self.password.as_ref());
-        HttpProxy::new(&self.url, login.map(|(user_name, password)| Login::new(user_name, password.expose())))
+        HttpProxy::new(
+            &self.url,
+            login.map(|(user_name, password)| Login::new(user_name, password.expose())),
+        )
     }
 }
 
@@ -75,17 +80,29 @@ mod tests {
 
     #[test]
     fn the_way_to_the_broker_is_checked() {
-        for url in ["amqp+wss://broker.example", "amqps://broker.example", "amqp+ws://localhost:8080/x"] {
-            assert_eq!(faults(&format!("[broker]\nurl = \"{url}\"\n")), Vec::<String>::new(), "{url}");
+        for url in
+            ["amqp+wss://broker.example", "amqps://broker.example", "amqp+ws://localhost:8080/x"]
+        {
+            assert_eq!(
+                faults(&format!("[broker]\nurl = \"{url}\"\n")),
+                Vec::<String>::new(),
+                "{url}"
+            );
         }
         for (text, words) in [
             ("[broker]\nurl = \"amqp+ws://broker.example\"\n", "without TLS"),
             ("[broker.proxy]\nurl = \"https://proxy\"\n", "begins with http://"),
             ("[broker.proxy]\nurl = \"http://u:canary@proxy\"\n", "settings of their own"),
-            ("[broker.proxy]\nurl = \"http://proxy\"\nuser_name = \"u\"\n", "both user_name and password"),
+            (
+                "[broker.proxy]\nurl = \"http://proxy\"\nuser_name = \"u\"\n",
+                "both user_name and password",
+            ),
         ] {
             let told = faults(text);
-            assert!(told.len() == 1 && told[0].starts_with("broker.") && told[0].contains(words), "{text}: {told:?}");
+            assert!(
+                told.len() == 1 && told[0].starts_with("broker.") && told[0].contains(words),
+                "{text}: {told:?}"
+            );
             assert!(!told[0].contains("canary"), "{told:?}");
         }
     }

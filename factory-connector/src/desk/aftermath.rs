@@ -29,7 +29,9 @@ impl Desk {
         if !aftermath.values.is_empty() {
             self.rooms.twin.publish_values(aftermath.values);
         }
-        if !aftermath.mappings.is_empty() && self.rooms.mappings.send(aftermath.mappings).await.is_err() {
+        if !aftermath.mappings.is_empty()
+            && self.rooms.mappings.send(aftermath.mappings).await.is_err()
+        {
             tracing::warn!("The mapping engine has ended; a mapping was not published.");
         }
         if let Some(link) = &self.rooms.link {

@@ -115,7 +115,11 @@ impl Reply {
     pub(super) fn give(self, is_written: bool) {
         match self {
             Self::Settle(settlements, reply) => {
-                let settlements = if is_written { settlements } else { vec![Settlement::Release; settlements.len()] };
+                let settlements = if is_written {
+                    settlements
+                } else {
+                    vec![Settlement::Release; settlements.len()]
+                };
                 reply.send(settlements).ok();
             }
             Self::Value(taken, reply) => {
@@ -160,7 +164,11 @@ impl DeskHandle {
     ///
     /// # Errors
     /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
-    pub async fn outcomes(&self, outcomes: Vec<RowOutcome>, departures: Vec<Departure>) -> Result<(), DeskError> {
+    pub async fn outcomes(
+        &self,
+        outcomes: Vec<RowOutcome>,
+        departures: Vec<Departure>,
+    ) -> Result<(), DeskError> {
         written(self.ask(|reply| Command::Outcomes(outcomes, departures, reply)).await?)
     }
 
@@ -168,7 +176,12 @@ impl DeskHandle {
     ///
     /// # Errors
     /// [`DeskError::NotWritten`], [`DeskError::Stopped`].
-    pub async fn value(&self, field: FieldKey, source: ValueSource, value: DataValue) -> Result<Taken, DeskError> {
+    pub async fn value(
+        &self,
+        field: FieldKey,
+        source: ValueSource,
+        value: DataValue,
+    ) -> Result<Taken, DeskError> {
         self.ask(|reply| Command::Value(field, source, value, reply)).await?
     }
 
@@ -191,11 +204,13 @@ impl DeskHandle {
         reason: Option<String>,
         decided_by: &str,
     ) -> Result<(), DeskError> {
-        let command = Box::new(DecideCommand { field, verdict, reason, decided_by: decided_by.to_owned() });
+        let command =
+            Box::new(DecideCommand { field, verdict, reason, decided_by: decided_by.to_owned() });
         self.ask(|reply| Command::Decide(command, reply)).await?
     }
 
-    /// Ends the consent to fields, all or none; answered with the receipt's id when it is committed.
+    /// Ends the consent to fields, all or none; answered with the receipt's id when it is
+    /// committed.
     ///
     /// # Errors
     /// [`DeskError`].
@@ -206,7 +221,8 @@ impl DeskHandle {
         reason: Option<String>,
         revoked_by: &str,
     ) -> Result<Uuid, DeskError> {
-        let command = Box::new(RevokeCommand { fields, verdict, reason, revoked_by: revoked_by.to_owned() });
+        let command =
+            Box::new(RevokeCommand { fields, verdict, reason, revoked_by: revoked_by.to_owned() });
         self.ask(|reply| Command::Revoke(command, reply)).await?
     }
 
@@ -246,7 +262,12 @@ impl DeskHandle {
     ///
     /// # Errors
     /// [`DeskError`].
-    pub async fn shadow(&self, field: FieldKey, mapping: Option<Mapping>, author: &str) -> Result<(), DeskError> {
+    pub async fn shadow(
+        &self,
+        field: FieldKey,
+        mapping: Option<Mapping>,
+        author: &str,
+    ) -> Result<(), DeskError> {
         let command = Box::new(ShadowCommand { field, mapping, author: author.to_owned() });
         self.ask(|reply| Command::Shadow(command, reply)).await?
     }
@@ -300,7 +321,10 @@ impl DeskHandle {
         answer.await?.ok_or(DeskError::NotWritten)
     }
 
-    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, DeskError> {
+    async fn ask<T>(
+        &self,
+        command: impl FnOnce(oneshot::Sender<T>) -> Command,
+    ) -> Result<T, DeskError> {
         let (reply, answer) = oneshot::channel();
         self.commands.send(command(reply)).await.map_err(|_| DeskError::Stopped)?;
         answer.await.map_err(|_| DeskError::Stopped)

@@ -87,7 +87,10 @@ impl Desk {
         }
         let mut silent = Vec::new();
         for (id, writer) in &self.books.writers {
-            let period = self.books.request(&writer.request).and_then(|(_, request)| request.update_interval());
+            let period = self
+                .books
+                .request(&writer.request)
+                .and_then(|(_, request)| request.update_interval());
             if let Some(period) = period
                 && !writer.fields.is_empty()
                 && now.since(writer.last_sign_at) >= period.max(INTERVAL)
@@ -113,7 +116,11 @@ impl Desk {
                 }],
                 ..NetworkMessage::default()
             };
-            self.rooms.ephemerals.put(row, message_id, encode(&message, self.config.books.encoding));
+            self.rooms.ephemerals.put(
+                row,
+                message_id,
+                encode(&message, self.config.books.encoding),
+            );
             link_wake(&self.rooms.link);
         }
     }
@@ -126,7 +133,8 @@ impl Desk {
         if !is_due {
             return;
         }
-        let checkpoint = Checkpoint::new(self.config.books.factory_id.clone(), number, now, &self.books.heads);
+        let checkpoint =
+            Checkpoint::new(self.config.books.factory_id.clone(), number, now, &self.books.heads);
         let text = checkpoint.canonical();
         let signature = self.key.sign(&text);
         let public_key = self.key.public();
@@ -137,11 +145,16 @@ impl Desk {
 
     /// Empties old values and removes old entries, a bounded number at a time.
     async fn retain(&mut self, now: DateTime) -> Result<(), StoreError> {
-        let before = |days: u32| DateTime::from_unix_micros(now.unix_micros() - i64::from(days) * 86_400_000_000);
+        let before = |days: u32| {
+            DateTime::from_unix_micros(now.unix_micros() - i64::from(days) * 86_400_000_000)
+        };
         let RetentionLimits { value_days, entry_days } = self.config.retention;
         let mut is_done = true;
         if value_days > 0 {
-            let last = self.store.empty_values(before(value_days), self.housekeeping.emptied_through).await?;
+            let last = self
+                .store
+                .empty_values(before(value_days), self.housekeeping.emptied_through)
+                .await?;
             is_done &= last.is_none();
             if let Some(last) = last {
                 self.housekeeping.emptied_through = last;
@@ -149,9 +162,11 @@ impl Desk {
         }
         if entry_days > 0 {
             let factory = &self.config.books.factory_id;
-            is_done &= self.store.prune_ledger(before(entry_days), factory, &self.key, now).await? == 0;
+            is_done &=
+                self.store.prune_ledger(before(entry_days), factory, &self.key, now).await? == 0;
         }
-        self.housekeeping.next_retention = Instant::now() + if is_done { RETENTION_INTERVAL } else { INTERVAL };
+        self.housekeeping.next_retention =
+            Instant::now() + if is_done { RETENTION_INTERVAL } else { INTERVAL };
         Ok(())
     }
 
@@ -166,10 +181,13 @@ impl Desk {
         let expired = expire(&rows, age_max, offset_now());
         self.books.dropped(&chosen(&kept, &expired.rows), GapCause::Expired, now);
         let bytes: u64 = self.store.kept_bytes().await?;
-        if let Some(excess) = bytes.checked_sub(self.config.spool.bytes_max).filter(|excess| *excess > 0) {
+        if let Some(excess) =
+            bytes.checked_sub(self.config.spool.bytes_max).filter(|excess| *excess > 0)
+        {
             let newest: HashSet<RowId> = self.store.newest_reports().await?;
             let removal = coalesce(&rows, &newest, excess);
-            metrics::counter!("verbund_reports_coalesced_total").increment(removal.rows.len() as u64);
+            metrics::counter!("verbund_reports_coalesced_total")
+                .increment(removal.rows.len() as u64);
             tracing::warn!(
                 reports = removal.rows.len(),
                 "The spool is full; older reports were given up for newer ones."
@@ -183,7 +201,8 @@ impl Desk {
         });
         if self.rooms.link.as_ref().is_some_and(|link| link.state().borrow().is_up()) {
             let late = overdue(&rows, &self.config.spool.overdue(), offset_now(), hears_receipts);
-            let late: Vec<i64> = chosen(&kept, &late).iter().filter(|k| !k.is_revoked).map(|k| k.row.id.0).collect();
+            let late: Vec<i64> =
+                chosen(&kept, &late).iter().filter(|k| !k.is_revoked).map(|k| k.row.id.0).collect();
             if !late.is_empty() {
                 self.books.changes.report_moves.push(ReportMove::Waiting(late));
                 self.books.aftermath.is_spool_rewound = true;

@@ -48,25 +48,40 @@ impl Desk {
                 let outcome = self.books.candidate(&field, source, value, None, now);
                 let taken = match (outcome, refusal) {
                     (Some(outcome), _) => Taken::Through(outcome),
-                    (None, refusal) => Taken::Not(refusal.unwrap_or(asi_model::StatusCode::BAD_NOT_WRITABLE)),
+                    (None, refusal) => {
+                        Taken::Not(refusal.unwrap_or(asi_model::StatusCode::BAD_NOT_WRITABLE))
+                    }
                 };
                 self.oldest_unwritten.get_or_insert_with(Instant::now);
                 self.replies.push(Reply::Value(taken, reply));
             }
             Command::Enter(entries, reply) => {
-                let outcomes = entries.into_iter().map(|entry| self.books.enter(entry, now)).collect();
+                let outcomes =
+                    entries.into_iter().map(|entry| self.books.enter(entry, now)).collect();
                 self.oldest_unwritten.get_or_insert_with(Instant::now);
                 self.replies.push(Reply::Entered(outcomes, reply));
             }
             Command::Decide(command, reply) => {
-                match self.books.decide(&command.field, command.verdict, command.reason, &command.decided_by, now) {
+                match self.books.decide(
+                    &command.field,
+                    command.verdict,
+                    command.reason,
+                    &command.decided_by,
+                    now,
+                ) {
                     Ok(()) => self.replies.push(Reply::Decided(reply)),
                     Err(error) => drop(reply.send(Err(error.into()))),
                 }
             }
             Command::Revoke(command, reply) => {
                 let reason = command.reason.as_deref();
-                match self.books.revoke(&command.fields, &command.verdict, reason, &command.revoked_by, now) {
+                match self.books.revoke(
+                    &command.fields,
+                    &command.verdict,
+                    reason,
+                    &command.revoked_by,
+                    now,
+                ) {
                     Ok(id) => self.replies.push(Reply::Revoked(id, reply)),
                     Err(error) => drop(reply.send(Err(error.into()))),
                 }
@@ -110,10 +125,17 @@ impl Desk {
         Ok(())
     }
 
-    /// Everything is accepted once it is stored: what is wrong is answered and kept as a dead letter.
-    async fn deliver(&mut self, deliveries: Vec<Delivery>, now: DateTime) -> Result<Vec<Settlement>, StoreError> {
-        let ids: Vec<String> =
-            deliveries.iter().filter_map(|d| d.envelope.message_id.as_ref().map(ToString::to_string)).collect();
+    /// Everything is accepted once it is stored: what is wrong is answered and kept as a dead
+    /// letter.
+    async fn deliver(
+        &mut self,
+        deliveries: Vec<Delivery>,
+        now: DateTime,
+    ) -> Result<Vec<Settlement>, StoreError> {
+        let ids: Vec<String> = deliveries
+            .iter()
+            .filter_map(|d| d.envelope.message_id.as_ref().map(ToString::to_string))
+            .collect();
         let mut seen: HashSet<String> = self.store.seen(&ids).await?.into_iter().collect();
         seen.extend(self.books.changes.seen.iter().map(|(id, _)| id.to_string()));
         for delivery in &deliveries {
@@ -124,16 +146,28 @@ impl Desk {
             }
             self.books.changes.seen.push((transport_id.clone(), now));
             match delivery.envelope.unpacked(UNPACKED_BYTES_MAX) {
-                Ok(body) => self.message(&body, &delivery.envelope.subject, transport_id, now).await?,
+                Ok(body) => {
+                    self.message(&body, &delivery.envelope.subject, transport_id, now).await?
+                }
                 Err(error) => {
                     let fault = asi_model::messages::Fault {
                         pointer: String::new(),
                         code: "UNREADABLE".to_owned(),
                         message: error.to_string(),
                     };
-                    let rejection =
-                        Rejection { faults: vec![fault], message_id: None, operation_network_id: None, revision: None };
-                    self.reject(rejection, &delivery.envelope.body, &delivery.envelope.subject, transport_id, now);
+                    let rejection = Rejection {
+                        faults: vec![fault],
+                        message_id: None,
+                        operation_network_id: None,
+                        revision: None,
+                    };
+                    self.reject(
+                        rejection,
+                        &delivery.envelope.body,
+                        &delivery.envelope.subject,
+                        transport_id,
+                        now,
+                    );
                 }
             }
         }
@@ -156,8 +190,9 @@ impl Desk {
         };
         match message {
             PlatformMessage::OperationNetwork(network) => {
-                let raw = serde_json::to_string(&network)
-                    .map_err(|error| StoreError::Unreadable { what: "network", reason: error.to_string() })?;
+                let raw = serde_json::to_string(&network).map_err(|error| {
+                    StoreError::Unreadable { what: "network", reason: error.to_string() }
+                })?;
                 self.books.network_arrived(network, raw, now);
             }
             PlatformMessage::Withdraw(withdraw) => self.books.network_withdrawn(withdraw, now),
@@ -169,7 +204,10 @@ impl Desk {
                 let fault = asi_model::messages::Fault {
                     pointer: "/assetId".to_owned(),
                     code: "NOT_OFFERED".to_owned(),
-                    message: format!("This factory offers no status of the asset {}.", request.asset_id),
+                    message: format!(
+                        "This factory offers no status of the asset {}.",
+                        request.asset_id
+                    ),
                 };
                 let result = AcknowledgementResult::Rejected;
                 self.books.acknowledge(request.message_id, None, result, vec![fault], now);
@@ -178,7 +216,14 @@ impl Desk {
         Ok(())
     }
 
-    fn reject(&mut self, rejection: Rejection, body: &[u8], subject: &str, transport_id: MessageId, now: DateTime) {
+    fn reject(
+        &mut self,
+        rejection: Rejection,
+        body: &[u8],
+        subject: &str,
+        transport_id: MessageId,
+        now: DateTime,
+    ) {
         metrics::counter!("verbund_messages_rejected_total").increment(1);
         tracing::warn!(message.id = %transport_id, faults = rejection.faults.len(), "A message was rejected and answered.");
         let first = rejection.faults.first();
@@ -193,7 +238,13 @@ impl Desk {
         });
         let correlation_id = rejection.message_id.clone().unwrap_or(transport_id);
         let subject = rejection.operation_network_id.clone().zip(rejection.revision);
-        self.books.acknowledge(correlation_id, subject, AcknowledgementResult::Rejected, rejection.faults, now);
+        self.books.acknowledge(
+            correlation_id,
+            subject,
+            AcknowledgementResult::Rejected,
+            rejection.faults,
+            now,
+        );
     }
 
     async fn receipt(&mut self, receipt: Receipt, now: DateTime) -> Result<(), StoreError> {
@@ -207,7 +258,8 @@ impl Desk {
         Ok(())
     }
 
-    /// A number is either a control message's or a message of reports'; what concerns the other kind finds nothing.
+    /// A number is either a control message's or a message of reports'; what concerns the other
+    /// kind finds nothing.
     async fn outcomes(
         &mut self,
         outcomes: &[RowOutcome],
@@ -237,13 +289,17 @@ impl Desk {
             }
         }
         if !accepted.is_empty() {
-            let departed: HashMap<i64, Departure> = departures.into_iter().map(|left| (left.message, left)).collect();
-            let unsent = moved(self.store.unsent_in(&accepted).await?, &self.books.changes.report_moves);
+            let departed: HashMap<i64, Departure> =
+                departures.into_iter().map(|left| (left.message, left)).collect();
+            let unsent =
+                moved(self.store.unsent_in(&accepted).await?, &self.books.changes.report_moves);
             let left: Vec<_> = unsent
                 .into_iter()
                 .filter(|kept| kept.row.sent_at.is_none())
                 .filter_map(|kept| match departed.get(&kept.message) {
-                    Some(left) if left.reports.contains(&kept.row.id.0) => Some((kept, Some(left.message_id.clone()))),
+                    Some(left) if left.reports.contains(&kept.row.id.0) => {
+                        Some((kept, Some(left.message_id.clone())))
+                    }
                     Some(_) => None,
                     None => (!kept.is_done).then_some((kept, None)),
                 })

@@ -1,5 +1,5 @@
-//! How far the reports of a writer came, with what the transaction that is being made says about them already; and what
-//! is taken back of them when their writer ends.
+//! How far the reports of a writer came, with what the transaction that is being made says about
+//! them already; and what is taken back of them when their writer ends.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -12,7 +12,8 @@ use crate::{
 };
 
 impl Desk {
-    /// Takes back what waits of writers that end, and makes the receipts of what was delivered before.
+    /// Takes back what waits of writers that end, and makes the receipts of what was delivered
+    /// before.
     pub(super) async fn take_back_purged(&mut self, now: DateTime) -> Result<(), StoreError> {
         let ended = std::mem::take(&mut self.books.ended);
         let mut standing = BTreeMap::new();
@@ -23,7 +24,8 @@ impl Desk {
         }
         for (writer, cause) in std::mem::take(&mut self.books.purges) {
             let rows = self.kept_reports(writer, None).await?;
-            // From here on the link lets none of them go, whether it has fetched them already or not.
+            // From here on the link lets none of them go, whether it has fetched them already or
+            // not.
             let waiting = rows.iter().filter(|kept| kept.row.sent_at.is_none());
             self.rooms.departures.recall(waiting.map(|kept| kept.row.id.0));
             self.books.purge(rows, cause, now);
@@ -59,7 +61,9 @@ impl Desk {
         for kept in self.store.kept_reports(writer, Some(epoch)).await? {
             for change in &self.books.changes.report_moves {
                 match change {
-                    ReportMove::Sent { reports, .. } if reports.iter().any(|(id, _)| *id == kept.row.id.0) => {
+                    ReportMove::Sent { reports, .. }
+                        if reports.iter().any(|(id, _)| *id == kept.row.id.0) =>
+                    {
                         sent = sent.max(Some(kept.row.sequence));
                     }
                     ReportMove::Receipted { reports, .. } if reports.contains(&kept.row.id.0) => {

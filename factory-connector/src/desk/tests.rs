@@ -1,4 +1,5 @@
-//! The desk with a real store, outbox and twin; the test stands where people, platform and link stand.
+//! The desk with a real store, outbox and twin; the test stands where people, platform and link
+//! stand.
 
 mod crash;
 mod failures;
@@ -93,7 +94,8 @@ impl Office {
             ..twin::TwinConfig::default()
         };
         let (twin, twin_handle) =
-            twin::Twin::new(factory_id.clone(), twin_config, Arc::new(Nobody), Arc::new(Nobody)).expect("a twin");
+            twin::Twin::new(factory_id.clone(), twin_config, Arc::new(Nobody), Arc::new(Nobody))
+                .expect("a twin");
         let (desk, commands) = channel();
         let (mappings, work) = mpsc::channel(64);
         let (candidates_in, candidates) = mpsc::channel(64);
@@ -116,9 +118,17 @@ impl Office {
             spool: SpoolLimits::default(),
             retention: RetentionLimits::default(),
         };
-        let rooms =
-            Rooms { twin: twin_handle, mappings, link: None, ephemerals, departures, events: EventLog::new(64, 1) };
-        let made = Desk::new(config, store, rooms, key, commands, candidates).await.expect("the store is read");
+        let rooms = Rooms {
+            twin: twin_handle,
+            mappings,
+            link: None,
+            ephemerals,
+            departures,
+            events: EventLog::new(64, 1),
+        };
+        let made = Desk::new(config, store, rooms, key, commands, candidates)
+            .await
+            .expect("the store is read");
         let shutdown = CancellationToken::new();
         let running = tokio::spawn(made.run(shutdown.clone()));
         Self {
@@ -165,17 +175,24 @@ impl Office {
 
     async fn open_fields(&self) {
         for name in ["made", "note"] {
-            let verdict =
-                Verdict::Map { value_source: ValueSource::Manual, mapping: None, policy: DisclosurePolicy::default() };
+            let verdict = Verdict::Map {
+                value_source: ValueSource::Manual,
+                mapping: None,
+                policy: DisclosurePolicy::default(),
+            };
             self.desk.decide(field(name), verdict, None, "eve").await.expect("decided");
         }
     }
 
     /// Types values into both fields: one message with two reports.
     async fn enter_both(&self, number: u64) {
-        let entries = vec![entry("made", json!(number)), entry("note", json!(format!("note {number}")))];
+        let entries =
+            vec![entry("made", json!(number)), entry("note", json!(format!("note {number}")))];
         let outcomes = self.desk.enter(entries).await.expect("written");
-        assert!(outcomes.iter().all(|outcome| matches!(outcome, EntryOutcome::Taken(_))), "{outcomes:?}");
+        assert!(
+            outcomes.iter().all(|outcome| matches!(outcome, EntryOutcome::Taken(_))),
+            "{outcomes:?}"
+        );
     }
 
     /// What the link would fetch.
@@ -187,8 +204,11 @@ impl Office {
     /// The broker accepts these, as far as they may leave.
     async fn accept(&self, rows: &[SpoolRow]) -> usize {
         let left: Vec<_> = rows.iter().filter(|row| self.outbox.may_leave(row)).collect();
-        let outcome =
-            |row: &&SpoolRow| RowOutcome { id: row.id, outcome: SendOutcome::Accepted, at: OffsetDateTime::now_utc() };
+        let outcome = |row: &&SpoolRow| RowOutcome {
+            id: row.id,
+            outcome: SendOutcome::Accepted,
+            at: OffsetDateTime::now_utc(),
+        };
         self.outbox.record(left.iter().map(outcome).collect()).await.expect("recorded");
         left.len()
     }
@@ -201,8 +221,12 @@ impl Office {
 
     async fn entries(&self, recipient: &str) -> Vec<Value> {
         let mut connection = self.readers.acquire().await.expect("a connection");
-        let filter = crate::store::LedgerFilter { recipient: recipient.parse().ok(), ..Default::default() };
-        let rows = crate::store::LedgerReader::default().next(&mut connection, &filter).await.expect("read");
+        let filter =
+            crate::store::LedgerFilter { recipient: recipient.parse().ok(), ..Default::default() };
+        let rows = crate::store::LedgerReader::default()
+            .next(&mut connection, &filter)
+            .await
+            .expect("read");
         rows.iter().map(|row| serde_json::from_str(&row.entry.content).expect("JSON")).collect()
     }
 }

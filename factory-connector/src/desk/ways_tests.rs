@@ -1,4 +1,5 @@
-//! Every way in which a field can be written, through the real desk, store and twin: each passes the gate.
+//! Every way in which a field can be written, through the real desk, store and twin: each passes
+//! the gate.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -17,7 +18,8 @@ use crate::{
     twin_side::DeskWriter,
 };
 
-/// Who could bring a value. A new way must be listed here: the sources below are looked through for others.
+/// Who could bring a value. A new way must be listed here: the sources below are looked through for
+/// others.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     /// A mapping's functions or script, alike: what the mapping engine yields is a candidate.
@@ -32,7 +34,8 @@ enum Way {
     OperatorsPage,
 }
 
-const WAYS: [Way; 5] = [Way::Mapping, Way::LostSource, Way::OpcUaWrite, Way::TypedValue, Way::OperatorsPage];
+const WAYS: [Way; 5] =
+    [Way::Mapping, Way::LostSource, Way::OpcUaWrite, Way::TypedValue, Way::OperatorsPage];
 
 impl Way {
     const fn source(self) -> ValueSource {
@@ -73,7 +76,8 @@ async fn start(directory: &Path) -> Running {
         ..TwinConfig::default()
     };
     let writer = Arc::new(DeskWriter(handle.clone()));
-    let (_, twin) = Twin::new(factory_id.clone(), config, writer, Arc::new(Nobody)).expect("a twin");
+    let (_, twin) =
+        Twin::new(factory_id.clone(), config, writer, Arc::new(Nobody)).expect("a twin");
     let (mappings, mapping_work) = mpsc::channel(64);
     let (candidates, candidate_work) = mpsc::channel(64);
     let rooms = Rooms {
@@ -92,7 +96,8 @@ async fn start(directory: &Path) -> Running {
         spool: SpoolLimits::default(),
         retention: RetentionLimits::default(),
     };
-    let desk = Desk::new(config, store, rooms, key, commands, candidate_work).await.expect("a desk");
+    let desk =
+        Desk::new(config, store, rooms, key, commands, candidate_work).await.expect("a desk");
     let shutdown = CancellationToken::new();
     let task = tokio::spawn(desk.run(shutdown.clone()));
     Running { handle, candidates, readers, shutdown, task, _mappings: mapping_work }
@@ -112,7 +117,8 @@ impl Running {
 
     /// Opens the field for one source, coarsely.
     async fn open(&self, source: ValueSource) {
-        let policy: DisclosurePolicy = serde_json::from_str(r#"{"roundingStep":10}"#).expect("a policy");
+        let policy: DisclosurePolicy =
+            serde_json::from_str(r#"{"roundingStep":10}"#).expect("a policy");
         let mapping = (source == ValueSource::Mapping).then(|| Box::new(mapping()));
         let verdict = Verdict::Map { value_source: source, mapping, policy };
         self.handle.decide(field("made"), verdict, None, "eve").await.expect("decided");
@@ -124,18 +130,24 @@ impl Running {
             Way::Mapping | Way::LostSource => {
                 let lost = DataValue { status: StatusCode::BAD_NO_DATA, ..value() };
                 let value = if matches!(way, Way::LostSource) { lost } else { value() };
-                let number = |books: &Books| books.field(&field("made")).map(|field| TargetKey(field.id));
-                let target = self.handle.read(number).await.expect("read").expect("the field is requested");
+                let number =
+                    |books: &Books| books.field(&field("made")).map(|field| TargetKey(field.id));
+                let target =
+                    self.handle.read(number).await.expect("read").expect("the field is requested");
                 let candidate = Candidate { target, value, state: None };
                 self.candidates.send(vec![candidate]).await.expect("taken");
             }
             Way::OpcUaWrite => {
                 let user = TwinUser { name: "client".into(), role: twin::Role::Engineer };
-                let status = DeskWriter(self.handle.clone()).write(&field("made"), value(), &user).await;
+                let status =
+                    DeskWriter(self.handle.clone()).write(&field("made"), value(), &user).await;
                 assert_eq!(status, StatusCode::GOOD_CLAMPED);
             }
             Way::TypedValue => {
-                self.handle.value(field("made"), ValueSource::Manual, value()).await.expect("taken");
+                self.handle
+                    .value(field("made"), ValueSource::Manual, value())
+                    .await
+                    .expect("taken");
             }
             Way::OperatorsPage => {
                 let request = field("made").request;
@@ -171,10 +183,17 @@ impl Running {
     async fn left(&self) -> Vec<serde_json::Value> {
         let statement = "SELECT r.body FROM ledger_entry e JOIN report r ON r.id = e.report_id \
              WHERE e.recipient = 'acme' ORDER BY e.number";
-        let bodies: Vec<String> =
-            sqlx::query_scalar(statement).fetch_all(&self.readers).await.expect("the ledger is read");
-        let reports = bodies.iter().map(|body| serde_json::from_str::<serde_json::Value>(body).expect("JSON"));
-        reports.map(|report| report["Payload"]["made"].clone()).filter(|value| !value.is_null()).collect()
+        let bodies: Vec<String> = sqlx::query_scalar(statement)
+            .fetch_all(&self.readers)
+            .await
+            .expect("the ledger is read");
+        let reports = bodies
+            .iter()
+            .map(|body| serde_json::from_str::<serde_json::Value>(body).expect("JSON"));
+        reports
+            .map(|report| report["Payload"]["made"].clone())
+            .filter(|value| !value.is_null())
+            .collect()
     }
 }
 
@@ -184,7 +203,10 @@ async fn every_way_in_passes_the_gate() {
     let mut desk = start(directory.path()).await;
     let message = network(1, |_| ());
     let raw = serde_json::to_string(&message).expect("serialises");
-    desk.handle.change(move |books, now| books.network_arrived(message, raw, now)).await.expect("arrived");
+    desk.handle
+        .change(move |books, now| books.network_arrived(message, raw, now))
+        .await
+        .expect("arrived");
     for (place, way) in WAYS.into_iter().enumerate() {
         // 17, 117, 217, ...: each leaves as the ten above it.
         let number = place as u64 * 100 + 17;
@@ -193,7 +215,8 @@ async fn every_way_in_passes_the_gate() {
         desk.open(way.source()).await;
         let before = desk.left().await.len();
         desk.bring(way, number).await;
-        let expected = if matches!(way, Way::LostSource) { Variant::Null } else { Variant::from(number + 3) };
+        let expected =
+            if matches!(way, Way::LostSource) { Variant::Null } else { Variant::from(number + 3) };
         let deadline = tokio::time::Instant::now() + Duration::from_secs(10);
         while desk.shown().await.is_none_or(|shown| shown.value != expected) {
             assert!(tokio::time::Instant::now() < deadline, "{way:?} never arrived");
@@ -207,15 +230,25 @@ async fn every_way_in_passes_the_gate() {
         // Restored from the store, the gate shows what it showed, and nothing else leaves.
         desk.stop().await;
         desk = start(directory.path()).await;
-        assert_eq!(desk.shown().await.map(|shown| shown.value), Some(expected), "{way:?}: after a restart");
+        assert_eq!(
+            desk.shown().await.map(|shown| shown.value),
+            Some(expected),
+            "{way:?}: after a restart"
+        );
         let after = desk.left().await;
-        assert!(after.iter().all(|value| left.contains(value)), "{way:?}: a restart let {after:?} leave");
+        assert!(
+            after.iter().all(|value| left.contains(value)),
+            "{way:?}: a restart let {after:?} leave"
+        );
         let undecided = Verdict::LeavePending;
         desk.handle.decide(field("made"), undecided, None, "eve").await.expect("decided");
     }
     for value in desk.left().await {
         let number = value["Body"].as_str().and_then(|text| text.parse::<u64>().ok());
-        assert!(value["Type"] != 9 || number.is_some_and(|number| number % 10 == 0), "finer than the step: {value}");
+        assert!(
+            value["Type"] != 9 || number.is_some_and(|number| number % 10 == 0),
+            "finer than the step: {value}"
+        );
     }
     desk.stop().await;
 }
@@ -228,7 +261,8 @@ impl Running {
             Way::Mapping | Way::LostSource => self.bring(Way::Mapping, number).await,
             Way::OpcUaWrite => {
                 let user = TwinUser { name: "client".into(), role: twin::Role::Engineer };
-                let status = DeskWriter(self.handle.clone()).write(&field("made"), value, &user).await;
+                let status =
+                    DeskWriter(self.handle.clone()).write(&field("made"), value, &user).await;
                 assert_eq!(status, StatusCode::BAD_NOT_WRITABLE);
             }
             Way::TypedValue => {
@@ -240,7 +274,8 @@ impl Running {
     }
 }
 
-/// Nothing but the listed ways brings values to a gate, and nothing but the gate decides what is disclosed.
+/// Nothing but the listed ways brings values to a gate, and nothing but the gate decides what is
+/// disclosed.
 #[test]
 fn there_is_no_way_around_the_gate() {
     let mut found: BTreeMap<&str, Vec<String>> = BTreeMap::new();
@@ -253,13 +288,21 @@ fn there_is_no_way_around_the_gate() {
                 folders.push(path);
                 continue;
             }
-            let name = path.strip_prefix(&source).expect("below it").to_string_lossy().replace('\\', "/");
+            let name =
+                path.strip_prefix(&source).expect("below it").to_string_lossy().replace('\\', "/");
             if name.contains("tests") || name.contains("promises") {
                 continue;
             }
             let text = std::fs::read_to_string(&path).expect("a source");
             let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-            for what in [".candidate(", ".candidate_for(", "gate.on(", "disclosed =", "GateState {", ".gate ="] {
+            for what in [
+                ".candidate(",
+                ".candidate_for(",
+                "gate.on(",
+                "disclosed =",
+                "GateState {",
+                ".gate =",
+            ] {
                 let count = text.matches(what).count();
                 if count > 0 {
                     found.entry(what).or_default().push(format!("{name} {count}"));
@@ -270,13 +313,28 @@ fn there_is_no_way_around_the_gate() {
     for places in found.values_mut() {
         places.sort();
     }
-    // The desk takes candidates of mappings, and values of people and OPC UA clients; the operator's page and the
-    // beginning of a request's validity use the same function of the books.
-    assert_eq!(found[".candidate("], ["books/operator.rs 1", "books/validity.rs 1", "desk/messages.rs 1"]);
+    // The desk takes candidates of mappings, and values of people and OPC UA clients; the
+    // operator's page and the beginning of a request's validity use the same function of the books.
+    assert_eq!(
+        found[".candidate("],
+        ["books/operator.rs 1", "books/validity.rs 1", "desk/messages.rs 1"]
+    );
     assert_eq!(found[".candidate_for("], ["books/values.rs 1", "desk.rs 1"]);
-    assert_eq!(found["gate.on("], ["api/preview.rs 1", "books/values.rs 2"], "a trial gate's, and the one way in");
-    assert_eq!(found["GateState {"], ["disclosure/gate.rs 2", "values.rs 1"], "what is read back from the store");
-    assert_eq!(found[".gate ="], ["books/field.rs 1", "books/requests.rs 1"], "loaded, or made anew and empty");
+    assert_eq!(
+        found["gate.on("],
+        ["api/preview.rs 1", "books/values.rs 2"],
+        "a trial gate's, and the one way in"
+    );
+    assert_eq!(
+        found["GateState {"],
+        ["disclosure/gate.rs 2", "values.rs 1"],
+        "what is read back from the store"
+    );
+    assert_eq!(
+        found[".gate ="],
+        ["books/field.rs 1", "books/requests.rs 1"],
+        "loaded, or made anew and empty"
+    );
     assert_eq!(
         found["disclosed ="],
         ["api/preview.rs 1", "disclosure/gate.rs 3"],

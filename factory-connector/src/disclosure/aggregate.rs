@@ -1,8 +1,8 @@
 //! One value per window of time, in place of every change within it.
 //!
-//! Windows are multiples of their length since 1970. A value counts as long as it held: the one that held when a window
-//! began belongs to it as well. What comes out carries the window's beginning as its source time, so that no time
-//! within the window leaves.
+//! Windows are multiples of their length since 1970. A value counts as long as it held: the one
+//! that held when a window began belongs to it as well. What comes out carries the window's
+//! beginning as its source time, so that no time within the window leaves.
 
 use std::time::Duration;
 
@@ -12,7 +12,19 @@ use serde::{Deserialize, Serialize};
 use super::Decimal;
 
 /// What is made of a window's values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    utoipa::ToSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AggregateFunction {
     /// The value that held at the window's end; for any type of field.
@@ -105,9 +117,17 @@ impl Aggregation {
     }
 
     /// A value came at `now`; the window before has been closed.
-    pub fn take(&mut self, aggregate: WindowAggregate, now: DateTime, value: DataValue, field_type: BuiltInType) {
+    pub fn take(
+        &mut self,
+        aggregate: WindowAggregate,
+        now: DateTime,
+        value: DataValue,
+        field_type: BuiltInType,
+    ) {
         let from = now.floor_to(aggregate.window());
-        let open = self.open.get_or_insert_with(|| Box::new(OpenWindow::new(from, self.held.as_ref(), field_type)));
+        let open = self
+            .open
+            .get_or_insert_with(|| Box::new(OpenWindow::new(from, self.held.as_ref(), field_type)));
         open.weigh(self.held.as_ref(), now);
         open.count(&value);
         open.add(&value);
@@ -130,8 +150,8 @@ impl Aggregation {
         }
     }
 
-    /// Ends the open window if it is over: its aggregate, and when it ended. A window that would say something else
-    /// than this one though nothing comes is opened at once.
+    /// Ends the open window if it is over: its aggregate, and when it ended. A window that would
+    /// say something else than this one though nothing comes is opened at once.
     pub fn close(
         &mut self,
         aggregate: WindowAggregate,
@@ -157,7 +177,8 @@ impl Aggregation {
 fn says_the_same(next: &DataValue, last: Option<&DataValue>) -> bool {
     let is_no_number = |value: &DataValue| value.value.as_f64().is_some_and(f64::is_nan);
     last.is_some_and(|last| {
-        last.status == next.status && (last.value == next.value || (is_no_number(last) && is_no_number(next)))
+        last.status == next.status
+            && (last.value == next.value || (is_no_number(last) && is_no_number(next)))
     })
 }
 
@@ -213,22 +234,35 @@ impl OpenWindow {
     fn add(&mut self, value: &DataValue) {
         let Some(scalar) = usable(value) else { return };
         match &mut self.sum {
-            Sum::Exact(sum) => *sum = sum.zip(scalar.as_i128()).and_then(|(sum, value)| sum.checked_add(value)),
+            Sum::Exact(sum) => {
+                *sum = sum.zip(scalar.as_i128()).and_then(|(sum, value)| sum.checked_add(value))
+            }
             Sum::Float(sum) => *sum += scalar.as_f64().unwrap_or(0.0),
         }
     }
 
-    fn result(&self, function: AggregateFunction, held: Option<&DataValue>, wanted: BuiltInType) -> Option<DataValue> {
+    fn result(
+        &self,
+        function: AggregateFunction,
+        held: Option<&DataValue>,
+        wanted: BuiltInType,
+    ) -> Option<DataValue> {
         let from = Some(self.from);
         let of = |value: Variant| {
-            let status = if self.has_doubtful { StatusCode::UNCERTAIN_SUB_NORMAL } else { StatusCode::GOOD };
+            let status =
+                if self.has_doubtful { StatusCode::UNCERTAIN_SUB_NORMAL } else { StatusCode::GOOD };
             DataValue { value, status, source_timestamp: from, ..DataValue::default() }
         };
         let number = match function {
             AggregateFunction::Last => {
                 let held = held?;
                 let (value, status) = (held.value.clone(), held.status);
-                return Some(DataValue { value, status, source_timestamp: from, ..DataValue::default() });
+                return Some(DataValue {
+                    value,
+                    status,
+                    source_timestamp: from,
+                    ..DataValue::default()
+                });
             }
             AggregateFunction::Maximum => self.maximum.clone(),
             AggregateFunction::Minimum => self.minimum.clone(),
@@ -238,7 +272,9 @@ impl OpenWindow {
             AggregateFunction::Sum => match self.sum {
                 Sum::Exact(sum) => match sum.and_then(|sum| Scalar::from_i128(sum, wanted)) {
                     Some(sum) => Some(sum),
-                    None => return Some(DataValue::status_only(StatusCode::BAD_OUT_OF_RANGE, from)),
+                    None => {
+                        return Some(DataValue::status_only(StatusCode::BAD_OUT_OF_RANGE, from));
+                    }
                 },
                 Sum::Float(sum) => as_type(sum, wanted),
             },
@@ -279,19 +315,28 @@ mod tests {
         DateTime::from_unix_micros(1_800_000_000_000_000 + ms * 1_000)
     }
 
-    /// Values at milliseconds into windows of a second; what leaves by 3.5 s, with the second in which it leaves.
+    /// Values at milliseconds into windows of a second; what leaves by 3.5 s, with the second in
+    /// which it leaves.
     fn run(function: AggregateFunction, values: &[(i64, f64)]) -> Vec<(i64, f64)> {
         let aggregate = WindowAggregate { function, window_ms: 1000 };
         let mut aggregation = Aggregation::default();
         let mut left = Vec::new();
         let mut close = |aggregation: &mut Aggregation, now| {
             while let Some((end, value)) = aggregation.close(aggregate, now, BuiltInType::Double) {
-                left.push(((end.unix_millis() - at(0).unix_millis()) / 1000, value.value.as_f64().expect("a number")));
+                left.push((
+                    (end.unix_millis() - at(0).unix_millis()) / 1000,
+                    value.value.as_f64().expect("a number"),
+                ));
             }
         };
         for (ms, value) in values {
             close(&mut aggregation, at(*ms));
-            aggregation.take(aggregate, at(*ms), DataValue::good(*value, at(*ms)), BuiltInType::Double);
+            aggregation.take(
+                aggregate,
+                at(*ms),
+                DataValue::good(*value, at(*ms)),
+                BuiltInType::Double,
+            );
         }
         close(&mut aggregation, at(3500));
         left
@@ -304,7 +349,8 @@ mod tests {
             (F::Last, &[(0, 1.0), (400, 5.0), (900, 2.0)][..], &[(1, 2.0)][..]),
             (F::Maximum, &[(0, 1.0), (400, 5.0), (900, 2.0)], &[(1, 5.0), (2, 2.0)]),
             (F::Minimum, &[(0, 3.0), (400, 1.0), (900, 2.0)], &[(1, 1.0), (2, 2.0)]),
-            // A second of 2 in the first window's quarter, then 6: the mean weighs how long each held.
+            // A second of 2 in the first window's quarter, then 6: the mean weighs how long each
+            // held.
             (F::Mean, &[(0, 2.0), (750, 6.0)], &[(1, 3.0), (2, 6.0)]),
             // A window in which nothing came sums to zero, and says so once.
             (F::Sum, &[(0, 2.0), (500, 3.0), (600, 5.0)], &[(1, 10.0), (2, 0.0)]),
@@ -334,9 +380,11 @@ mod tests {
         let lost = DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at(500)));
         aggregation.take(aggregate, at(0), DataValue::good(7_i32, at(0)), BuiltInType::Int32);
         aggregation.take(aggregate, at(500), lost, BuiltInType::Int32);
-        let (_, value) = aggregation.close(aggregate, at(1000), BuiltInType::Int32).expect("closed");
+        let (_, value) =
+            aggregation.close(aggregate, at(1000), BuiltInType::Int32).expect("closed");
         assert_eq!((value.value, value.status), (7_i32.into(), StatusCode::UNCERTAIN_SUB_NORMAL));
-        let (_, value) = aggregation.close(aggregate, at(2000), BuiltInType::Int32).expect("closed");
+        let (_, value) =
+            aggregation.close(aggregate, at(2000), BuiltInType::Int32).expect("closed");
         assert_eq!(value.status, StatusCode::BAD_NO_DATA);
     }
 }

@@ -12,9 +12,14 @@ pub(super) struct Coarsened {
     pub(super) is_coarsened: bool,
 }
 
-/// Coarsens a candidate for a field of a type. A value of another type than the field's never passes: it could carry
-/// digits that no rounding step reaches. A Bad value carries its status only.
-pub(super) fn coarsen(policy: &DisclosurePolicy, field_type: BuiltInType, candidate: DataValue) -> Coarsened {
+/// Coarsens a candidate for a field of a type. A value of another type than the field's never
+/// passes: it could carry digits that no rounding step reaches. A Bad value carries its status
+/// only.
+pub(super) fn coarsen(
+    policy: &DisclosurePolicy,
+    field_type: BuiltInType,
+    candidate: DataValue,
+) -> Coarsened {
     let (value, status) = if candidate.status.is_bad() {
         (Variant::Null, candidate.status)
     } else if candidate.value.built_in_type().is_some_and(|found| found != field_type) {
@@ -24,10 +29,18 @@ pub(super) fn coarsen(policy: &DisclosurePolicy, field_type: BuiltInType, candid
     };
     let source_timestamp = candidate.source_timestamp.map(|time| time.floor_to(policy.time_step()));
     let is_coarsened = value != candidate.value || source_timestamp != candidate.source_timestamp;
-    // Only the source's time travels on; what a server or a finer clock would add is nobody's business.
-    let source_picoseconds = if policy.time_step_ms.is_some() { 0 } else { candidate.source_picoseconds };
+    // Only the source's time travels on; what a server or a finer clock would add is nobody's
+    // business.
+    let source_picoseconds =
+        if policy.time_step_ms.is_some() { 0 } else { candidate.source_picoseconds };
     Coarsened {
-        value: DataValue { value, status, source_timestamp, source_picoseconds, ..DataValue::default() },
+        value: DataValue {
+            value,
+            status,
+            source_timestamp,
+            source_picoseconds,
+            ..DataValue::default()
+        },
         is_coarsened,
     }
 }
@@ -38,7 +51,11 @@ fn coarsen_variant(policy: &DisclosurePolicy, value: &Variant) -> Variant {
         Variant::Scalar(scalar) => Variant::Scalar(coarsen_scalar(policy, scalar)),
         Variant::Array(array) => Variant::Array(Arc::new(Array {
             element_type: array.element_type,
-            elements: array.elements.iter().map(|element| coarsen_scalar(policy, element)).collect(),
+            elements: array
+                .elements
+                .iter()
+                .map(|element| coarsen_scalar(policy, element))
+                .collect(),
             dimensions: array.dimensions.clone(),
         })),
     }
@@ -55,19 +72,21 @@ fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
                 band(scalar, &policy.bands)
             };
             // The digits are cut last: what was one value before stays one value.
-            policy.significant_digits.map_or_else(|| coarse.clone(), |digits| cut_digits(&coarse, digits))
+            policy
+                .significant_digits
+                .map_or_else(|| coarse.clone(), |digits| cut_digits(&coarse, digits))
         }
     }
 }
 
 fn cut_digits(scalar: &Scalar, digits: u8) -> Scalar {
     match *scalar {
-        Scalar::Double(value) => {
-            Scalar::Double(Decimal::from_f64(value).map_or(value, |decimal| decimal.with_digits(digits).to_f64()))
-        }
-        Scalar::Float(value) => {
-            Scalar::Float(Decimal::from_f32(value).map_or(value, |decimal| decimal.with_digits(digits).to_f32()))
-        }
+        Scalar::Double(value) => Scalar::Double(
+            Decimal::from_f64(value).map_or(value, |decimal| decimal.with_digits(digits).to_f64()),
+        ),
+        Scalar::Float(value) => Scalar::Float(
+            Decimal::from_f32(value).map_or(value, |decimal| decimal.with_digits(digits).to_f32()),
+        ),
         _ => {
             let wanted = scalar.built_in_type();
             let exact = Decimal::new(scalar.as_i128().unwrap_or(0), 0);
@@ -83,21 +102,23 @@ fn cut_digits(scalar: &Scalar, digits: u8) -> Scalar {
 
 fn round(scalar: &Scalar, step: RoundingStep) -> Scalar {
     match *scalar {
-        Scalar::Double(value) => {
-            Scalar::Double(Decimal::from_f64(value).map_or(value, |decimal| decimal.round_to(step).to_f64()))
-        }
-        Scalar::Float(value) => {
-            Scalar::Float(Decimal::from_f32(value).map_or(value, |decimal| decimal.round_to(step).to_f32()))
-        }
+        Scalar::Double(value) => Scalar::Double(
+            Decimal::from_f64(value).map_or(value, |decimal| decimal.round_to(step).to_f64()),
+        ),
+        Scalar::Float(value) => Scalar::Float(
+            Decimal::from_f32(value).map_or(value, |decimal| decimal.round_to(step).to_f32()),
+        ),
         _ => match (scalar.as_i128(), step.to_integer()) {
             (Some(value), Some(step)) => round_integer(value, step, scalar.built_in_type()),
-            // A policy with such a step is refused for integer fields; if one ever came here, nothing may pass.
+            // A policy with such a step is refused for integer fields; if one ever came here,
+            // nothing may pass.
             _ => Scalar::from_i128(0, scalar.built_in_type()).unwrap_or_else(|| scalar.clone()),
         },
     }
 }
 
-/// The nearest multiple of the step that the type can hold: beyond its limits the next one towards zero.
+/// The nearest multiple of the step that the type can hold: beyond its limits the next one towards
+/// zero.
 fn round_integer(value: i128, step: i128, wanted: BuiltInType) -> Scalar {
     let count = divide_to_nearest(value, step);
     let towards_zero = count - count.signum();
@@ -110,16 +131,19 @@ fn round_integer(value: i128, step: i128, wanted: BuiltInType) -> Scalar {
 #[allow(clippy::cast_possible_truncation)]
 fn band(scalar: &Scalar, bounds: &[f64]) -> Scalar {
     let lowest = bounds.first().copied().unwrap_or(0.0);
-    let below = |value: f64| bounds.iter().rev().find(|bound| **bound <= value).copied().unwrap_or(lowest);
+    let below =
+        |value: f64| bounds.iter().rev().find(|bound| **bound <= value).copied().unwrap_or(lowest);
     match *scalar {
         Scalar::Double(value) if value.is_nan() => Scalar::Double(value),
         Scalar::Float(value) if value.is_nan() => Scalar::Float(value),
         Scalar::Double(value) => Scalar::Double(below(value)),
         Scalar::Float(value) => Scalar::Float(below(value.into()) as f32),
         _ => {
-            // Bounds of integer fields are whole numbers within 2^53, so that both conversions are exact.
+            // Bounds of integer fields are whole numbers within 2^53, so that both conversions are
+            // exact.
             let value = scalar.as_i128().unwrap_or(0);
-            let bound = bounds.iter().rev().map(|bound| *bound as i128).find(|bound| *bound <= value);
+            let bound =
+                bounds.iter().rev().map(|bound| *bound as i128).find(|bound| *bound <= value);
             let bound = bound.unwrap_or(lowest as i128);
             let wanted = scalar.built_in_type();
             Scalar::from_i128(bound, wanted)
@@ -169,7 +193,14 @@ mod tests {
 
     #[test]
     fn a_value_of_another_type_never_passes() {
-        let coarse = coarsen(&DisclosurePolicy::default(), BuiltInType::Int32, DataValue::good("3.14", DateTime::MIN));
-        assert_eq!((coarse.value.value, coarse.value.status), (Variant::Null, StatusCode::BAD_TYPE_MISMATCH));
+        let coarse = coarsen(
+            &DisclosurePolicy::default(),
+            BuiltInType::Int32,
+            DataValue::good("3.14", DateTime::MIN),
+        );
+        assert_eq!(
+            (coarse.value.value, coarse.value.status),
+            (Variant::Null, StatusCode::BAD_TYPE_MISMATCH)
+        );
     }
 }

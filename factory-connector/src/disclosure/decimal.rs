@@ -1,10 +1,12 @@
-//! Exact decimals: rounding must neither lose digits of 64-bit integers nor let binary fractions show through.
+//! Exact decimals: rounding must neither lose digits of 64-bit integers nor let binary fractions
+//! show through.
 
 use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-/// A decimal number `mantissa * 10^exponent`, normalised so that the mantissa has no trailing zeros.
+/// A decimal number `mantissa * 10^exponent`, normalised so that the mantissa has no trailing
+/// zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Decimal {
     mantissa: i128,
@@ -58,17 +60,23 @@ impl Decimal {
     /// The number as an integer, where it is one that fits.
     #[must_use]
     pub fn to_integer(self) -> Option<i128> {
-        if self.exponent < 0 { None } else { self.mantissa.checked_mul(power_of_ten(self.exponent)?) }
+        if self.exponent < 0 {
+            None
+        } else {
+            self.mantissa.checked_mul(power_of_ten(self.exponent)?)
+        }
     }
 
-    /// The multiple of `step` nearest to this number, ties away from zero. A number so large that even its own last
-    /// digit is coarser than the step is returned as it is.
+    /// The multiple of `step` nearest to this number, ties away from zero. A number so large that
+    /// even its own last digit is coarser than the step is returned as it is.
     #[must_use]
     pub fn round_to(self, step: RoundingStep) -> Self {
         let step = step.0;
         let shift = self.exponent.saturating_sub(step.exponent);
         let count = if shift >= 0 {
-            let Some(numerator) = power_of_ten(shift).and_then(|power| self.mantissa.checked_mul(power)) else {
+            let Some(numerator) =
+                power_of_ten(shift).and_then(|power| self.mantissa.checked_mul(power))
+            else {
                 return self;
             };
             divide_to_nearest(numerator, step.mantissa)
@@ -125,7 +133,11 @@ fn power_of_ten(exponent: i32) -> Option<i128> {
 pub(super) const fn divide_to_nearest(numerator: i128, denominator: i128) -> i128 {
     let (quotient, remainder) = (numerator / denominator, numerator % denominator);
     // `remainder >= denominator - remainder` says `2 * remainder >= denominator` without overflow.
-    if remainder.abs() >= denominator - remainder.abs() { quotient + numerator.signum() } else { quotient }
+    if remainder.abs() >= denominator - remainder.abs() {
+        quotient + numerator.signum()
+    } else {
+        quotient
+    }
 }
 
 impl FromStr for Decimal {
@@ -180,7 +192,10 @@ impl RoundingStep {
     /// # Errors
     /// [`InvalidStep`] where it is not positive, has more than 15 digits or an exponent beyond ±30.
     pub fn new(step: Decimal) -> Result<Self, InvalidStep> {
-        if step.mantissa > 0 && step.mantissa < 1_000_000_000_000_000 && (-30..=30).contains(&step.exponent) {
+        if step.mantissa > 0
+            && step.mantissa < 1_000_000_000_000_000
+            && (-30..=30).contains(&step.exponent)
+        {
             Ok(Self(step))
         } else {
             Err(InvalidStep { found: step.to_string() })
@@ -238,8 +253,14 @@ mod tests {
 
     #[test]
     fn text_round_trips() {
-        for (text, shown) in [("0.1", "0.1"), ("2500", "2500"), ("-0.0250", "-0.025"), ("1e3", "1000"), ("0", "0")] {
-            assert_eq!(text.parse::<Decimal>().map(|d| d.to_string()), Ok(shown.to_owned()), "{text}");
+        for (text, shown) in
+            [("0.1", "0.1"), ("2500", "2500"), ("-0.0250", "-0.025"), ("1e3", "1000"), ("0", "0")]
+        {
+            assert_eq!(
+                text.parse::<Decimal>().map(|d| d.to_string()),
+                Ok(shown.to_owned()),
+                "{text}"
+            );
         }
         for text in ["", "-", "1.2.3", "abc", "1e99999999999", "--1"] {
             assert!(text.parse::<Decimal>().is_err(), "{text}");
@@ -275,7 +296,9 @@ mod tests {
 
     #[test]
     fn steps_are_positive() {
-        for (text, ok) in [(1.0, true), (0.001, true), (0.0, false), (-1.0, false), (f64::NAN, false)] {
+        for (text, ok) in
+            [(1.0, true), (0.001, true), (0.0, false), (-1.0, false), (f64::NAN, false)]
+        {
             assert_eq!(RoundingStep::try_from(text).is_ok(), ok, "{text}");
         }
     }

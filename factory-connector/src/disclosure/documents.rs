@@ -33,7 +33,9 @@ impl FromStr for DocumentId {
     type Err = InvalidDocumentId;
     fn from_str(text: &str) -> Result<Self, InvalidDocumentId> {
         let is_id = (1..=64).contains(&text.len())
-            && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
+            && text
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
         if is_id { Ok(Self(text.into())) } else { Err(InvalidDocumentId) }
     }
 }
@@ -57,7 +59,9 @@ impl<'de> Deserialize<'de> for DocumentId {
 }
 
 /// One version of a policy or rule.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentVersion {
     /// Which.

@@ -3,7 +3,9 @@
 use asi_model::{BuiltInType, DataValue, DateTime};
 use serde::Serialize;
 
-use super::{DisclosurePolicy, Statement, StatementPart, coarsening::coarsen, statement::describe_period};
+use super::{
+    DisclosurePolicy, Statement, StatementPart, coarsening::coarsen, statement::describe_period,
+};
 
 /// A part of a policy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, utoipa::ToSchema)]
@@ -45,8 +47,8 @@ pub struct Effect {
     pub is_felt: bool,
 }
 
-/// What each part of a policy does to a candidate at a time, in the order in which they are applied. `is_withheld`: the
-/// policy withholds the present state.
+/// What each part of a policy does to a candidate at a time, in the order in which they are
+/// applied. `is_withheld`: the policy withholds the present state.
 #[must_use]
 pub fn effects(
     policy: &DisclosurePolicy,
@@ -73,15 +75,26 @@ pub fn effects(
     for (kind, part) in [
         (EffectKind::Banded, DisclosurePolicy { bands: policy.bands.clone(), ..open() }),
         (EffectKind::Rounded, DisclosurePolicy { rounding_step: policy.rounding_step, ..open() }),
-        (EffectKind::Digits, DisclosurePolicy { significant_digits: policy.significant_digits, ..open() }),
+        (
+            EffectKind::Digits,
+            DisclosurePolicy { significant_digits: policy.significant_digits, ..open() },
+        ),
         (EffectKind::TimeStep, DisclosurePolicy { time_step_ms: policy.time_step_ms, ..open() }),
     ] {
         let is_felt = alone(part.clone());
         add(kind, part, is_felt);
     }
     add(EffectKind::Delayed, DisclosurePolicy { delay_ms: policy.delay_ms, ..open() }, true);
-    add(EffectKind::Interval, DisclosurePolicy { minimum_interval_ms: policy.minimum_interval_ms, ..open() }, false);
-    add(EffectKind::Rate, DisclosurePolicy { rate_limits: policy.rate_limits.clone(), ..open() }, false);
+    add(
+        EffectKind::Interval,
+        DisclosurePolicy { minimum_interval_ms: policy.minimum_interval_ms, ..open() },
+        false,
+    );
+    add(
+        EffectKind::Rate,
+        DisclosurePolicy { rate_limits: policy.rate_limits.clone(), ..open() },
+        false,
+    );
     let hours = DisclosurePolicy {
         working_hours: policy.working_hours.clone(),
         further_hours: policy.further_hours.clone(),
@@ -92,20 +105,25 @@ pub fn effects(
     effects
 }
 
-/// The most values per hour that a policy lets through; `None` where there is no limit but the publishing interval.
+/// The most values per hour that a policy lets through; `None` where there is no limit but the
+/// publishing interval.
 #[must_use]
 pub fn values_per_hour_max(policy: &DisclosurePolicy) -> Option<f64> {
     const HOUR_MS: f64 = 3_600_000.0;
     #[allow(clippy::cast_precision_loss)]
     let per = |ms: u64| HOUR_MS / ms.max(1) as f64;
-    let slots =
-        [policy.minimum_interval_ms, policy.time_step_ms, policy.aggregate.map(|aggregate| aggregate.window_ms)];
-    let rates = policy.rate_limits.iter().map(|limit| f64::from(limit.values) * per(limit.period_ms));
+    let slots = [
+        policy.minimum_interval_ms,
+        policy.time_step_ms,
+        policy.aggregate.map(|aggregate| aggregate.window_ms),
+    ];
+    let rates =
+        policy.rate_limits.iter().map(|limit| f64::from(limit.values) * per(limit.period_ms));
     slots.into_iter().flatten().map(per).chain(rates).reduce(f64::min)
 }
 
-/// The shortest time that can be told apart by when values leave and by their times, in words and milliseconds; zero
-/// where changes leave as they happen.
+/// The shortest time that can be told apart by when values leave and by their times, in words and
+/// milliseconds; zero where changes leave as they happen.
 #[must_use]
 pub fn time_resolution_ms(policy: &DisclosurePolicy) -> u64 {
     // A minimum interval and rates limit how often something leaves, not how exactly it is timed.
@@ -136,8 +154,20 @@ mod tests {
                 .map(|effect| (effect.kind, effect.is_felt))
                 .collect();
         use EffectKind as K;
-        assert_eq!(found, [(K::Withheld, false), (K::Rounded, true), (K::Digits, false), (K::Interval, false)]);
-        assert_eq!(effects(&DisclosurePolicy::default(), BuiltInType::Int32, &DataValue::default(), false, now), []);
+        assert_eq!(
+            found,
+            [(K::Withheld, false), (K::Rounded, true), (K::Digits, false), (K::Interval, false)]
+        );
+        assert_eq!(
+            effects(
+                &DisclosurePolicy::default(),
+                BuiltInType::Int32,
+                &DataValue::default(),
+                false,
+                now
+            ),
+            []
+        );
     }
 
     #[test]
@@ -145,7 +175,10 @@ mod tests {
         for (json, expected) in [
             ("{}", None),
             (r#"{"minimumIntervalMs":60000}"#, Some(60.0)),
-            (r#"{"minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}]}"#, Some(3.0)),
+            (
+                r#"{"minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}]}"#,
+                Some(3.0),
+            ),
             (r#"{"aggregate":{"function":"MEAN","windowMs":1800000}}"#, Some(2.0)),
         ] {
             let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");

@@ -15,7 +15,8 @@ use super::{
     rate,
 };
 
-/// Most values that wait for their delay; within a share of the delay the latest replaces the one before it.
+/// Most values that wait for their delay; within a share of the delay the latest replaces the one
+/// before it.
 const DELAYED_MAX: u32 = 256;
 
 /// What became of a candidate.
@@ -61,7 +62,8 @@ pub struct GateState {
 
 /// Decides what of a field's candidates leaves, and when.
 ///
-/// `now` must never run backwards within one gate's life; [`Gate::new`] copes with a clock that did so between lives.
+/// `now` must never run backwards within one gate's life; [`Gate::new`] copes with a clock that did
+/// so between lives.
 #[derive(Debug, Clone)]
 pub struct Gate {
     policy: Arc<DisclosurePolicy>,
@@ -79,7 +81,12 @@ pub struct Gate {
 impl Gate {
     /// A gate in a remembered state (a default one for a new field).
     #[must_use]
-    pub fn new(policy: Arc<DisclosurePolicy>, field_type: BuiltInType, mut state: GateState, now: DateTime) -> Self {
+    pub fn new(
+        policy: Arc<DisclosurePolicy>,
+        field_type: BuiltInType,
+        mut state: GateState,
+        now: DateTime,
+    ) -> Self {
         // A clock that was set back must neither open the gate early nor keep it shut for years.
         state.last_released_at = state.last_released_at.map(|at| at.min(now));
         for (arrived_at, _) in &mut state.waiting {
@@ -90,7 +97,15 @@ impl Gate {
         }
         state.aggregation.set_clock_back(now);
         let is_immediate = policy.is_immediate();
-        Self { policy, is_immediate, field_type, state, ripe: None, not_before: None, has_news: false }
+        Self {
+            policy,
+            is_immediate,
+            field_type,
+            state,
+            ripe: None,
+            not_before: None,
+            has_news: false,
+        }
     }
 
     /// The policy in force.
@@ -122,7 +137,8 @@ impl Gate {
 
     /// The clock was set back: what was remembered of a time yet to come counts as of now.
     pub fn set_clock_back(&mut self, now: DateTime) {
-        let Self { state, .. } = Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now);
+        let Self { state, .. } =
+            Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now);
         self.state = state;
         self.ripe = None;
     }
@@ -143,7 +159,12 @@ impl Gate {
         let released_before = self.take_news();
         let mut is_coarsened = true;
         if let Some(aggregate) = self.policy.aggregate {
-            self.state.aggregation.take(aggregate, now, self.of_its_type(candidate), self.field_type);
+            self.state.aggregation.take(
+                aggregate,
+                now,
+                self.of_its_type(candidate),
+                self.field_type,
+            );
         } else {
             let coarsened = coarsen(&self.policy, self.field_type, candidate);
             is_coarsened = coarsened.is_coarsened;
@@ -161,11 +182,14 @@ impl Gate {
 
     /// Nothing waits, and nothing that comes has to.
     fn is_idle(&self) -> bool {
-        self.is_immediate && self.ripe.is_none() && self.state.waiting.is_empty() && !self.state.is_in_withheld_state
+        self.is_immediate
+            && self.ripe.is_none()
+            && self.state.waiting.is_empty()
+            && !self.state.is_in_withheld_state
     }
 
-    /// Takes a candidate where [`Self::is_idle`]: what all of the above comes to then, for the many fields of which
-    /// every change leaves.
+    /// Takes a candidate where [`Self::is_idle`]: what all of the above comes to then, for the many
+    /// fields of which every change leaves.
     fn on_at_once(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
         let Coarsened { value, is_coarsened } = coarsen(&self.policy, self.field_type, candidate);
         if self.is_known(&value) {
@@ -177,9 +201,14 @@ impl Gate {
         Outcome::Disclosed { is_coarsened }
     }
 
-    /// Another field came into, or left, a state in which nothing of this one leaves; `None` where its state is not
-    /// known. True where that is news.
-    pub fn on_state(&mut self, now: DateTime, other: &FieldName, is_withheld: Option<bool>) -> bool {
+    /// Another field came into, or left, a state in which nothing of this one leaves; `None` where
+    /// its state is not known. True where that is news.
+    pub fn on_state(
+        &mut self,
+        now: DateTime,
+        other: &FieldName,
+        is_withheld: Option<bool>,
+    ) -> bool {
         self.on_time(now);
         let before = self.state.withheld_by.get(other).copied();
         match is_withheld {
@@ -219,7 +248,8 @@ impl Gate {
             self.ripe = None;
         }
         if self.release_at().is_some_and(|at| at <= now) {
-            // Noticed late, perhaps after a restart: what was due within the hours must not leave after them.
+            // Noticed late, perhaps after a restart: what was due within the hours must not leave
+            // after them.
             match self.first_within_hours(now) {
                 Some(at) if at > now => self.not_before = Some(at),
                 None => {}
@@ -239,7 +269,9 @@ impl Gate {
     /// Lets the aggregates of windows that are over wait for their delay.
     fn close_windows(&mut self, now: DateTime) {
         let Some(aggregate) = self.policy.aggregate else { return };
-        while let Some((ended_at, value)) = self.state.aggregation.close(aggregate, now, self.field_type) {
+        while let Some((ended_at, value)) =
+            self.state.aggregation.close(aggregate, now, self.field_type)
+        {
             let value = coarsen(&self.policy, self.field_type, value).value;
             self.wait(ended_at, value);
         }
@@ -257,13 +289,16 @@ impl Gate {
         if self.is_idle() {
             return None;
         }
-        let ripens_at = self.state.waiting.front().map(|(arrived_at, _)| arrived_at.after(self.policy.delay()));
-        let ends_at = self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
+        let ripens_at =
+            self.state.waiting.front().map(|(arrived_at, _)| arrived_at.after(self.policy.delay()));
+        let ends_at =
+            self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
         [self.release_at(), ripens_at, ends_at].into_iter().flatten().min()
     }
 
-    /// Another policy takes effect. What waits was coarsened under the old one and is coarsened again under the new
-    /// one; the minimum interval goes on counting. What was to leave as part of an aggregate only never leaves singly.
+    /// Another policy takes effect. What waits was coarsened under the old one and is coarsened
+    /// again under the new one; the minimum interval goes on counting. What was to leave as part of
+    /// an aggregate only never leaves singly.
     pub fn change_policy(&mut self, policy: Arc<DisclosurePolicy>, now: DateTime) {
         if self.policy.aggregate != policy.aggregate {
             self.state.aggregation = Aggregation::default();
@@ -277,8 +312,10 @@ impl Gate {
         self.policy = policy;
         let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
         self.ripe = self.ripe.take().map(|(at, value)| (at, again(value)));
-        self.state.waiting =
-            std::mem::take(&mut self.state.waiting).into_iter().map(|(at, v)| (at, again(v))).collect();
+        self.state.waiting = std::mem::take(&mut self.state.waiting)
+            .into_iter()
+            .map(|(at, v)| (at, again(v)))
+            .collect();
         self.on_time(now);
     }
 
@@ -308,9 +345,14 @@ impl Gate {
         waiting.push_back((now, value));
     }
 
-    /// Nothing new for those who know what left last. A sum is new with every window: two fives are ten.
+    /// Nothing new for those who know what left last. A sum is new with every window: two fives are
+    /// ten.
     fn is_known(&self, value: &DataValue) -> bool {
-        let is_sum = || self.policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
+        let is_sum = || {
+            self.policy
+                .aggregate
+                .is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum)
+        };
         let is_zero = || value.value.as_f64() == Some(0.0);
         let known = self.state.disclosed.as_ref();
         known.is_some_and(|known| known.value == value.value && known.status == value.status)
@@ -338,7 +380,11 @@ impl Gate {
 
     /// The first instant from `at` on within all working hours.
     fn first_within_hours(&self, at: DateTime) -> Option<DateTime> {
-        if self.policy.has_hours() { self.policy.first_slot_of(at, Duration::ZERO) } else { Some(at) }
+        if self.policy.has_hours() {
+            self.policy.first_slot_of(at, Duration::ZERO)
+        } else {
+            Some(at)
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! What one partner learns in sum, and what approved fields reveal when they are put together.
 //!
-//! Pure: a list of open fields goes in, figures and warnings come out. The figures are upper bounds of what can be
-//! learned from the values themselves; the warnings name conclusions that an engineer may not have meant to allow.
+//! Pure: a list of open fields goes in, figures and warnings come out. The figures are upper bounds
+//! of what can be learned from the values themselves; the warnings name conclusions that an
+//! engineer may not have meant to allow.
 
 mod bits;
 mod conclusions;
@@ -116,7 +117,10 @@ pub fn leak_budget(open: &[OpenField<'_>]) -> LeakBudget {
     let bits = |field: &FieldLeak| Some(field.values_per_hour_max? * field.bits_per_value?);
     LeakBudget {
         values_per_hour_max: fields.iter().map(|field| field.values_per_hour_max).sum(),
-        values_per_hour_measured: fields.iter().filter_map(|field| field.measured.released_per_hour()).sum(),
+        values_per_hour_measured: fields
+            .iter()
+            .filter_map(|field| field.measured.released_per_hour())
+            .sum(),
         bits_per_hour_max: fields.iter().map(bits).sum(),
         warnings: leak_warnings(open),
         fields,
@@ -137,7 +141,8 @@ pub struct LeakSummary {
     pub bits_per_hour_max: Option<f64>,
     /// The most that one value of any field can tell, in bits; none where a field has no bound.
     pub bits_per_value_max: Option<f64>,
-    /// How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they happen.
+    /// How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they
+    /// happen.
     pub time_resolution_ms: u64,
     /// How many things can be concluded.
     pub warning_count: usize,
@@ -149,17 +154,25 @@ pub struct LeakSummary {
 #[must_use]
 pub fn leak_summary(open: &[OpenField<'_>]) -> LeakSummary {
     let warnings = leak_warnings(open);
-    let mut conclusions: Vec<Conclusion> = warnings.iter().map(|warning| warning.conclusion).collect();
+    let mut conclusions: Vec<Conclusion> =
+        warnings.iter().map(|warning| warning.conclusion).collect();
     conclusions.dedup();
     let rates = || open.iter().map(|field| values_per_hour_max(field.policy));
     let bits = || open.iter().map(bits_per_value);
     LeakSummary {
         field_count: open.len(),
         values_per_hour_max: rates().sum(),
-        values_per_hour_measured: open.iter().filter_map(|field| field.measured.released_per_hour()).sum(),
+        values_per_hour_measured: open
+            .iter()
+            .filter_map(|field| field.measured.released_per_hour())
+            .sum(),
         bits_per_hour_max: rates().zip(bits()).map(|(rate, bits)| Some(rate? * bits?)).sum(),
         bits_per_value_max: bits().try_fold(0.0, |most: f64, bits| Some(most.max(bits?))),
-        time_resolution_ms: open.iter().map(|field| time_resolution_ms(field.policy)).min().unwrap_or(0),
+        time_resolution_ms: open
+            .iter()
+            .map(|field| time_resolution_ms(field.policy))
+            .min()
+            .unwrap_or(0),
         warning_count: warnings.len(),
         conclusions,
     }

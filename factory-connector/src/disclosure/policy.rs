@@ -9,9 +9,9 @@ use super::{RateLimit, RoundingStep, WindowAggregate, WithholdCondition, Working
 
 /// How a field's values are coarsened before they leave. Empty: every change leaves as it is.
 ///
-/// In this order: what comes in a withheld state is dropped, an aggregate is made of each window, the number is banded
-/// or rounded and then cut to its significant digits; the result waits for its delay, the intervals and rates, the time
-/// step and the working hours.
+/// In this order: what comes in a withheld state is dropped, an aggregate is made of each window,
+/// the number is banded or rounded and then cut to its significant digits; the result waits for its
+/// delay, the intervals and rates, the time step and the working hours.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct DisclosurePolicy {
@@ -19,7 +19,8 @@ pub struct DisclosurePolicy {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<f64>)]
     pub rounding_step: Option<RoundingStep>,
-    /// Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending.
+    /// Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below
+    /// all); ascending.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<f64>,
     /// Numbers have at most so many significant digits, 1 to 15.
@@ -34,7 +35,8 @@ pub struct DisclosurePolicy {
     /// At most so many values leave per period; all of these hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rate_limits: Vec<RateLimit>,
-    /// Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
+    /// Times are rounded down to multiples of this many milliseconds since 1970, and values leave
+    /// on them only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_step_ms: Option<u64>,
     /// Every value leaves this many milliseconds late.
@@ -63,13 +65,16 @@ impl DisclosurePolicy {
         *self == Self::default()
     }
 
-    /// True where values are coarsened at most: when they leave, and whether, is left to those who bring them.
+    /// True where values are coarsened at most: when they leave, and whether, is left to those who
+    /// bring them.
     pub(super) fn is_immediate(&self) -> bool {
         self.aggregate.is_none()
             && self.rate_limits.is_empty()
             && self.withhold_while.is_empty()
             && !self.has_hours()
-            && [self.minimum_interval(), self.time_step(), self.delay()].iter().all(Duration::is_zero)
+            && [self.minimum_interval(), self.time_step(), self.delay()]
+                .iter()
+                .all(Duration::is_zero)
     }
 
     /// The minimum interval, zero without one.
@@ -100,7 +105,8 @@ impl DisclosurePolicy {
         self.working_hours.iter().chain(&self.further_hours)
     }
 
-    /// The first instant from `at` on that is on the time step and within all hours; `None` where there is none.
+    /// The first instant from `at` on that is on the time step and within all hours; `None` where
+    /// there is none.
     pub(super) fn first_slot(&self, at: DateTime) -> Option<DateTime> {
         self.first_slot_of(at, self.time_step())
     }
@@ -120,9 +126,11 @@ impl DisclosurePolicy {
         None
     }
 
-    /// Whether a value is in a state in which nothing of its own field leaves; `None` where it does not say.
+    /// Whether a value is in a state in which nothing of its own field leaves; `None` where it does
+    /// not say.
     pub(super) fn is_own_state_withheld(&self, value: &DataValue) -> Option<bool> {
-        let mut own = self.withhold_while.iter().filter(|condition| condition.field.is_none()).peekable();
+        let mut own =
+            self.withhold_while.iter().filter(|condition| condition.field.is_none()).peekable();
         own.peek()?;
         own.map(|condition| condition.is_met_by(value))
             .try_fold(false, |any, is_met| is_met.map(|is_met| any || is_met))

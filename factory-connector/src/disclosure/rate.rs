@@ -11,7 +11,9 @@ pub(super) const VALUES_MAX: u32 = 100;
 pub(super) const LIMITS_MAX: usize = 4;
 
 /// At most so many values leave within any period of this length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,
+)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RateLimit {
     /// How many values, 1 to 100.

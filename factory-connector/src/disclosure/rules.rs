@@ -1,6 +1,7 @@
 //! Standing rules: what the engineer has decided once for a kind of field of certain partners.
 //!
-//! Pure: a rule looks at a requested field and says whether it is meant. What is then done is decided in the books.
+//! Pure: a rule looks at a requested field and says whether it is meant. What is then done is
+//! decided in the books.
 
 use std::sync::Arc;
 
@@ -19,7 +20,19 @@ const ENTRIES_MAX: usize = 100;
 const TEXT_CHARS_MAX: usize = 400;
 
 /// What a rule does with the fields it means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    utoipa::ToSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RuleAction {
     /// Values flow, in the rule's precision, where a source for them is known.
@@ -43,8 +56,9 @@ pub struct Rule {
     pub when: RuleCondition,
     /// What is done with them.
     pub action: RuleAction,
-    /// Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
-    /// a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
+    /// Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that
+    /// the field had before a change of its request, or that of an equal field of the same
+    /// operation; without one the engineer is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub value_source: Option<ValueSource>,
@@ -64,8 +78,8 @@ pub struct Rule {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct RuleCondition {
-    /// Organisations. A rule that accepts or pre-fills means requests of which the requester and *every* recipient are
-    /// among them; a rule that refuses, requests of which any is.
+    /// Organisations. A rule that accepts or pre-fills means requests of which the requester and
+    /// *every* recipient are among them; a rule that refuses, requests of which any is.
     #[schema(value_type = Vec<String>)]
     pub partners: Vec<OrganisationId>,
     /// Built-in types by name.
@@ -96,7 +110,11 @@ impl Rule {
         let is_listed = |organisation: &OrganisationId| when.partners.contains(organisation);
         let mut asking = std::iter::once(&request.requester_id).chain(&request.recipient_list);
         let is_partner = when.partners.is_empty()
-            || if self.action == RuleAction::Refuse { asking.any(is_listed) } else { asking.all(is_listed) };
+            || if self.action == RuleAction::Refuse {
+                asking.any(is_listed)
+            } else {
+                asking.all(is_listed)
+            };
         let names = |list: &[String], found: Option<&str>| {
             list.is_empty() || found.is_some_and(|found| list.iter().any(|entry| entry == found))
         };
@@ -119,15 +137,22 @@ impl Rule {
         }
         let lists = [&self.when.data_types, &self.when.semantics, &self.when.units];
         let is_long = |text: &String| text.chars().count() > TEXT_CHARS_MAX;
-        if self.when.partners.len() > ENTRIES_MAX || lists.iter().any(|list| list.len() > ENTRIES_MAX) {
+        if self.when.partners.len() > ENTRIES_MAX
+            || lists.iter().any(|list| list.len() > ENTRIES_MAX)
+        {
             fault("/when", "A list has at most 100 entries.");
         }
         if lists.into_iter().flatten().chain(&self.when.name_pattern).any(is_long) {
             fault("/when", "An entry has at most 400 characters.");
         }
-        let is_type = |name: &String| (1..=25).any(|id| BuiltInType::from_id(id).is_some_and(|t| t.name() == name));
+        let is_type = |name: &String| {
+            (1..=25).any(|id| BuiltInType::from_id(id).is_some_and(|t| t.name() == name))
+        };
         if !self.when.data_types.iter().all(is_type) {
-            fault("/when/dataTypes", "Types are built-in types by name, as Int32, Double or String.");
+            fault(
+                "/when/dataTypes",
+                "Types are built-in types by name, as Int32, Double or String.",
+            );
         }
         let is_accepting = self.action == RuleAction::Accept;
         if is_accepting && self.when.partners.is_empty() {
@@ -168,8 +193,8 @@ fn is_like(name: &FieldName, pattern: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// What the rules that mean a field come to. The most cautious action wins, and of those that let values flow the
-/// strictest precision holds.
+/// What the rules that mean a field come to. The most cautious action wins, and of those that let
+/// values flow the strictest precision holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RuleOutcome<'r, K> {
     /// What is done.
@@ -187,7 +212,8 @@ pub fn outcome<'r, K: 'r>(
     request: &DynamicDataRequest,
     field: &ReportField,
 ) -> Option<RuleOutcome<'r, K>> {
-    let mut meant: Vec<(&K, &Rule)> = rules.filter(|(_, rule)| rule.means(request, field)).collect();
+    let mut meant: Vec<(&K, &Rule)> =
+        rules.filter(|(_, rule)| rule.means(request, field)).collect();
     let action = meant.iter().map(|(_, rule)| rule.action).max()?;
     let mut disclosure = DisclosurePolicy::default();
     for (_, rule) in meant.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse) {
@@ -208,8 +234,10 @@ mod tests {
     use super::*;
 
     fn request(recipients: &[&str]) -> DynamicDataRequest {
-        serde_json::from_value(json!({ "dynamicDataRequestId": "R", "requesterId": "acme", "recipientList": recipients,
-            "purpose": "Plan", "reportDataFormat": { "reportName": "r", "reportFieldList": [] } }))
+        serde_json::from_value(
+            json!({ "dynamicDataRequestId": "R", "requesterId": "acme", "recipientList": recipients,
+            "purpose": "Plan", "reportDataFormat": { "reportName": "r", "reportFieldList": [] } }),
+        )
         .expect("a request")
     }
 
@@ -221,27 +249,43 @@ mod tests {
     #[test]
     fn a_rule_means_what_all_its_lists_name() {
         let field: ReportField =
-            serde_json::from_value(json!({ "name": "spindle_Temp", "type": 11, "unit": "CEL" })).expect("a field");
+            serde_json::from_value(json!({ "name": "spindle_Temp", "type": 11, "unit": "CEL" }))
+                .expect("a field");
         let check = |action: &str, when: serde_json::Value, recipients: &[&str], expected: bool| {
-            assert_eq!(rule(action, when.clone()).means(&request(recipients), &field), expected, "{action} {when}");
+            assert_eq!(
+                rule(action, when.clone()).means(&request(recipients), &field),
+                expected,
+                "{action} {when}"
+            );
         };
         check("PREFILL", json!({}), &["acme"], true);
         check("ACCEPT", json!({ "partners": ["acme"] }), &["acme"], true);
         check("ACCEPT", json!({ "partners": ["acme"] }), &["acme", "spy"], false);
         check("REFUSE", json!({ "partners": ["spy"] }), &["acme", "spy"], true);
-        check("ACCEPT", json!({ "partners": ["acme"], "dataTypes": ["Double"], "units": ["CEL"] }), &["acme"], true);
+        check(
+            "ACCEPT",
+            json!({ "partners": ["acme"], "dataTypes": ["Double"], "units": ["CEL"] }),
+            &["acme"],
+            true,
+        );
         check("ACCEPT", json!({ "dataTypes": ["Int32"] }), &["acme"], false);
         check("ACCEPT", json!({ "semantics": ["SCRAP_QUANTITY"] }), &["acme"], false);
-        for (pattern, expected) in
-            [("*temp", true), ("spindle*", true), ("s*_t*p", true), ("spindle", false), ("*temp*x", false), ("*", true)]
-        {
+        for (pattern, expected) in [
+            ("*temp", true),
+            ("spindle*", true),
+            ("s*_t*p", true),
+            ("spindle", false),
+            ("*temp*x", false),
+            ("*", true),
+        ] {
             check("PREFILL", json!({ "namePattern": pattern }), &["acme"], expected);
         }
     }
 
     #[test]
     fn the_most_cautious_rule_wins_and_the_strictest_precision_holds() {
-        let field: ReportField = serde_json::from_value(json!({ "name": "made", "type": 9 })).expect("a field");
+        let field: ReportField =
+            serde_json::from_value(json!({ "name": "made", "type": 9 })).expect("a field");
         let mut rules = [
             (1, rule("ACCEPT", json!({ "partners": ["acme"] }))),
             (2, rule("ACCEPT", json!({ "partners": ["acme", "hull"] }))),
@@ -251,8 +295,9 @@ mod tests {
         rules[1].1.disclosure.minimum_interval_ms = Some(9);
         let asked = |recipients: &[&str]| {
             let rules = rules.iter().map(|(id, rule)| (id, rule));
-            outcome(rules, |_| None, &request(recipients), &field)
-                .map(|found| (found.action, found.rules.len(), found.disclosure.minimum_interval_ms))
+            outcome(rules, |_| None, &request(recipients), &field).map(|found| {
+                (found.action, found.rules.len(), found.disclosure.minimum_interval_ms)
+            })
         };
         assert_eq!(asked(&["acme"]), Some((RuleAction::Accept, 2, Some(9))));
         assert_eq!(asked(&["acme", "hull"]), Some((RuleAction::Accept, 1, Some(9))));
@@ -267,6 +312,9 @@ mod tests {
         rule.value_source = None;
         rule.disclosure.delay_ms = Some(0);
         let pointers: Vec<String> = rule.faults().into_iter().map(|fault| fault.pointer).collect();
-        assert_eq!(pointers, ["/name", "/when/dataTypes", "/when/partners", "/valueSource", "/disclosure/delayMs"]);
+        assert_eq!(
+            pointers,
+            ["/name", "/when/dataTypes", "/when/partners", "/valueSource", "/disclosure/delayMs"]
+        );
     }
 }

@@ -8,10 +8,13 @@ use serde::Serialize;
 pub(super) use words::describe_period;
 use words::sentence;
 
-use super::{AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours};
+use super::{
+    AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours,
+};
 use crate::print::Language;
 
-/// A part of a policy as the partner is told it: a code with its parameters, for who says it in another language.
+/// A part of a policy as the partner is told it: a code with its parameters, for who says it in
+/// another language.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(tag = "code", rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum StatementPart {
@@ -139,16 +142,23 @@ impl DisclosurePolicy {
     pub fn parts(&self, unit: Option<&str>) -> Vec<StatementPart> {
         let unit = || unit.map(str::to_owned);
         let mut parts = Vec::new();
-        let aggregated =
-            |of: WindowAggregate| StatementPart::Aggregated { function: of.function, window_ms: of.window_ms };
+        let aggregated = |of: WindowAggregate| StatementPart::Aggregated {
+            function: of.function,
+            window_ms: of.window_ms,
+        };
         parts.extend(self.aggregate.map(aggregated));
         parts.extend(self.rounding_step.map(|step| StatementPart::Rounded { step, unit: unit() }));
         if !self.bands.is_empty() {
             parts.push(StatementPart::Banded { bounds: self.bands.clone(), unit: unit() });
         }
         parts.extend(self.significant_digits.map(|digits| StatementPart::Digits { digits }));
-        parts.extend(self.minimum_interval_ms.map(|period_ms| StatementPart::Interval { period_ms }));
-        let rate = |limit: &RateLimit| StatementPart::Rate { values: limit.values, period_ms: limit.period_ms };
+        parts.extend(
+            self.minimum_interval_ms.map(|period_ms| StatementPart::Interval { period_ms }),
+        );
+        let rate = |limit: &RateLimit| StatementPart::Rate {
+            values: limit.values,
+            period_ms: limit.period_ms,
+        };
         parts.extend(self.rate_limits.iter().map(rate));
         parts.extend(self.time_step_ms.map(|period_ms| StatementPart::TimeStep { period_ms }));
         parts.extend(self.delay_ms.map(|period_ms| StatementPart::Delayed { period_ms }));
@@ -176,7 +186,11 @@ mod tests {
                 Some("PIECE"),
                 "Rounded to multiples of 10 PIECE; at most once per 1 min.",
             ),
-            (r#"{"timeStepMs":900000,"delayMs":1500}"#, None, "Times in steps of 15 min; 1500 ms late."),
+            (
+                r#"{"timeStepMs":900000,"delayMs":1500}"#,
+                None,
+                "Times in steps of 15 min; 1500 ms late.",
+            ),
             (r#"{"bands":[0.0,50.0,80.0]}"#, Some("%"), "In bands from 0, 50, 80 %."),
             (
                 r#"{"significantDigits":2,"aggregate":{"function":"MEAN","windowMs":3600000}}"#,
@@ -207,7 +221,10 @@ mod tests {
         let statement = policy.statement(Some("PIECE"));
         assert_eq!(told.statement, statement.description);
         let hours = &statement.hours_list[0];
-        assert_eq!((&hours.day_list[0][..], &hours.from[..], &hours.until[..]), ("MONDAY", "06:00", "22:00"));
+        assert_eq!(
+            (&hours.day_list[0][..], &hours.from[..], &hours.until[..]),
+            ("MONDAY", "06:00", "22:00")
+        );
         assert_eq!((statement.band_list, statement.is_withheld_in_states), (vec![0.5, 50.0], true));
         assert_eq!(
             told.said_in(Language::De),

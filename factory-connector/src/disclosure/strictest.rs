@@ -1,21 +1,22 @@
 //! The strictest of several policies, and a policy fitted to a field.
 //!
-//! All recipients of a request get the same values, so that where policies differ the strictest holds in each
-//! dimension: what leaves is never finer, faster or earlier than any of them allows.
+//! All recipients of a request get the same values, so that where policies differ the strictest
+//! holds in each dimension: what leaves is never finer, faster or earlier than any of them allows.
 
 use asi_model::BuiltInType;
 
 use super::{
-    AggregateFunction, Decimal, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WithholdCondition,
+    AggregateFunction, Decimal, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate,
+    WithholdCondition,
 };
 
 impl DisclosurePolicy {
     /// The strictest of two policies, dimension by dimension.
     ///
-    /// Of steps, intervals, windows and delays the longer holds, of digits the fewer; limits on the rate, hours and
-    /// withheld states hold together. Of two lists of bands the common bounds remain; beside a rounding step the bands
-    /// that are at least as wide. Where windows are alike and functions differ, the function that tells least of a
-    /// single value holds.
+    /// Of steps, intervals, windows and delays the longer holds, of digits the fewer; limits on the
+    /// rate, hours and withheld states hold together. Of two lists of bands the common bounds
+    /// remain; beside a rounding step the bands that are at least as wide. Where windows are alike
+    /// and functions differ, the function that tells least of a single value holds.
     #[must_use]
     pub fn strictest(&self, other: &Self) -> Self {
         let (bands, rounding_step) = strictest_values(self, other);
@@ -41,15 +42,19 @@ impl DisclosurePolicy {
             },
             withhold_while: {
                 let mut conditions: Vec<WithholdCondition> = self.withhold_while.clone();
-                let further = other.withhold_while.iter().filter(|condition| !self.withhold_while.contains(condition));
+                let further = other
+                    .withhold_while
+                    .iter()
+                    .filter(|condition| !self.withhold_while.contains(condition));
                 conditions.extend(further.cloned());
                 conditions
             },
         }
     }
 
-    /// What of this policy applies to a field of this type: a policy for many kinds of fields leaves out what a kind
-    /// cannot have, and whole numbers get steps and bounds that are at least as coarse.
+    /// What of this policy applies to a field of this type: a policy for many kinds of fields
+    /// leaves out what a kind cannot have, and whole numbers get steps and bounds that are at least
+    /// as coarse.
     #[must_use]
     pub fn fitted_to(&self, field_type: BuiltInType, is_array: bool) -> Self {
         let mut fitted = self.clone();
@@ -64,9 +69,10 @@ impl DisclosurePolicy {
             fitted.bands.dedup();
         }
         if is_array || !field_type.is_numeric() {
-            // A single value out of the window tells no more than its aggregate in time, only in value; there is no
-            // aggregate of these values, so that the time is what can be kept.
-            let last = |aggregate| WindowAggregate { function: AggregateFunction::Last, ..aggregate };
+            // A single value out of the window tells no more than its aggregate in time, only in
+            // value; there is no aggregate of these values, so that the time is what can be kept.
+            let last =
+                |aggregate| WindowAggregate { function: AggregateFunction::Last, ..aggregate };
             fitted.aggregate = self.aggregate.map(last);
         }
         fitted
@@ -89,7 +95,10 @@ fn least<T: Ord>(left: Option<T>, right: Option<T>) -> Option<T> {
     }
 }
 
-fn strictest_values(left: &DisclosurePolicy, right: &DisclosurePolicy) -> (Vec<f64>, Option<RoundingStep>) {
+fn strictest_values(
+    left: &DisclosurePolicy,
+    right: &DisclosurePolicy,
+) -> (Vec<f64>, Option<RoundingStep>) {
     let step = [left.rounding_step, right.rounding_step]
         .into_iter()
         .flatten()
@@ -98,7 +107,8 @@ fn strictest_values(left: &DisclosurePolicy, right: &DisclosurePolicy) -> (Vec<f
         ([], []) => return (Vec::new(), step),
         ([], bands) | (bands, []) => bands.to_vec(),
         (left, right) => {
-            let common: Vec<f64> = left.iter().filter(|bound| right.contains(bound)).copied().collect();
+            let common: Vec<f64> =
+                left.iter().filter(|bound| right.contains(bound)).copied().collect();
             // No common bound: one band for everything.
             if common.is_empty() { left[..1].to_vec() } else { common }
         }
@@ -113,7 +123,10 @@ fn strictest_values(left: &DisclosurePolicy, right: &DisclosurePolicy) -> (Vec<f
     (kept, None)
 }
 
-fn strictest_aggregate(left: Option<WindowAggregate>, right: Option<WindowAggregate>) -> Option<WindowAggregate> {
+fn strictest_aggregate(
+    left: Option<WindowAggregate>,
+    right: Option<WindowAggregate>,
+) -> Option<WindowAggregate> {
     let order = |aggregate: &WindowAggregate| (aggregate.window_ms, aggregate.function);
     [left, right].into_iter().flatten().max_by_key(order)
 }
@@ -121,8 +134,9 @@ fn strictest_aggregate(left: Option<WindowAggregate>, right: Option<WindowAggreg
 /// All limits hold, but for those that another one implies.
 fn strictest_rates(left: &[RateLimit], right: &[RateLimit]) -> Vec<RateLimit> {
     let all: Vec<RateLimit> = left.iter().chain(right).copied().collect();
-    let implies =
-        |by: &RateLimit, limit: &RateLimit| by != limit && by.values <= limit.values && by.period_ms >= limit.period_ms;
+    let implies = |by: &RateLimit, limit: &RateLimit| {
+        by != limit && by.values <= limit.values && by.period_ms >= limit.period_ms
+    };
     let mut kept: Vec<RateLimit> =
         all.iter().filter(|limit| !all.iter().any(|by| implies(by, limit))).copied().collect();
     kept.sort_unstable();
@@ -145,10 +159,13 @@ mod tests {
     fn value_policies() -> impl Strategy<Value = DisclosurePolicy> {
         let bands = proptest::collection::btree_set(-20_i32..20, 1..6);
         prop_oneof![
-            (proptest::option::of(1_u32..60), proptest::option::of(1_u8..4)).prop_map(|(step, significant_digits)| {
-                let rounding_step = step.map(|step| f64::from(step).try_into().expect("positive"));
-                DisclosurePolicy { rounding_step, significant_digits, ..Default::default() }
-            }),
+            (proptest::option::of(1_u32..60), proptest::option::of(1_u8..4)).prop_map(
+                |(step, significant_digits)| {
+                    let rounding_step =
+                        step.map(|step| f64::from(step).try_into().expect("positive"));
+                    DisclosurePolicy { rounding_step, significant_digits, ..Default::default() }
+                }
+            ),
             (bands, proptest::option::of(1_u8..4)).prop_map(|(bands, significant_digits)| {
                 let bands = bands.into_iter().map(|bound| f64::from(bound * 10)).collect();
                 DisclosurePolicy { bands, significant_digits, ..Default::default() }
@@ -161,7 +178,8 @@ mod tests {
         coarse.value.value.as_scalar().and_then(Scalar::as_i128).expect("an integer")
     }
 
-    /// What a value is known to lie between, by all that is shown, for values that are not at the range's ends.
+    /// What a value is known to lie between, by all that is shown, for values that are not at the
+    /// range's ends.
     fn widths(policy: &DisclosurePolicy) -> Vec<(i128, i64)> {
         let mut widths: Vec<(i128, i64)> = Vec::new();
         for value in range() {
@@ -220,7 +238,8 @@ mod tests {
     #[test]
     fn times_and_rates_hold_together() {
         let check = |left: &str, right: &str, both: &str| {
-            let parse = |json: &str| serde_json::from_str::<DisclosurePolicy>(json).expect("a policy");
+            let parse =
+                |json: &str| serde_json::from_str::<DisclosurePolicy>(json).expect("a policy");
             assert_eq!(parse(left).strictest(&parse(right)), parse(both), "{left} and {right}");
         };
         check(
@@ -244,7 +263,9 @@ mod tests {
         );
         check(
             &format!(r#"{{"workingHours":{day},"withholdWhile":[{{"states":[1]}}]}}"#),
-            &format!(r#"{{"workingHours":{night},"withholdWhile":[{{"states":[1]}},{{"states":[2]}}]}}"#),
+            &format!(
+                r#"{{"workingHours":{night},"withholdWhile":[{{"states":[1]}},{{"states":[2]}}]}}"#
+            ),
             &format!(
                 r#"{{"workingHours":{day},"furtherHours":[{night}],"withholdWhile":[{{"states":[1]}},{{"states":[2]}}]}}"#
             ),
@@ -260,10 +281,15 @@ mod tests {
         for id in 1..=25 {
             let field_type = BuiltInType::from_id(id).expect("a type");
             for is_array in [false, true] {
-                assert_eq!(policy.fitted_to(field_type, is_array).faults(field_type, is_array), [], "{field_type}");
+                assert_eq!(
+                    policy.fitted_to(field_type, is_array).faults(field_type, is_array),
+                    [],
+                    "{field_type}"
+                );
             }
         }
-        let coarse: DisclosurePolicy = serde_json::from_str(r#"{"roundingStep":2.5}"#).expect("a policy");
+        let coarse: DisclosurePolicy =
+            serde_json::from_str(r#"{"roundingStep":2.5}"#).expect("a policy");
         let whole = coarse.fitted_to(BuiltInType::Int32, false);
         assert_eq!(whole.rounding_step.and_then(RoundingStep::to_integer), Some(3));
     }

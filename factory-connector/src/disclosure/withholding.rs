@@ -10,12 +10,13 @@ pub(super) const CONDITIONS_MAX: usize = 8;
 /// Longest text of a state, in characters.
 pub(super) const STATE_CHARS_MAX: usize = 256;
 
-/// While a value is in one of these states nothing of the field leaves, and what comes meanwhile never leaves.
+/// While a value is in one of these states nothing of the field leaves, and what comes meanwhile
+/// never leaves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct WithholdCondition {
-    /// Another field of the same request; the field's own value without it. While the other field's state is not known
-    /// the condition counts as met.
+    /// Another field of the same request; the field's own value without it. While the other field's
+    /// state is not known the condition counts as met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub field: Option<FieldName>,
@@ -38,7 +39,8 @@ pub enum StateValue {
 }
 
 impl WithholdCondition {
-    /// Whether a value is in one of the states; `None` where that is not known since there is no usable value.
+    /// Whether a value is in one of the states; `None` where that is not known since there is no
+    /// usable value.
     #[must_use]
     pub fn is_met_by(&self, value: &DataValue) -> Option<bool> {
         if value.status.is_bad() {
@@ -64,7 +66,9 @@ impl StateValue {
                 None => scalar.as_f64().is_some_and(|value| value == i64_as_f64(*state)),
             },
             (Self::Number(state), scalar) => scalar.as_f64().is_some_and(|value| value == *state),
-            (Self::Text(state), Scalar::LocalizedText(text)) => text.text.as_deref() == Some(state.as_str()),
+            (Self::Text(state), Scalar::LocalizedText(text)) => {
+                text.text.as_deref() == Some(state.as_str())
+            }
             (Self::Text(state), scalar) => match scalar.as_i128() {
                 Some(value) => state.parse() == Ok(value),
                 None => scalar.as_str() == Some(state.as_str()),
@@ -90,7 +94,11 @@ mod tests {
         let check = |states: &str, value: Variant, expected| {
             let condition: WithholdCondition =
                 serde_json::from_str(&format!(r#"{{"states":{states}}}"#)).expect("a condition");
-            assert_eq!(condition.is_met_by(&DataValue::good(value.clone(), DateTime::MIN)), expected, "{value:?}");
+            assert_eq!(
+                condition.is_met_by(&DataValue::good(value.clone(), DateTime::MIN)),
+                expected,
+                "{value:?}"
+            );
         };
         check(r#"["SETUP","IDLE"]"#, "SETUP".into(), Some(true));
         check(r#"["SETUP","IDLE"]"#, "setup".into(), Some(false));

@@ -55,8 +55,12 @@ impl FromStr for ClockTime {
             let (hours, minutes): (u16, u16) = (hours.parse().ok()?, minutes.parse().ok()?);
             (minutes < 60 && hours * 60 + minutes <= 1440).then_some(Self(hours * 60 + minutes))
         };
-        if text.len() == 5 { parse() } else { None }
-            .ok_or_else(|| format!("a time of day must look like 06:30, but is {:?}", text.get(..20).unwrap_or(text)))
+        if text.len() == 5 { parse() } else { None }.ok_or_else(|| {
+            format!(
+                "a time of day must look like 06:30, but is {:?}",
+                text.get(..20).unwrap_or(text)
+            )
+        })
     }
 }
 
@@ -78,7 +82,8 @@ impl<'de> Deserialize<'de> for ClockTime {
     }
 }
 
-/// The hours in which values may leave; what changes outside of them leaves, newest only, when they begin.
+/// The hours in which values may leave; what changes outside of them leaves, newest only, when they
+/// begin.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct WorkingHours {
@@ -108,7 +113,8 @@ const MILLIS_PER_MINUTE: i64 = 60_000;
 const MILLIS_PER_DAY: i64 = 86_400_000;
 
 impl WorkingHours {
-    /// The first instant from `at` on that lies within the hours; `None` if there is none in a week.
+    /// The first instant from `at` on that lies within the hours; `None` if there is none in a
+    /// week.
     #[must_use]
     pub fn first_open(&self, at: DateTime) -> Option<DateTime> {
         let offset = i64::from(self.utc_offset_minutes) * MILLIS_PER_MINUTE;
@@ -117,21 +123,27 @@ impl WorkingHours {
         (0..=7).find_map(|ahead| {
             let day = midnight + ahead * MILLIS_PER_DAY;
             // 1970-01-01 was a Thursday.
-            let weekday = usize::try_from((day.div_euclid(MILLIS_PER_DAY) + 3).rem_euclid(7)).ok()?;
+            let weekday =
+                usize::try_from((day.div_euclid(MILLIS_PER_DAY) + 3).rem_euclid(7)).ok()?;
             let opens = day + i64::from(self.from.minutes()) * MILLIS_PER_MINUTE;
             let closes = day + i64::from(self.until.minutes()) * MILLIS_PER_MINUTE;
             if !self.days.contains(&DAYS[weekday]) || local >= closes {
                 return None;
             }
             let open = opens.max(local);
-            Some(if open == local { at } else { DateTime::from_unix_micros((open - offset) * 1_000) })
+            Some(if open == local {
+                at
+            } else {
+                DateTime::from_unix_micros((open - offset) * 1_000)
+            })
         })
     }
 
     /// The hours in words.
     #[must_use]
     pub fn describe(&self) -> String {
-        let days: Vec<String> = self.days.iter().map(|day| format!("{day:?}")[..3].to_owned()).collect();
+        let days: Vec<String> =
+            self.days.iter().map(|day| format!("{day:?}")[..3].to_owned()).collect();
         format!("only {} from {} until {}", days.join(", "), self.from, self.until)
     }
 

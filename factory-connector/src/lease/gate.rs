@@ -2,7 +2,8 @@
 
 use parking_lot::Mutex;
 
-/// Shared by the link's end, which asks, and the keeper of the lease, which opens and closes. Closed at first.
+/// Shared by the link's end, which asks, and the keeper of the lease, which opens and closes.
+/// Closed at first.
 #[derive(Debug, Default)]
 pub struct LeaseGate(Mutex<Option<u64>>);
 

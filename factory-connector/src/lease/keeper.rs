@@ -14,7 +14,8 @@ use crate::{
     desk::{DeskHandle, now},
 };
 
-/// Answers on their way to the keeper; more than a platform gives in a minute. What is beyond is asked for again.
+/// Answers on their way to the keeper; more than a platform gives in a minute. What is beyond is
+/// asked for again.
 const ANSWERS_MAX: usize = 64;
 
 /// Where the link puts what it receives about the lease.
@@ -74,7 +75,8 @@ impl LeaseAnswers {
 }
 
 impl LeaseKeeper {
-    /// A keeper for this running connector. `was_held`: the store says that it was granted the lease here before.
+    /// A keeper for this running connector. `was_held`: the store says that it was granted the
+    /// lease here before.
     #[must_use]
     pub fn new(
         instance: Instance,
@@ -88,17 +90,33 @@ impl LeaseKeeper {
         let factory_id = instance.factory_id.clone();
         let lease = Lease::new(instance, now());
         let (status, watched) = watch::channel(lease.status().clone());
-        let addresses =
-            [LogicalAddress::FactoryLeases(factory_id.clone()), LogicalAddress::FactoryRequests(factory_id.clone())];
+        let addresses = [
+            LogicalAddress::FactoryLeases(factory_id.clone()),
+            LogicalAddress::FactoryRequests(factory_id.clone()),
+        ];
         let ingress = LogicalAddress::FactoryIngress(factory_id);
-        let keeper = Self { lease, gate, link, desk, answers, status, events, addresses, ingress, is_stored: was_held };
+        let keeper = Self {
+            lease,
+            gate,
+            link,
+            desk,
+            answers,
+            status,
+            events,
+            addresses,
+            ingress,
+            is_stored: was_held,
+        };
         (keeper, watched)
     }
 
-    /// What a link receives from the start: requests only where this connector had the lease before, for else they may be
-    /// another one's.
+    /// What a link receives from the start: requests only where this connector had the lease
+    /// before, for else they may be another one's.
     #[must_use]
-    pub fn received_at_start(factory_id: &asi_model::FactoryId, was_held: bool) -> Vec<LogicalAddress> {
+    pub fn received_at_start(
+        factory_id: &asi_model::FactoryId,
+        was_held: bool,
+    ) -> Vec<LogicalAddress> {
         let leases = LogicalAddress::FactoryLeases(factory_id.clone());
         let requests = was_held.then(|| LogicalAddress::FactoryRequests(factory_id.clone()));
         std::iter::once(leases).chain(requests).collect()
@@ -149,8 +167,12 @@ impl LeaseKeeper {
             Action::Ask(request) => {
                 let message_id = request.message_id.clone();
                 let message = FactoryMessage::LeaseRequest(request);
-                let body = serde_json::to_string(&message).expect("messages have text keys and finite numbers");
-                self.link.post(self.ingress.clone(), Envelope::new(message_id, message.message_type(), body));
+                let body = serde_json::to_string(&message)
+                    .expect("messages have text keys and finite numbers");
+                self.link.post(
+                    self.ingress.clone(),
+                    Envelope::new(message_id, message.message_type(), body),
+                );
             }
             Action::Open(number) => {
                 self.gate.open(number);
@@ -183,7 +205,12 @@ impl LeaseKeeper {
             return;
         }
         // A disk that is full now is no reason to stop: it is written with the next change.
-        if self.desk.change(move |books, _| books.changes.is_lease_held = Some(is_held)).await.is_ok() {
+        if self
+            .desk
+            .change(move |books, _| books.changes.is_lease_held = Some(is_held))
+            .await
+            .is_ok()
+        {
             self.is_stored = is_held;
         }
     }
@@ -203,7 +230,10 @@ fn tell(before: &LeaseStatus, after: &LeaseStatus) {
         match after.state {
             LeaseState::Asking => {}
             LeaseState::Held => {
-                tracing::info!(lease.number = after.lease_number, "This connector speaks for its factory.")
+                tracing::info!(
+                    lease.number = after.lease_number,
+                    "This connector speaks for its factory."
+                )
             }
             LeaseState::Refused => tracing::error!(
                 holder = host(&after.holder),
@@ -214,6 +244,9 @@ fn tell(before: &LeaseStatus, after: &LeaseStatus) {
     }
     let other = host(&after.contender);
     if !other.is_empty() && host(&before.contender) != other {
-        tracing::error!(other, "A second connector with this connector's credential is running. Find it and stop it.");
+        tracing::error!(
+            other,
+            "A second connector with this connector's credential is running. Find it and stop it."
+        );
     }
 }

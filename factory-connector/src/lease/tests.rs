@@ -32,7 +32,12 @@ impl Bench {
     fn on(&mut self, input: Input, second: u64) -> Vec<Action> {
         self.requests += 1;
         let now = at(i64::try_from(second).expect("small"));
-        self.lease.on(input, id(&format!("q{}", self.requests)), self.start + Duration::from_secs(second), now)
+        self.lease.on(
+            input,
+            id(&format!("q{}", self.requests)),
+            self.start + Duration::from_secs(second),
+            now,
+        )
     }
 
     /// The id of the request that is the only action.
@@ -84,7 +89,11 @@ fn nothing_leaves_before_the_grant_of_each_connection() {
     assert_eq!((bench.lease.status().state, bench.lease.status().since), (LeaseState::Held, at(1)));
 
     let renewal = Bench::asked(&bench.on(Input::Tick, 11));
-    assert_eq!(bench.on(answered(answer(&renewal, LeaseResult::Granted)), 11), [], "nothing changes");
+    assert_eq!(
+        bench.on(answered(answer(&renewal, LeaseResult::Granted)), 11),
+        [],
+        "nothing changes"
+    );
 
     assert_eq!(bench.on(Input::Disconnected, 12), []);
     let again = Bench::asked(&bench.on(Input::Connected, 13));
@@ -122,7 +131,11 @@ fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
     let renewal = Bench::asked(&bench.on(Input::Tick, 10));
     let refused = bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10);
     assert_eq!(refused, [Action::Close, Action::Rest(Duration::from_secs(10))]);
-    assert_eq!(bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10), [], "the same once more");
+    assert_eq!(
+        bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10),
+        [],
+        "the same once more"
+    );
     let status = bench.lease.status();
     assert_eq!((status.state, status.lease_number), (LeaseState::Refused, None));
     assert_eq!(status.holder.as_ref().map(|holder| &*holder.host), Some("their machine"));
@@ -133,7 +146,10 @@ fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
     assert_eq!(bench.lease.status().state, LeaseState::Refused, "as far as is known");
     let granted = bench.on(answered(answer(&later, LeaseResult::Granted)), 20);
     assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
-    assert_eq!((bench.lease.status().state, &bench.lease.status().holder), (LeaseState::Held, &None));
+    assert_eq!(
+        (bench.lease.status().state, &bench.lease.status().holder),
+        (LeaseState::Held, &None)
+    );
 }
 
 #[test]
@@ -146,14 +162,19 @@ fn an_answer_to_another_connector_shows_that_there_are_two() {
     assert_eq!(bench.on(answered(predecessors.clone()), 1), [], "that one is gone");
     assert_eq!(bench.lease.status().contender, None);
 
-    let elsewhere =
-        LeaseAnswer { place: "there".parse().expect("an id"), host: "their machine".into(), ..predecessors };
+    let elsewhere = LeaseAnswer {
+        place: "there".parse().expect("an id"),
+        host: "their machine".into(),
+        ..predecessors
+    };
     assert_eq!(bench.on(answered(elsewhere.clone()), 2), []);
     let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);
     assert_eq!((bench.lease.status().state, told), (LeaseState::Held, Some("their machine")));
 
     // Ours may have gone there, however often: it is asked for again and again soon.
-    let wake_at = |bench: &Bench| bench.lease.wake_at().expect("it waits").duration_since(bench.start).as_secs();
+    let wake_at = |bench: &Bench| {
+        bench.lease.wake_at().expect("it waits").duration_since(bench.start).as_secs()
+    };
     let mut second = 2;
     for _ in 0..8 {
         assert_eq!(bench.on(answered(elsewhere.clone()), second), []);
@@ -161,7 +182,8 @@ fn an_answer_to_another_connector_shows_that_there_are_two() {
         Bench::asked(&bench.on(Input::Tick, second));
         assert!(wake_at(&bench) <= second + 2, "{second}");
     }
-    let mut granted = answer(&Bench::asked(&bench.on(Input::Tick, second + 2)), LeaseResult::Granted);
+    let mut granted =
+        answer(&Bench::asked(&bench.on(Input::Tick, second + 2)), LeaseResult::Granted);
     granted.contender = Some(party("their machine, says the platform"));
     bench.on(answered(granted), second + 2);
     let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);

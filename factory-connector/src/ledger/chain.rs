@@ -61,10 +61,16 @@ impl Heads {
     }
 
     /// Appends an event to a recipient's chain.
-    pub fn append(&mut self, recipient: &OrganisationId, recorded_at: DateTime, event: Event) -> LinkedEntry {
+    pub fn append(
+        &mut self,
+        recipient: &OrganisationId,
+        recorded_at: DateTime,
+        event: Event,
+    ) -> LinkedEntry {
         let head = self.0.entry(recipient.clone()).or_default();
         let number = head.number + 1;
-        let content = Entry { recipient: recipient.clone(), number, recorded_at, event }.canonical();
+        let content =
+            Entry { recipient: recipient.clone(), number, recorded_at, event }.canonical();
         let hash = chain_hash(&head.hash, &content);
         *head = Head { number, hash };
         LinkedEntry { recipient: recipient.clone(), number, recorded_at, content, hash }

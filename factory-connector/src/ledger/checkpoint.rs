@@ -70,7 +70,8 @@ pub struct LedgerKeyError {
     source: io::Error,
 }
 
-/// The key that signs checkpoints (Ed25519). It lies in a file of its own, apart from what it vouches for.
+/// The key that signs checkpoints (Ed25519). It lies in a file of its own, apart from what it
+/// vouches for.
 #[derive(Clone)]
 pub struct LedgerKey(SigningKey);
 
@@ -82,14 +83,14 @@ impl LedgerKey {
     pub fn open(path: &Path) -> Result<Self, LedgerKeyError> {
         let fail = |source| LedgerKeyError { path: path.display().to_string(), source };
         match std::fs::read_to_string(path) {
-            Ok(pem) => SigningKey::from_pkcs8_pem(&pem)
-                .map(Self)
-                .map_err(|error| fail(io::Error::new(io::ErrorKind::InvalidData, error.to_string()))),
+            Ok(pem) => SigningKey::from_pkcs8_pem(&pem).map(Self).map_err(|error| {
+                fail(io::Error::new(io::ErrorKind::InvalidData, error.to_string()))
+            }),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let key = SigningKey::from_bytes(&rand::random());
-                let pem = key
-                    .to_pkcs8_pem(LineEnding::LF)
-                    .map_err(|error| fail(io::Error::new(io::ErrorKind::InvalidData, error.to_string())))?;
+                let pem = key.to_pkcs8_pem(LineEnding::LF).map_err(|error| {
+                    fail(io::Error::new(io::ErrorKind::InvalidData, error.to_string()))
+                })?;
                 write_private(path, pem.as_bytes()).map_err(fail)?;
                 Ok(Self(key))
             }
@@ -126,7 +127,8 @@ impl LedgerKey {
 pub(super) fn is_signed(text: &str, signature: &[u8], public_key: &[u8]) -> bool {
     let key = public_key.try_into().ok().and_then(|bytes| VerifyingKey::from_bytes(bytes).ok());
     let signature = Signature::from_slice(signature).ok();
-    key.zip(signature).is_some_and(|(key, signature)| key.verify(text.as_bytes(), &signature).is_ok())
+    key.zip(signature)
+        .is_some_and(|(key, signature)| key.verify(text.as_bytes(), &signature).is_ok())
 }
 
 /// Writes a file that only its owner may read.

@@ -110,8 +110,15 @@ pub enum EventKind {
 
 impl EventKind {
     /// Those that name reports by their writer.
-    pub const OF_REPORTS: [Self; 7] =
-        [Self::Queued, Self::Sent, Self::Receipted, Self::Coalesced, Self::Expired, Self::Purged, Self::Revoked];
+    pub const OF_REPORTS: [Self; 7] = [
+        Self::Queued,
+        Self::Sent,
+        Self::Receipted,
+        Self::Coalesced,
+        Self::Expired,
+        Self::Purged,
+        Self::Revoked,
+    ];
 
     /// For people to read, as the pages say it.
     #[must_use]
@@ -180,7 +187,8 @@ mod tests {
             recorded_at: "2026-11-21T10:00:00Z".parse().expect("a time"),
             event,
         };
-        let range = SequenceRange { data_set_writer_id: 1, epoch: 9, first_sequence: 4, last_sequence: 4 };
+        let range =
+            SequenceRange { data_set_writer_id: 1, epoch: 9, first_sequence: 4, last_sequence: 4 };
         let queued = entry(Event::Queued {
             range,
             values: "00ff".to_owned(),
@@ -190,7 +198,10 @@ mod tests {
         let sent = entry(Event::Sent { range, message_id: None });
         insta::assert_snapshot!(sent.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"SENT","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4}"#);
         for entry in [queued, sent] {
-            assert_eq!(serde_json::from_str::<Entry>(&entry.canonical()).expect("reads back"), entry);
+            assert_eq!(
+                serde_json::from_str::<Entry>(&entry.canonical()).expect("reads back"),
+                entry
+            );
         }
     }
 }

@@ -108,9 +108,12 @@ impl Exporter {
             ExportFormat::Jsonl => String::new(),
             ExportFormat::Csv => csv_line(COLUMNS.iter().map(|(name, ..)| (*name).to_owned())),
             ExportFormat::Html => {
-                let title = self.language.choose("Ledger of what left", "Verzeichnis des Hinausgegangenen");
-                let headings: Vec<&str> =
-                    COLUMNS.iter().map(|(_, english, german)| self.language.choose(english, german)).collect();
+                let title =
+                    self.language.choose("Ledger of what left", "Verzeichnis des Hinausgegangenen");
+                let headings: Vec<&str> = COLUMNS
+                    .iter()
+                    .map(|(_, english, german)| self.language.choose(english, german))
+                    .collect();
                 begin(self.language, &format!("{title}: {factory}")) + &table(&headings)
             }
         }
@@ -121,10 +124,13 @@ impl Exporter {
     pub fn entry(&self, entry: &ExportedEntry) -> String {
         match self.format {
             ExportFormat::Jsonl => json_line(entry),
-            ExportFormat::Csv => rows(entry, Language::En, plain).into_iter().map(csv_line).collect(),
-            ExportFormat::Html => {
-                rows(entry, self.language, |event| said(event, self.language)).into_iter().map(row).collect()
+            ExportFormat::Csv => {
+                rows(entry, Language::En, plain).into_iter().map(csv_line).collect()
             }
+            ExportFormat::Html => rows(entry, self.language, |event| said(event, self.language))
+                .into_iter()
+                .map(row)
+                .collect(),
         }
     }
 
@@ -139,7 +145,8 @@ impl Exporter {
 }
 
 fn json_line(entry: &ExportedEntry) -> String {
-    let report = entry.report.as_deref().and_then(|report| serde_json::from_str::<Value>(report).ok());
+    let report =
+        entry.report.as_deref().and_then(|report| serde_json::from_str::<Value>(report).ok());
     let line = serde_json::json!({
         "entry": entry.content,
         "hash": entry.hash,
@@ -153,12 +160,20 @@ fn json_line(entry: &ExportedEntry) -> String {
 }
 
 /// One row per value of a report, one for any other entry.
-fn rows(exported: &ExportedEntry, language: Language, event: impl Fn(&Value) -> String) -> Vec<Vec<String>> {
+fn rows(
+    exported: &ExportedEntry,
+    language: Language,
+    event: impl Fn(&Value) -> String,
+) -> Vec<Vec<String>> {
     let entry: Value = serde_json::from_str(&exported.content).unwrap_or_default();
-    let report: Value =
-        exported.report.as_deref().and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
+    let report: Value = exported
+        .report
+        .as_deref()
+        .and_then(|report| serde_json::from_str(report).ok())
+        .unwrap_or_default();
     let payload = &report["Payload"];
-    let precision = |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
+    let precision =
+        |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
     let of_row = |field: Option<&str>| -> Vec<String> {
         COLUMNS
             .iter()
@@ -168,13 +183,19 @@ fn rows(exported: &ExportedEntry, language: Language, event: impl Fn(&Value) -> 
                 ("unit", Some(field)) => plain(&payload[format!("{field}Unit")]),
                 ("consent", Some(field)) => plain(&entry["consents"][field]),
                 ("precision", Some(field)) => precision(exported.precision.get(field)),
-                ("operationNetworkId" | "operationId" | "dynamicDataRequestId", Some(_)) => plain(&payload[*name]),
-                ("operationNetworkId" | "operationId" | "dynamicDataRequestId", None) => plain(&entry["field"][*name]),
+                ("operationNetworkId" | "operationId" | "dynamicDataRequestId", Some(_)) => {
+                    plain(&payload[*name])
+                }
+                ("operationNetworkId" | "operationId" | "dynamicDataRequestId", None) => {
+                    plain(&entry["field"][*name])
+                }
                 ("field", None) => plain(&entry["field"]["fieldName"]),
                 ("value", None) => plain(&entry["mappingState"]),
                 ("consent", None) => plain(&entry["version"]),
                 ("precision", None) => precision(exported.precision.values().next()),
-                ("messageId", _) => exported.message_id.clone().unwrap_or_else(|| plain(&entry["messageId"])),
+                ("messageId", _) => {
+                    exported.message_id.clone().unwrap_or_else(|| plain(&entry["messageId"]))
+                }
                 ("sentAt", _) => exported.sent_at.clone().unwrap_or_default(),
                 ("deliveredAt", _) => exported.delivered_at.clone().unwrap_or_default(),
                 ("hash", _) => exported.hash.clone(),
@@ -183,13 +204,19 @@ fn rows(exported: &ExportedEntry, language: Language, event: impl Fn(&Value) -> 
             })
             .collect()
     };
-    let fields: Vec<&String> = entry["consents"].as_object().map(|fields| fields.keys().collect()).unwrap_or_default();
-    if fields.is_empty() { vec![of_row(None)] } else { fields.into_iter().map(|field| of_row(Some(field))).collect() }
+    let fields: Vec<&String> =
+        entry["consents"].as_object().map(|fields| fields.keys().collect()).unwrap_or_default();
+    if fields.is_empty() {
+        vec![of_row(None)]
+    } else {
+        fields.into_iter().map(|field| of_row(Some(field))).collect()
+    }
 }
 
 /// An event in words; one of a later version by its code.
 fn said(event: &Value, language: Language) -> String {
-    EventKind::deserialize(event).map_or_else(|_| plain(event), |kind| kind.said_in(language).to_owned())
+    EventKind::deserialize(event)
+        .map_or_else(|_| plain(event), |kind| kind.said_in(language).to_owned())
 }
 
 /// A JSON value as a person reads it: the body of a variant, texts without quotes.
@@ -211,7 +238,8 @@ fn csv_line(cells: impl IntoIterator<Item = String>) -> String {
     cells.join(",") + "\r\n"
 }
 
-/// Spreadsheets run what begins like a formula; a leading apostrophe makes it text. Numbers stay numbers.
+/// Spreadsheets run what begins like a formula; a leading apostrophe makes it text. Numbers stay
+/// numbers.
 fn harmless(cell: String) -> String {
     let is_formula = cell
         .trim_start_matches([' ', '\u{a0}'])
@@ -266,7 +294,8 @@ mod tests {
 
     #[test]
     fn no_cell_is_a_formula() {
-        let check = |value: &str, expected: &str| assert_eq!(quoted(&harmless(value.to_owned())), expected);
+        let check =
+            |value: &str, expected: &str| assert_eq!(quoted(&harmless(value.to_owned())), expected);
         check("=HYPERLINK(\"http://evil\")", "\"'=HYPERLINK(\"\"http://evil\"\")\"");
         check("+1+cmd|' /C calc'!A0", "\"'+1+cmd|' /C calc'!A0\"");
         check("@SUM(1)", "\"'@SUM(1)\"");
@@ -281,7 +310,9 @@ mod tests {
     #[test]
     fn pages_show_markup_as_text() {
         let html = Exporter::new(ExportFormat::Html, Language::De);
-        let page = html.begin("F") + &html.entry(&queued("<script>alert(1)</script>".into())) + &html.end();
+        let page = html.begin("F")
+            + &html.entry(&queued("<script>alert(1)</script>".into()))
+            + &html.end();
         assert!(page.contains("&lt;script&gt;") && !page.contains("<script"), "{page}");
         assert!(
             page.contains("Empfänger")
@@ -296,7 +327,8 @@ mod tests {
     fn a_line_carries_the_exact_hashed_text() {
         let entry = queued("fine".into());
         let line: Value =
-            serde_json::from_str(&Exporter::new(ExportFormat::Jsonl, Language::En).entry(&entry)).expect("JSON");
+            serde_json::from_str(&Exporter::new(ExportFormat::Jsonl, Language::En).entry(&entry))
+                .expect("JSON");
         assert_eq!(line["entry"], Value::from(entry.content));
         assert_eq!(line["report"]["Payload"]["note"]["Body"], "fine");
     }

@@ -1,4 +1,5 @@
-//! Signed ends of the chains, written with every entry: not even the newest entries can be cut off unnoticed.
+//! Signed ends of the chains, written with every entry: not even the newest entries can be cut off
+//! unnoticed.
 
 use asi_model::{FactoryId, OrganisationId};
 
@@ -22,7 +23,13 @@ pub struct SignedHead {
 impl SignedHead {
     /// Signs the end of a chain.
     #[must_use]
-    pub fn new(factory: &FactoryId, recipient: OrganisationId, number: u64, hash: Hash, key: &LedgerKey) -> Self {
+    pub fn new(
+        factory: &FactoryId,
+        recipient: OrganisationId,
+        number: u64,
+        hash: Hash,
+        key: &LedgerKey,
+    ) -> Self {
         let signature = key.sign(&text(factory.as_str(), recipient.as_str(), number, &hash));
         Self { recipient, number, hash, signature, public_key: key.public() }
     }
@@ -34,7 +41,8 @@ impl SignedHead {
         entries: impl IntoIterator<Item = &'a LinkedEntry>,
         key: &LedgerKey,
     ) -> Vec<Self> {
-        let mut last: std::collections::BTreeMap<&OrganisationId, &LinkedEntry> = std::collections::BTreeMap::new();
+        let mut last: std::collections::BTreeMap<&OrganisationId, &LinkedEntry> =
+            std::collections::BTreeMap::new();
         for entry in entries {
             last.insert(&entry.recipient, entry);
         }

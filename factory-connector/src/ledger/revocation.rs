@@ -3,7 +3,8 @@
 use asi_model::{DateTime, FactoryId, FieldKey, OrganisationId, RequestKey, messages::GapCause};
 use serde::{Deserialize, Serialize};
 
-/// A statement of what had left when a consent ended. It is signed with the ledger's key and kept for ever.
+/// A statement of what had left when a consent ended. It is signed with the ledger's key and kept
+/// for ever.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevocationReceipt {
@@ -86,7 +87,9 @@ impl Sequences {
         let mut ranges: Vec<Self> = Vec::new();
         for number in numbers {
             match ranges.last_mut() {
-                Some(range) if range.last_sequence.checked_add(1) == Some(number) => range.last_sequence = number,
+                Some(range) if range.last_sequence.checked_add(1) == Some(number) => {
+                    range.last_sequence = number
+                }
                 _ => ranges.push(Self { first_sequence: number, last_sequence: number }),
             }
         }

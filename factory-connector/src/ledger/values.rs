@@ -19,10 +19,12 @@ pub const SALT_BYTES: usize = 16;
 #[error("the report is not a JSON object with members that can be hashed")]
 pub struct ValuesError(#[from] serde_json::Error);
 
-/// The root over the salted hashes of all members of a DataSetMessage (its JSON text), payload members singly.
+/// The root over the salted hashes of all members of a DataSetMessage (its JSON text), payload
+/// members singly.
 ///
-/// Each member has a salt of its own, derived from the report's, so that one value can be shown to an auditor - with its
-/// salt and the other members' hashes - without showing the others or letting them be guessed.
+/// Each member has a salt of its own, derived from the report's, so that one value can be shown to
+/// an auditor - with its salt and the other members' hashes - without showing the others or letting
+/// them be guessed.
 ///
 /// # Errors
 /// [`ValuesError`] when the text is not a JSON object.

@@ -1,8 +1,9 @@
 //! Verification: finds any change, deletion or reordering.
 //!
-//! Entries and reports are looked at one by one, which may happen on several threads ([`StoredEntry::check`]); the
-//! [`Verifier`] then takes the entries in their order and compares them with what is signed: anchors at the beginning of pruned chains, heads at
-//! their ends, daily checkpoints over all of them, and receipts of ended consents.
+//! Entries and reports are looked at one by one, which may happen on several threads
+//! ([`StoredEntry::check`]); the [`Verifier`] then takes the entries in their order and compares
+//! them with what is signed: anchors at the beginning of pruned chains, heads at their ends, daily
+//! checkpoints over all of them, and receipts of ended consents.
 
 mod row;
 #[cfg(test)]
@@ -15,7 +16,10 @@ use serde::Serialize;
 use row::Values;
 pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
 
-use super::{Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, checkpoint::is_signed, head::is_signed_head};
+use super::{
+    Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, checkpoint::is_signed,
+    head::is_signed_head,
+};
 
 /// Most faults that are listed; more are counted only.
 const FAULTS_MAX: usize = 100;
@@ -48,7 +52,8 @@ pub struct Verification {
     pub checkpoints: u64,
     /// Receipts of ended consents verified.
     pub revocations: u64,
-    /// The key that everything signed was signed with, hexadecimal: compare it with the one you noted.
+    /// The key that everything signed was signed with, hexadecimal: compare it with the one you
+    /// noted.
     pub public_key: Option<String>,
     /// How many faults there are.
     pub fault_count: u64,
@@ -67,7 +72,8 @@ impl Verification {
 /// A signed text as stored.
 #[derive(Debug, Clone, Default)]
 pub struct StoredStatement {
-    /// The columns beside it that repeat what it says: a name or number, and a time in microseconds.
+    /// The columns beside it that repeat what it says: a name or number, and a time in
+    /// microseconds.
     pub name: String,
     /// When, as the column says.
     pub recorded_at: i64,
@@ -214,7 +220,11 @@ impl Verifier {
         if let Some((event, at)) = consent
             && !self.is_given(&event, at)
         {
-            self.fault(recipient, number, "the consent beside the ledger is not the one that was given");
+            self.fault(
+                recipient,
+                number,
+                "the consent beside the ledger is not the one that was given",
+            );
         }
         if let Some(id) = revocation {
             self.unmentioned.remove(&id);
@@ -247,12 +257,19 @@ impl Verifier {
             if !(is_signed && self.is_known(&stored.public_key)) {
                 self.fault(&stored.recipient, number, "the signature of the chain's end is wrong");
             }
-            let end = self.heads.remove(&stored.recipient).or_else(|| self.starts.get(&stored.recipient).copied());
+            let end = self
+                .heads
+                .remove(&stored.recipient)
+                .or_else(|| self.starts.get(&stored.recipient).copied());
             let end = end.unwrap_or_default();
             if end.number < number {
                 self.fault(&stored.recipient, end.number + 1, "entries are missing at the end");
             } else if end.number > number || end.hash[..] != stored.hash[..] {
-                self.fault(&stored.recipient, end.number, "the chain's end is not the one that was signed");
+                self.fault(
+                    &stored.recipient,
+                    end.number,
+                    "the chain's end is not the one that was signed",
+                );
             }
         }
         for (recipient, head) in std::mem::take(&mut self.heads) {
@@ -261,7 +278,11 @@ impl Verifier {
         for (recipient, number) in std::mem::take(&mut self.wanted).into_keys() {
             let is_pruned = self.starts.get(&recipient).is_some_and(|start| number <= start.number);
             if !is_pruned {
-                self.fault(&recipient, number, "a signed checkpoint states this entry, but it is missing");
+                self.fault(
+                    &recipient,
+                    number,
+                    "a signed checkpoint states this entry, but it is missing",
+                );
             }
         }
         // Entries about old receipts may have been pruned.
@@ -282,17 +303,27 @@ impl Verifier {
     }
 
     fn anchor(&mut self, stored: &StoredStatement) {
-        let anchor =
-            std::str::from_utf8(&stored.content).ok().and_then(|text| serde_json::from_str::<Anchor>(text).ok());
-        let hash = anchor.as_ref().and_then(|anchor| hex::decode(&anchor.hash).ok()?.try_into().ok());
+        let anchor = std::str::from_utf8(&stored.content)
+            .ok()
+            .and_then(|text| serde_json::from_str::<Anchor>(text).ok());
+        let hash =
+            anchor.as_ref().and_then(|anchor| hex::decode(&anchor.hash).ok()?.try_into().ok());
         let (Some(anchor), Some(hash)) = (anchor, hash) else {
-            return self.fault(&stored.name, 0, "the anchor in the place of pruned entries cannot be read");
+            return self.fault(
+                &stored.name,
+                0,
+                "the anchor in the place of pruned entries cannot be read",
+            );
         };
         let fits = anchor.recipient.as_str() == stored.name
             && anchor.recorded_at.unix_micros() == stored.recorded_at
             && anchor.factory_id.as_str() == self.factory_id;
         if !(fits && self.is_stated(stored)) {
-            self.fault(&stored.name, anchor.number, "the anchor in the place of pruned entries was changed");
+            self.fault(
+                &stored.name,
+                anchor.number,
+                "the anchor in the place of pruned entries was changed",
+            );
         }
         self.outcome.entries_pruned += anchor.number;
         self.starts.insert(stored.name.clone(), Head { number: anchor.number, hash });
@@ -301,7 +332,8 @@ impl Verifier {
     fn checkpoint(&mut self, place: u64, stored: &StoredStatement) {
         self.outcome.checkpoints += 1;
         let text = std::str::from_utf8(&stored.content).ok();
-        let Some(checkpoint) = text.and_then(|text| serde_json::from_str::<Checkpoint>(text).ok()) else {
+        let Some(checkpoint) = text.and_then(|text| serde_json::from_str::<Checkpoint>(text).ok())
+        else {
             return self.fault("", place, "the checkpoint cannot be read");
         };
         let fits = checkpoint.number == place
@@ -309,7 +341,11 @@ impl Verifier {
             && checkpoint.recorded_at.unix_micros() == stored.recorded_at
             && checkpoint.factory_id.as_str() == self.factory_id;
         if !(fits && self.is_stated(stored)) {
-            return self.fault("", place, "the checkpoint is out of place or its signature is wrong");
+            return self.fault(
+                "",
+                place,
+                "the checkpoint is out of place or its signature is wrong",
+            );
         }
         for head in checkpoint.heads.into_iter().filter(|head| head.number > 0) {
             self.wanted.insert((head.recipient.to_string(), head.number), head.hash);
@@ -321,19 +357,27 @@ impl Verifier {
         let text = std::str::from_utf8(&stored.content).ok();
         let receipt = text.and_then(|text| serde_json::from_str::<RevocationReceipt>(text).ok());
         let fits = receipt.as_ref().is_some_and(|receipt| {
-            receipt.revocation_id == stored.name && receipt.revoked_at.unix_micros() == stored.recorded_at
+            receipt.revocation_id == stored.name
+                && receipt.revoked_at.unix_micros() == stored.recorded_at
         });
         if !(fits && self.is_stated(stored)) {
-            self.fault("", 0, &format!("the receipt of the revocation {} was changed", stored.name));
+            self.fault(
+                "",
+                0,
+                &format!("the receipt of the revocation {} was changed", stored.name),
+            );
         }
         self.revocations.insert(stored.name.clone());
-        if receipt.is_some_and(|receipt| receipt.writers.iter().any(|writer| !writer.recipient_list.is_empty())) {
+        if receipt.is_some_and(|receipt| {
+            receipt.writers.iter().any(|writer| !writer.recipient_list.is_empty())
+        }) {
             self.unmentioned.insert(stored.name.clone());
         }
     }
 
     fn is_stated(&mut self, stored: &StoredStatement) -> bool {
-        std::str::from_utf8(&stored.content).is_ok_and(|text| is_signed(text, &stored.signature, &stored.public_key))
+        std::str::from_utf8(&stored.content)
+            .is_ok_and(|text| is_signed(text, &stored.signature, &stored.public_key))
             && self.is_known(&stored.public_key)
     }
 
@@ -346,18 +390,27 @@ impl Verifier {
     fn fault(&mut self, recipient: &str, number: u64, message: &str) {
         self.outcome.fault_count += 1;
         if self.outcome.fault_list.len() < FAULTS_MAX {
-            let fault = LedgerFault { recipient: recipient.to_owned(), number, message: message.to_owned() };
+            let fault = LedgerFault {
+                recipient: recipient.to_owned(),
+                number,
+                message: message.to_owned(),
+            };
             self.outcome.fault_list.push(fault);
         }
     }
 }
 
 fn is_consent(event: &Event, stored: &StoredConsent) -> bool {
-    let Event::Consent { mapping_state, value_source, policy, decided_by, .. } = event else { return false };
+    let Event::Consent { mapping_state, value_source, policy, decided_by, .. } = event else {
+        return false;
+    };
     let name = |value: serde_json::Value| value.as_str().map(str::to_owned);
-    let stored_policy = serde_json::from_str::<crate::disclosure::DisclosurePolicy>(&stored.policy).ok();
-    serde_json::to_value(mapping_state).ok().and_then(name).as_deref() == Some(&stored.mapping_state)
-        && value_source.map(serde_json::to_value).and_then(Result::ok).and_then(name) == stored.value_source
+    let stored_policy =
+        serde_json::from_str::<crate::disclosure::DisclosurePolicy>(&stored.policy).ok();
+    serde_json::to_value(mapping_state).ok().and_then(name).as_deref()
+        == Some(&stored.mapping_state)
+        && value_source.map(serde_json::to_value).and_then(Result::ok).and_then(name)
+            == stored.value_source
         && stored_policy.as_ref() == Some(policy)
         && *decided_by == stored.decided_by
 }

@@ -1,6 +1,9 @@
 //! One entry.
 
-use asi_model::{DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId, RequestKey};
+use asi_model::{
+    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId,
+    RequestKey,
+};
 use serde::{Deserialize, Serialize};
 
 /// Longest id, in characters.
@@ -11,7 +14,9 @@ const TEXT_CHARS_MAX: usize = 1000;
 const QUANTITY_MAX: f64 = 1e6;
 
 /// An operation of a network.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub struct OperationKey {
     /// The network.
@@ -46,7 +51,11 @@ impl TryFrom<String> for EntryId {
     fn try_from(text: String) -> Result<Self, Self::Error> {
         let is_fine = (1..=ID_CHARS_MAX).contains(&text.len())
             && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_'));
-        if is_fine { Ok(Self(text)) } else { Err("an entry's id has 1 to 64 letters, digits, - or _") }
+        if is_fine {
+            Ok(Self(text))
+        } else {
+            Err("an entry's id has 1 to 64 letters, digits, - or _")
+        }
     }
 }
 
@@ -129,7 +138,9 @@ pub enum EntryFault {
     #[error("it was made more than 31 days ago; type the present value instead")]
     TooOld,
     /// The operation has as many entries as it may have.
-    #[error("the operation has 10000 entries already; type the total instead of counting single pieces")]
+    #[error(
+        "the operation has 10000 entries already; type the total instead of counting single pieces"
+    )]
     TooMany,
 }
 
@@ -159,7 +170,9 @@ impl Action {
             Self::Add { quantity, .. } if !(quantity.abs() <= QUANTITY_MAX && *quantity != 0.0) => {
                 Err(EntryFault::Quantity)
             }
-            Self::Problem { text } if text.trim().is_empty() || text.chars().count() > TEXT_CHARS_MAX => {
+            Self::Problem { text }
+                if text.trim().is_empty() || text.chars().count() > TEXT_CHARS_MAX =>
+            {
                 Err(EntryFault::Text)
             }
             _ => Ok(()),

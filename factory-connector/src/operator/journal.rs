@@ -14,8 +14,8 @@ use super::{Action, EntryId, OperatorEntry, Piece};
 /// Most entries of one operation.
 const ENTRIES_MAX: usize = 10_000;
 
-/// The entries of one operation, in the order of their own times. What follows from them does not depend on the order in
-/// which they came, nor on how often.
+/// The entries of one operation, in the order of their own times. What follows from them does not
+/// depend on the order in which they came, nor on how often.
 #[derive(Debug, Clone, Default)]
 pub struct Journal {
     entries: BTreeMap<(DateTime, EntryId), OperatorEntry>,
@@ -136,8 +136,8 @@ impl Journal {
         standing
     }
 
-    /// What the entries say about a field of this meaning, and since when. A typed value counts from its time on, and
-    /// pieces counted afterwards add to it.
+    /// What the entries say about a field of this meaning, and since when. A typed value counts
+    /// from its time on, and pieces counted afterwards add to it.
     #[must_use]
     pub fn answer(
         &self,
@@ -151,7 +151,9 @@ impl Journal {
         for entry in self.entries.values() {
             let before = answer.as_ref().map(|(answer, _)| answer);
             let says = match (&entry.action, semantic) {
-                (Action::Value { value, .. }, _) if entry.action.field(&entry.operation).as_ref() == Some(field) => {
+                (Action::Value { value, .. }, _)
+                    if entry.action.field(&entry.operation).as_ref() == Some(field) =>
+                {
                     Some(Answer::Typed(value.clone()))
                 }
                 (Action::Add { quantity, piece }, Some(semantic)) => {
@@ -160,10 +162,18 @@ impl Journal {
                     }
                     counted(semantic, *piece, *quantity, before, good, planned)
                 }
-                (Action::Start, Some(Semantic::OperationState)) => Some(Answer::State(OperationState::Running)),
-                (Action::Start, Some(Semantic::ActualStart)) if before.is_none() => Some(Answer::Time(entry.made_at)),
-                (Action::Start, Some(Semantic::ActualEnd)) if before.is_some() => Some(Answer::Withdrawn),
-                (Action::Done, Some(Semantic::OperationState)) => Some(Answer::State(OperationState::Ended)),
+                (Action::Start, Some(Semantic::OperationState)) => {
+                    Some(Answer::State(OperationState::Running))
+                }
+                (Action::Start, Some(Semantic::ActualStart)) if before.is_none() => {
+                    Some(Answer::Time(entry.made_at))
+                }
+                (Action::Start, Some(Semantic::ActualEnd)) if before.is_some() => {
+                    Some(Answer::Withdrawn)
+                }
+                (Action::Done, Some(Semantic::OperationState)) => {
+                    Some(Answer::State(OperationState::Ended))
+                }
                 (Action::Done, Some(Semantic::ActualEnd)) => Some(Answer::Time(entry.made_at)),
                 (Action::Done, Some(Semantic::PercentComplete)) => Some(Answer::Number(100.0)),
                 (Action::Problem { .. }, Some(Semantic::OperationState)) => {
@@ -220,9 +230,9 @@ impl Answer {
             Self::Number(number) if field_type.is_integer() => whole(number.floor()),
             Self::Number(number) => Value::from(*number),
             Self::State(state) if is_text => Value::from(state.name()),
-            Self::State(state) => {
-                Value::from(OperationState::ALL.iter().position(|known| known == state).unwrap_or_default())
-            }
+            Self::State(state) => Value::from(
+                OperationState::ALL.iter().position(|known| known == state).unwrap_or_default(),
+            ),
             Self::Time(at) => Value::from(at.to_string()),
             Self::Typed(value) => value.clone(),
             Self::Withdrawn => return None,
@@ -287,19 +297,30 @@ mod tests {
         let standing = journal.standing();
         assert_eq!((standing.good_quantity, standing.scrap_quantity), (3.0, 1.0));
         assert_eq!(standing.state, Some(OperationState::Interrupted));
-        assert_eq!(standing.problem.map(|problem| problem.text).as_deref(), Some("The tool broke."));
-        let says =
-            |semantic: &Semantic, planned| journal.answer(&field("made"), Some(semantic), planned).map(|(a, _)| a);
+        assert_eq!(
+            standing.problem.map(|problem| problem.text).as_deref(),
+            Some("The tool broke.")
+        );
+        let says = |semantic: &Semantic, planned| {
+            journal.answer(&field("made"), Some(semantic), planned).map(|(a, _)| a)
+        };
         assert_eq!(says(&Semantic::ProducedQuantity, None), Some(Answer::Number(4.0)));
         assert_eq!(says(&Semantic::GoodQuantity, None), Some(Answer::Number(3.0)));
         assert_eq!(says(&Semantic::PercentComplete, Some(12.0)), Some(Answer::Number(25.0)));
         assert_eq!(says(&Semantic::PercentComplete, None), None);
-        assert_eq!(says(&Semantic::OperationState, None), Some(Answer::State(OperationState::Interrupted)));
+        assert_eq!(
+            says(&Semantic::OperationState, None),
+            Some(Answer::State(OperationState::Interrupted))
+        );
         assert_eq!(says(&Semantic::ActualEnd, None), None);
         journal.insert(entry(9, 9, json!({ "action": "DONE" })));
-        assert!(matches!(journal.answer(&field("x"), Some(&Semantic::ActualEnd), None), Some((Answer::Time(_), _))));
+        assert!(matches!(
+            journal.answer(&field("x"), Some(&Semantic::ActualEnd), None),
+            Some((Answer::Time(_), _))
+        ));
         journal.insert(entry(10, 10, json!({ "action": "START" })));
-        let (answer, _) = journal.answer(&field("x"), Some(&Semantic::ActualEnd), None).expect("an answer");
+        let (answer, _) =
+            journal.answer(&field("x"), Some(&Semantic::ActualEnd), None).expect("an answer");
         assert_eq!(answer, Answer::Withdrawn, "it was not finished after all");
         assert_eq!(journal.standing().problem, None);
     }
@@ -310,7 +331,8 @@ mod tests {
         journal.insert(entry(1, 10, json!({ "action": "ADD" })));
         journal.insert(entry(2, 20, typed(50)));
         journal.insert(entry(3, 30, json!({ "action": "ADD" })));
-        let says = |journal: &Journal| journal.answer(&field("made"), Some(&Semantic::GoodQuantity), None);
+        let says =
+            |journal: &Journal| journal.answer(&field("made"), Some(&Semantic::GoodQuantity), None);
         assert_eq!(says(&journal).map(|(answer, _)| answer), Some(Answer::Number(51.0)));
         // It was made before the total was typed, and came late.
         journal.insert(entry(4, 15, json!({ "action": "ADD" })));

@@ -1,4 +1,5 @@
-//! What is on its way out: which reports travel in which message, and which of them must not leave any more.
+//! What is on its way out: which reports travel in which message, and which of them must not leave
+//! any more.
 
 use std::{
     collections::{HashMap, HashSet, VecDeque},
@@ -57,7 +58,8 @@ impl Departures {
         }
     }
 
-    /// A message is about to be put on the wire. False where a report in it was taken back meanwhile.
+    /// A message is about to be put on the wire. False where a report in it was taken back
+    /// meanwhile.
     pub(super) fn may_leave(&self, message: i64, message_id: &MessageId) -> bool {
         let mut inner = self.0.lock();
         let Inner { fetched, recalled, .. } = &mut *inner;
@@ -110,7 +112,8 @@ impl Inner {
     }
 
     fn forget_recalls_of_others(&mut self) {
-        let held: HashSet<i64> = self.fetched.values().flat_map(|fetched| fetched.reports.iter().copied()).collect();
+        let held: HashSet<i64> =
+            self.fetched.values().flat_map(|fetched| fetched.reports.iter().copied()).collect();
         self.recalled.retain(|report| held.contains(report));
     }
 }
@@ -152,7 +155,10 @@ mod tests {
         let (held, gone) = (FETCHED_MAX as i64, 10_000_000_i64);
         departures.recall((gone..).take(RECALLED_MAX).chain([held]));
         departures.recall([5]);
-        assert!(!departures.may_leave(held, &id(FETCHED_MAX)), "a recall of what may still leave is kept");
+        assert!(
+            !departures.may_leave(held, &id(FETCHED_MAX)),
+            "a recall of what may still leave is kept"
+        );
         assert_eq!(departures.0.lock().recalled.len(), 2, "others are forgotten");
     }
 }

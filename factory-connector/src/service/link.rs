@@ -14,7 +14,8 @@ pub(super) fn link_config(
     section: &BrokerSection,
     factory_id: &FactoryId,
 ) -> anyhow::Result<LinkConfig> {
-    let told = BrokerUrl::from_str(&enrolled.broker_url).context("reading the broker's address of the enrolment")?;
+    let told = BrokerUrl::from_str(&enrolled.broker_url)
+        .context("reading the broker's address of the enrolment")?;
     let broker = section.url.clone().unwrap_or_else(|| told.clone());
     if broker.is_mqtt() != told.is_mqtt() {
         anyhow::bail!(
@@ -25,10 +26,12 @@ pub(super) fn link_config(
     let login = Login::new(&enrolled.user_name, &enrolled.password);
     // Unique per running instance, so that a broker tells two instances apart.
     let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
-    link.profile = serde_json::from_str(&enrolled.profile).context("reading the broker's profile of the enrolment")?;
+    link.profile = serde_json::from_str(&enrolled.profile)
+        .context("reading the broker's profile of the enrolment")?;
     if let Some(path) = &section.root_certificates {
-        let pem = std::fs::read(path)
-            .with_context(|| format!("reading broker.root_certificates at {}; is the path right?", path.display()))?;
+        let pem = std::fs::read(path).with_context(|| {
+            format!("reading broker.root_certificates at {}; is the path right?", path.display())
+        })?;
         link.tls.roots = Roots::Pem(pem.into());
     } else if let Some(pem) = &enrolled.root_certificate_pem {
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
@@ -88,7 +91,9 @@ mod tests {
     #[test]
     fn another_protocol_is_another_broker() {
         let url = Some("mqtt+wss://verbund.example".parse().expect("an address"));
-        let fault = configured(&BrokerSection { url, ..BrokerSection::default() }).expect_err("refused").to_string();
+        let fault = configured(&BrokerSection { url, ..BrokerSection::default() })
+            .expect_err("refused")
+            .to_string();
         assert!(fault.contains("broker.url") && fault.contains("protocol"), "{fault}");
     }
 }

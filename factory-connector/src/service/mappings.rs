@@ -33,7 +33,8 @@ async fn put(engine: &MappingEngineHandle, mappings: Vec<Published>) {
     if mappings.is_empty() {
         return;
     }
-    let ids: Vec<_> = mappings.iter().map(|published| published.mapping.mapping_id.clone()).collect();
+    let ids: Vec<_> =
+        mappings.iter().map(|published| published.mapping.mapping_id.clone()).collect();
     let Ok(outcomes) = engine.put_many(mappings).await else { return };
     for (id, outcome) in ids.into_iter().zip(outcomes) {
         if let Err(error) = outcome {

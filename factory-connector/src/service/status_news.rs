@@ -12,7 +12,8 @@ use crate::books::ConnectorEvent;
 /// However fast things change, pages are told so often at most.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// Runs until shutdown. What only counts - messages, ages, the spool - is not told: pages ask for it.
+/// Runs until shutdown. What only counts - messages, ages, the spool - is not told: pages ask for
+/// it.
 pub(super) async fn tell(
     events: EventLog<ConnectorEvent>,
     mut link: watch::Receiver<LinkState>,

@@ -8,7 +8,9 @@ use sqlx::{Row as _, SqliteConnection, SqlitePool};
 use super::StoreError;
 
 /// What a person may do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, utoipa::ToSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Role {
     /// Decides, maps, configures.
@@ -65,8 +67,10 @@ pub async fn user(readers: &SqlitePool, user_name: &str) -> Result<Option<User>,
         let role: String = row.try_get(1).map_err(StoreError::while_doing("read a column"))?;
         Ok(User {
             user_name: row.try_get(0).map_err(StoreError::while_doing("read a column"))?,
-            role: Role::from_name(&role)
-                .ok_or_else(|| StoreError::Unreadable { what: "user", reason: format!("there is no role {role}") })?,
+            role: Role::from_name(&role).ok_or_else(|| StoreError::Unreadable {
+                what: "user",
+                reason: format!("there is no role {role}"),
+            })?,
             password_hash: row.try_get(2).map_err(StoreError::while_doing("read a column"))?,
         })
     })
@@ -77,7 +81,9 @@ pub async fn user(readers: &SqlitePool, user_name: &str) -> Result<Option<User>,
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn everybody(readers: &SqlitePool) -> Result<HashMap<String, (String, String)>, StoreError> {
+pub async fn everybody(
+    readers: &SqlitePool,
+) -> Result<HashMap<String, (String, String)>, StoreError> {
     let rows = sqlx::query("SELECT user_name, role, password_hash FROM user")
         .fetch_all(readers)
         .await
@@ -104,7 +110,11 @@ pub async fn count_users(connection: &mut SqliteConnection) -> Result<i64, Store
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be written.
-pub async fn put_user(connection: &mut SqliteConnection, user: &User, now: DateTime) -> Result<(), StoreError> {
+pub async fn put_user(
+    connection: &mut SqliteConnection,
+    user: &User,
+    now: DateTime,
+) -> Result<(), StoreError> {
     sqlx::query(
         "INSERT INTO user (user_name, role, password_hash, changed_at) VALUES (?, ?, ?, ?) \
          ON CONFLICT (user_name) DO UPDATE SET role = excluded.role, password_hash = excluded.password_hash, \
@@ -124,7 +134,10 @@ pub async fn put_user(connection: &mut SqliteConnection, user: &User, now: DateT
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be written.
-pub async fn remove_user(connection: &mut SqliteConnection, user_name: &str) -> Result<bool, StoreError> {
+pub async fn remove_user(
+    connection: &mut SqliteConnection,
+    user_name: &str,
+) -> Result<bool, StoreError> {
     let done = sqlx::query("DELETE FROM user WHERE user_name = ?")
         .bind(user_name)
         .execute(connection)

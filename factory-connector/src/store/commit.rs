@@ -21,8 +21,9 @@ impl Store {
     /// [`StoreError::Write`]; then nothing was written.
     pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
         let action = "write a transaction";
-        let work =
-            move |connection: &Transaction<'_>| write(connection, &changes).map_err(StoreError::while_writing(action));
+        let work = move |connection: &Transaction<'_>| {
+            write(connection, &changes).map_err(StoreError::while_writing(action))
+        };
         self.writer.transact(action, work).await
     }
 }
@@ -48,7 +49,12 @@ fn write_sources(connection: &Connection, changes: &Changes) -> rusqlite::Result
         &changes.sources,
         |row| (&row.source_id, &row.config, &row.password),
     )?;
-    write_rows(connection, "DELETE FROM source WHERE source_id = ?", &changes.removed_sources, |id| (id,))
+    write_rows(
+        connection,
+        "DELETE FROM source WHERE source_id = ?",
+        &changes.removed_sources,
+        |id| (id,),
+    )
 }
 
 fn write_identity(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {

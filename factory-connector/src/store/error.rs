@@ -20,7 +20,9 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The file belongs to another factory.
-    #[error("the store belongs to the factory {found}, but {wanted} is configured; choose another state_directory")]
+    #[error(
+        "the store belongs to the factory {found}, but {wanted} is configured; choose another state_directory"
+    )]
     ForeignFactory {
         /// Whose it is.
         found: String,
@@ -66,7 +68,9 @@ impl StoreError {
     }
 
     /// For `map_err` after a statement of the writing connection.
-    pub(super) const fn while_writing(action: &'static str) -> impl FnOnce(rusqlite::Error) -> Self {
+    pub(super) const fn while_writing(
+        action: &'static str,
+    ) -> impl FnOnce(rusqlite::Error) -> Self {
         move |source| Self::Write { action, source }
     }
 

@@ -46,8 +46,13 @@ pub struct LedgerReader {
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn ledger_recipients(connection: &mut SqliteConnection) -> Result<Vec<String>, StoreError> {
-    super::load::all(connection, "SELECT recipient FROM ledger_head ORDER BY recipient", |row| get(row, 0)).await
+pub async fn ledger_recipients(
+    connection: &mut SqliteConnection,
+) -> Result<Vec<String>, StoreError> {
+    super::load::all(connection, "SELECT recipient FROM ledger_head ORDER BY recipient", |row| {
+        get(row, 0)
+    })
+    .await
 }
 
 impl LedgerReader {
@@ -105,7 +110,8 @@ impl LedgerReader {
             let hash: Vec<u8> = get(row, 3)?;
             let report: Option<String> = get(row, 4)?;
             let time = |column| -> Result<Option<String>, StoreError> {
-                Ok(get::<Option<i64>>(row, column)?.map(|micros| DateTime::from_unix_micros(micros).to_string()))
+                Ok(get::<Option<i64>>(row, column)?
+                    .map(|micros| DateTime::from_unix_micros(micros).to_string()))
             };
             let mut precision = BTreeMap::new();
             for (name, field, version) in consents(&content, report.as_deref()) {
@@ -138,13 +144,15 @@ impl LedgerReader {
         if let Some(known) = self.wordings.get(&key) {
             return Ok(Some(known.clone()));
         }
-        let policy: Option<String> = sqlx::query_scalar("SELECT policy FROM consent WHERE field = ? AND version = ?")
-            .bind(key.0.clone())
-            .bind(i64::try_from(version).unwrap_or(i64::MAX))
-            .fetch_optional(connection)
-            .await
-            .map_err(StoreError::while_doing("read a consent"))?;
-        let policy = policy.and_then(|policy| serde_json::from_str::<DisclosurePolicy>(&policy).ok());
+        let policy: Option<String> =
+            sqlx::query_scalar("SELECT policy FROM consent WHERE field = ? AND version = ?")
+                .bind(key.0.clone())
+                .bind(i64::try_from(version).unwrap_or(i64::MAX))
+                .fetch_optional(connection)
+                .await
+                .map_err(StoreError::while_doing("read a consent"))?;
+        let policy =
+            policy.and_then(|policy| serde_json::from_str::<DisclosurePolicy>(&policy).ok());
         let told = policy.map(|policy| policy.told(None));
         if let Some(told) = told.clone().filter(|_| self.wordings.len() < WORDINGS_MAX) {
             self.wordings.insert(key, told);
@@ -170,7 +178,11 @@ fn consents(content: &str, report: Option<&str>) -> Vec<(String, String, u64)> {
     let key = |of: &Value, name: &str| -> Option<String> {
         let part = |member: &str| {
             let value = &of[member];
-            value.as_str().or_else(|| value["Body"].as_str()).or_else(|| value["Value"].as_str()).map(str::to_owned)
+            value
+                .as_str()
+                .or_else(|| value["Body"].as_str())
+                .or_else(|| value["Value"].as_str())
+                .map(str::to_owned)
         };
         Some(format!(
             "{}/{}/{}/{name}",
@@ -188,9 +200,12 @@ fn consents(content: &str, report: Option<&str>) -> Vec<(String, String, u64)> {
             .collect();
     }
     let Some(named) = entry["consents"].as_object() else { return Vec::new() };
-    let report: Value = report.and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
+    let report: Value =
+        report.and_then(|report| serde_json::from_str(report).ok()).unwrap_or_default();
     named
         .iter()
-        .filter_map(|(name, version)| Some((name.clone(), key(&report["Payload"], name)?, version.as_u64()?)))
+        .filter_map(|(name, version)| {
+            Some((name.clone(), key(&report["Payload"], name)?, version.as_u64()?))
+        })
         .collect()
 }

@@ -1,4 +1,5 @@
-//! Reading everything back: first start, restart and recovery from a failed transaction take this one way.
+//! Reading everything back: first start, restart and recovery from a failed transaction take this
+//! one way.
 
 use std::collections::HashMap;
 
@@ -10,7 +11,9 @@ use futures::TryStreamExt as _;
 use serde::de::DeserializeOwned;
 use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 
-use super::{FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow, policies};
+use super::{
+    FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow, policies,
+};
 use crate::{
     books::RecipientPolicy,
     disclosure::{NamedPolicy, Rule, Versioned},
@@ -114,7 +117,8 @@ impl Store {
     }
 }
 
-/// The ends of the chains as signed; as found where none is signed yet, as after an update from a version without.
+/// The ends of the chains as signed; as found where none is signed yet, as after an update from a
+/// version without.
 async fn heads(connection: &mut SqliteConnection) -> Result<Heads, StoreError> {
     let found = all(
         connection,
@@ -138,12 +142,15 @@ async fn heads(connection: &mut SqliteConnection) -> Result<Heads, StoreError> {
 
 fn head(row: &SqliteRow) -> Result<(OrganisationId, Head), StoreError> {
     let hash: Vec<u8> = get(row, 2)?;
-    let hash = hash.try_into().map_err(|_| "a hash has 32 bytes").map_err(StoreError::unreadable("ledger entry"))?;
+    let hash = hash
+        .try_into()
+        .map_err(|_| "a hash has 32 bytes")
+        .map_err(StoreError::unreadable("ledger entry"))?;
     Ok((id::<OrganisationId>(row, 0)?, Head { number: unsigned(get(row, 1)?), hash }))
 }
 
-/// The greatest number of control messages and reports. Those of deleted control messages may come again after a start,
-/// when nothing of them is under way any more.
+/// The greatest number of control messages and reports. Those of deleted control messages may come
+/// again after a start, when nothing of them is under way any more.
 async fn last_row(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
     let rows = all(
         connection,
@@ -160,10 +167,13 @@ pub(super) async fn all<T>(
     sql: &'static str,
     read: impl Fn(&SqliteRow) -> Result<T, StoreError>,
 ) -> Result<Vec<T>, StoreError> {
-    // One after the other: all rows of a large table together would take more memory than what is made of them.
+    // One after the other: all rows of a large table together would take more memory than what is
+    // made of them.
     let mut rows = sqlx::query(sql).fetch(connection);
     let mut found = Vec::new();
-    while let Some(row) = rows.try_next().await.map_err(StoreError::while_doing("read the store's tables"))? {
+    while let Some(row) =
+        rows.try_next().await.map_err(StoreError::while_doing("read the store's tables"))?
+    {
         found.push(read(&row)?);
     }
     Ok(found)
@@ -239,7 +249,8 @@ fn field(row: &SqliteRow) -> Result<(FieldRow, Option<FieldValueRow>), StoreErro
 
 /// A name of the wire contract.
 fn name<T: DeserializeOwned>(text: &str) -> Result<T, StoreError> {
-    serde_json::from_value(serde_json::Value::from(text)).map_err(StoreError::unreadable("decision"))
+    serde_json::from_value(serde_json::Value::from(text))
+        .map_err(StoreError::unreadable("decision"))
 }
 
 fn writer(row: &SqliteRow) -> Result<(u16, WriterRow), StoreError> {

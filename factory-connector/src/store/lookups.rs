@@ -112,7 +112,11 @@ pub struct DeadLetter {
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn dead_letters(readers: &SqlitePool, before: i64, limit: u32) -> Result<Vec<DeadLetter>, StoreError> {
+pub async fn dead_letters(
+    readers: &SqlitePool,
+    before: i64,
+    limit: u32,
+) -> Result<Vec<DeadLetter>, StoreError> {
     let rows = sqlx::query(
         "SELECT id, direction, message_id, subject, code, reason, occurred_at, length(body) FROM dead_letter \
          WHERE id < ? ORDER BY id DESC LIMIT ?",
@@ -163,7 +167,10 @@ pub struct StoredComment {
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn comments(readers: &SqlitePool, network: &OperationNetworkId) -> Result<Vec<StoredComment>, StoreError> {
+pub async fn comments(
+    readers: &SqlitePool,
+    network: &OperationNetworkId,
+) -> Result<Vec<StoredComment>, StoreError> {
     let rows = sqlx::query(
         "SELECT id, dynamic_data_request_id, field_name, author_id, is_own, text, written_at FROM (SELECT * FROM \
          comment WHERE operation_network_id = ? ORDER BY id DESC LIMIT 1000) ORDER BY id",
@@ -179,7 +186,10 @@ pub async fn comments(readers: &SqlitePool, network: &OperationNetworkId) -> Res
                 dynamic_data_request_id: get(row, 1)?,
                 field_name: get(row, 2)?,
                 author_id: get(row, 3)?,
-                is_own: row.try_get::<i64, _>(4).map_err(StoreError::while_doing("read a column"))? != 0,
+                is_own: row
+                    .try_get::<i64, _>(4)
+                    .map_err(StoreError::while_doing("read a column"))?
+                    != 0,
                 text: get(row, 5)?,
                 written_at: DateTime::from_unix_micros(get(row, 6)?),
             })
@@ -197,6 +207,12 @@ pub async fn sources(readers: &SqlitePool) -> Result<Vec<super::SourceRow>, Stor
         .await
         .map_err(StoreError::while_doing("read the sources"))?;
     rows.iter()
-        .map(|row| Ok(super::SourceRow { source_id: get(row, 0)?, config: get(row, 1)?, password: get(row, 2)? }))
+        .map(|row| {
+            Ok(super::SourceRow {
+                source_id: get(row, 0)?,
+                config: get(row, 1)?,
+                password: get(row, 2)?,
+            })
+        })
         .collect()
 }

@@ -84,8 +84,8 @@ pub struct TemplateRow {
 /// What is known of the mappings of all fields at the start.
 #[derive(Debug, Default)]
 pub struct MappingShelf {
-    /// The newest version of each field, with its mapping as JSON; without where it is the mapping of the field's
-    /// decision.
+    /// The newest version of each field, with its mapping as JSON; without where it is the mapping
+    /// of the field's decision.
     pub versions: HashMap<i64, (u32, Option<String>)>,
     /// The shadows.
     pub shadows: HashMap<i64, ShadowRow>,
@@ -97,7 +97,16 @@ pub(super) fn write(connection: &Connection, changes: &MappingChanges) -> rusqli
         "INSERT INTO mapping_version (field_id, version, mapping, author, note, published_at) \
          VALUES (?, ?, ?, ?, ?, ?)",
         &changes.versions,
-        |row| (row.field_id, row.version, &row.mapping, &row.author, &row.note, row.published_at.unix_micros()),
+        |row| {
+            (
+                row.field_id,
+                row.version,
+                &row.mapping,
+                &row.author,
+                &row.note,
+                row.published_at.unix_micros(),
+            )
+        },
     )?;
     write_rows(
         connection,
@@ -142,9 +151,15 @@ pub(super) async fn load(connection: &mut SqliteConnection) -> Result<MappingShe
          (SELECT max(version) FROM mapping_version AS other WHERE other.field_id = this.field_id)",
     )
     .fetch(&mut *connection);
-    while let Some(row) = versions.try_next().await.map_err(StoreError::while_doing("read the versions of mappings"))? {
+    while let Some(row) = versions
+        .try_next()
+        .await
+        .map_err(StoreError::while_doing("read the versions of mappings"))?
+    {
         let version: i64 = get(&row, 1)?;
-        shelf.versions.insert(get(&row, 0)?, (u32::try_from(version).unwrap_or(u32::MAX), get(&row, 2)?));
+        shelf
+            .versions
+            .insert(get(&row, 0)?, (u32::try_from(version).unwrap_or(u32::MAX), get(&row, 2)?));
     }
     drop(versions);
     let shadows = sqlx::query("SELECT field_id, mapping, author, started_at FROM mapping_shadow")

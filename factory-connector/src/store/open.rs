@@ -46,9 +46,9 @@ const LOG_BYTES: &str = "67108864";
 pub struct Identity {
     /// The factory.
     pub factory_id: FactoryId,
-    /// What was numbered since the file was written may be unknown to it: it is an older copy of the one that was used
-    /// last, or was moved or copied to where it is used now, or its machine was started anew and may be a copy itself.
-    /// Holds until every writer has begun a new epoch.
+    /// What was numbered since the file was written may be unknown to it: it is an older copy of
+    /// the one that was used last, or was moved or copied to where it is used now, or its machine
+    /// was started anew and may be a copy itself. Holds until every writer has begun a new epoch.
     pub is_restored: bool,
     /// This start.
     pub instance_id: InstanceId,
@@ -76,8 +76,13 @@ impl Store {
     /// Opens the store in a folder, making both where they are missing.
     ///
     /// # Errors
-    /// [`StoreError`] where the folder is in use, belongs to another factory, or cannot be read and written.
-    pub async fn open(directory: &Path, factory_id: &FactoryId, now: DateTime) -> Result<Self, StoreError> {
+    /// [`StoreError`] where the folder is in use, belongs to another factory, or cannot be read and
+    /// written.
+    pub async fn open(
+        directory: &Path,
+        factory_id: &FactoryId,
+        now: DateTime,
+    ) -> Result<Self, StoreError> {
         let access = |path: &Path| {
             let path = path.to_owned();
             move |source| StoreError::Access { path, source }
@@ -93,7 +98,8 @@ impl Store {
         migrator().run(&mut reader).await?;
         let generation_file = directory.join(GENERATION_FILE);
         let known = std::fs::read_to_string(&generation_file).ok();
-        let instance_id = InstanceId::new(Uuid::new_v4().to_string()).expect("a UUID makes an instance id");
+        let instance_id =
+            InstanceId::new(Uuid::new_v4().to_string()).expect("a UUID makes an instance id");
         let start = Start {
             known_generation: known.as_deref(),
             instance_id,
@@ -102,7 +108,8 @@ impl Store {
             at: now,
         };
         let identity = identify(&mut reader, factory_id, start).await?;
-        std::fs::write(&generation_file, identity.instance_id.as_str()).map_err(access(&generation_file))?;
+        std::fs::write(&generation_file, identity.instance_id.as_str())
+            .map_err(access(&generation_file))?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
             .connect_with(options(&database).read_only(true))
@@ -174,7 +181,8 @@ fn migrator() -> Migrator {
 fn lock(directory: &Path) -> Result<File, StoreError> {
     let path = directory.join(LOCK_FILE);
     let access = |source| StoreError::Access { path: path.clone(), source };
-    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(access)?;
+    let file =
+        File::options().create(true).truncate(false).write(true).open(&path).map_err(access)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse { path: directory.to_owned() }),
@@ -191,8 +199,9 @@ struct Start<'a> {
     at: DateTime,
 }
 
-/// Reads or writes the identity, and marks this start in it. A generation that differs from the one in the file beside
-/// the database tells that the database was exchanged for an older copy; another place, that both were moved or copied.
+/// Reads or writes the identity, and marks this start in it. A generation that differs from the one
+/// in the file beside the database tells that the database was exchanged for an older copy; another
+/// place, that both were moved or copied.
 async fn identify(
     connection: &mut SqliteConnection,
     factory_id: &FactoryId,
@@ -200,10 +209,12 @@ async fn identify(
 ) -> Result<Identity, StoreError> {
     let Start { known_generation, instance_id, place, host, at } = start;
     let failed = || StoreError::while_doing("read the store's identity");
-    let stored = sqlx::query("SELECT factory_id, generation, place, must_begin_epochs, leased_place FROM identity")
-        .fetch_optional(&mut *connection)
-        .await
-        .map_err(failed())?;
+    let stored = sqlx::query(
+        "SELECT factory_id, generation, place, must_begin_epochs, leased_place FROM identity",
+    )
+    .fetch_optional(&mut *connection)
+    .await
+    .map_err(failed())?;
     let (is_restored, was_lease_held) = match stored {
         None => (false, false),
         Some(row) => {
@@ -217,7 +228,10 @@ async fn identify(
             }
             let is_exchanged = known_generation.is_none_or(|known| known != generation);
             let is_elsewhere = former.is_some_and(|former| former != place.as_str());
-            (is_exchanged || is_elsewhere || must_begin_epochs != 0, leased.is_some_and(|at| at == place.as_str()))
+            (
+                is_exchanged || is_elsewhere || must_begin_epochs != 0,
+                leased.is_some_and(|at| at == place.as_str()),
+            )
         }
     };
     sqlx::query(
@@ -233,5 +247,12 @@ async fn identify(
     .execute(connection)
     .await
     .map_err(StoreError::while_doing("mark this start in the store"))?;
-    Ok(Identity { factory_id: factory_id.clone(), is_restored, instance_id, place, host, was_lease_held })
+    Ok(Identity {
+        factory_id: factory_id.clone(),
+        is_restored,
+        instance_id,
+        place,
+        host,
+        was_lease_held,
+    })
 }

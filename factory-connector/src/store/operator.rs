@@ -12,19 +12,20 @@ use super::{
 use crate::operator::{EntryId, OperationKey, OperatorEntry};
 
 /// Entries of networks that are still active; those of withdrawn ones go with their network.
-pub(super) const LOAD: &str =
-    "SELECT operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action FROM operator_entry";
+pub(super) const LOAD: &str = "SELECT operation_network_id, operation_id, entry_id, made_at, received_at, made_by, action FROM operator_entry";
 
 /// An entry from its row.
 pub(super) fn entry(row: &SqliteRow) -> Result<OperatorEntry, StoreError> {
     let action: String = get(row, 6)?;
     Ok(OperatorEntry {
         operation: OperationKey { operation_network_id: id(row, 0)?, operation_id: id(row, 1)? },
-        entry_id: EntryId::try_from(get::<String>(row, 2)?).map_err(StoreError::unreadable("operator's entry"))?,
+        entry_id: EntryId::try_from(get::<String>(row, 2)?)
+            .map_err(StoreError::unreadable("operator's entry"))?,
         made_at: DateTime::from_unix_micros(get(row, 3)?),
         received_at: DateTime::from_unix_micros(get(row, 4)?),
         made_by: get(row, 5)?,
-        action: serde_json::from_str(&action).map_err(StoreError::unreadable("operator's entry"))?,
+        action: serde_json::from_str(&action)
+            .map_err(StoreError::unreadable("operator's entry"))?,
     })
 }
 

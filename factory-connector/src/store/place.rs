@@ -1,8 +1,9 @@
 //! Where a store is in use.
 //!
-//! While a connector runs it holds a lock on a file in the data directory. The lock belongs to that very file under that
-//! very run of the operating system; so two processes that name the same file and the same run cannot both be alive. A
-//! copy of the folder has another file; another machine, and the same machine after it was started again, another run.
+//! While a connector runs it holds a lock on a file in the data directory. The lock belongs to that
+//! very file under that very run of the operating system; so two processes that name the same file
+//! and the same run cannot both be alive. A copy of the folder has another file; another machine,
+//! and the same machine after it was started again, another run.
 
 use std::{fs::File, io, os::unix::fs::MetadataExt as _, path::Path};
 
@@ -21,18 +22,25 @@ const PLACE_BYTES: usize = 16;
 /// The place of a locked file.
 pub(super) fn place_of(lock: &File) -> io::Result<PlaceId> {
     let file = lock.metadata()?;
-    // Where the run cannot be told, each start counts as one: its copy on another disk might have the same number.
+    // Where the run cannot be told, each start counts as one: its copy on another disk might have
+    // the same number.
     let boot = std::fs::read_to_string(BOOT_ID).unwrap_or_else(|_| Uuid::new_v4().to_string());
     let digest = Sha256::digest(format!("{}/{}/{}", boot.trim(), file.dev(), file.ino()));
-    Ok(PlaceId::new(hex::encode(&digest[..PLACE_BYTES])).expect("hexadecimal digits make a place id"))
+    Ok(PlaceId::new(hex::encode(&digest[..PLACE_BYTES]))
+        .expect("hexadecimal digits make a place id"))
 }
 
 /// Machine and folder, for people.
 pub(super) fn host_of(directory: &Path) -> String {
     let machine = std::fs::read_to_string(HOST_NAME).unwrap_or_default();
-    let machine = Some(machine.trim()).filter(|name| !name.is_empty()).unwrap_or("a machine without a name");
+    let machine =
+        Some(machine.trim()).filter(|name| !name.is_empty()).unwrap_or("a machine without a name");
     let folder = std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
-    format!("{machine}:{}", folder.display()).chars().filter(|c| !c.is_control()).take(HOST_CHARS_MAX).collect()
+    format!("{machine}:{}", folder.display())
+        .chars()
+        .filter(|c| !c.is_control())
+        .take(HOST_CHARS_MAX)
+        .collect()
 }
 
 #[cfg(test)]
@@ -43,7 +51,8 @@ mod tests {
     fn a_copy_is_elsewhere_and_what_is_moved_or_opened_again_is_not() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
-        let place = |name: &str| place_of(&File::open(path(name)).expect("a file")).expect("a place");
+        let place =
+            |name: &str| place_of(&File::open(path(name)).expect("a file")).expect("a place");
         std::fs::write(path("lock"), "").expect("written");
         std::fs::copy(path("lock"), path("copy")).expect("copied");
         assert_eq!(place("lock"), place("lock"));

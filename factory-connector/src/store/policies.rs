@@ -31,7 +31,8 @@ pub struct DocumentRow {
 impl DocumentRow {
     /// As stored.
     pub fn new(key: &DocumentVersion, document: &impl Serialize, by: &str, now: DateTime) -> Self {
-        let document = serde_json::to_string(document).expect("policies and rules have text keys and finite numbers");
+        let document = serde_json::to_string(document)
+            .expect("policies and rules have text keys and finite numbers");
         Self { key: key.clone(), document, changed_by: by.to_owned(), changed_at: now }
     }
 }
@@ -84,7 +85,13 @@ pub(super) fn write_policies(connection: &Connection, changes: &Changes) -> rusq
     ];
     for (statement, rows) in tables {
         write_rows(connection, statement, rows, |row| {
-            (row.key.id.to_string(), row.key.version, &row.document, &row.changed_by, row.changed_at.unix_micros())
+            (
+                row.key.id.to_string(),
+                row.key.version,
+                &row.document,
+                &row.changed_by,
+                row.changed_at.unix_micros(),
+            )
         })?;
     }
     write_rows(
@@ -94,7 +101,13 @@ pub(super) fn write_policies(connection: &Connection, changes: &Changes) -> rusq
         |row| {
             let set = &row.set;
             let policy = set.policy_id.as_ref().map(ToString::to_string);
-            (row.recipient.as_str(), set.version, policy, &set.changed_by, set.changed_at.unix_micros())
+            (
+                row.recipient.as_str(),
+                set.version,
+                policy,
+                &set.changed_by,
+                set.changed_at.unix_micros(),
+            )
         },
     )?;
     write_rows(
@@ -131,12 +144,13 @@ const fn action_name(action: RuleAction) -> &'static str {
 pub(super) async fn newest_policies(
     connection: &mut SqliteConnection,
 ) -> Result<Vec<Versioned<NamedPolicy>>, StoreError> {
-    let newest =
-        "SELECT policy_id, max(version), document, changed_by, changed_at FROM policy_version GROUP BY policy_id";
+    let newest = "SELECT policy_id, max(version), document, changed_by, changed_at FROM policy_version GROUP BY policy_id";
     all(connection, newest, versioned).await
 }
 
-pub(super) async fn newest_rules(connection: &mut SqliteConnection) -> Result<Vec<Versioned<Rule>>, StoreError> {
+pub(super) async fn newest_rules(
+    connection: &mut SqliteConnection,
+) -> Result<Vec<Versioned<Rule>>, StoreError> {
     let newest = "SELECT rule_id, max(version), document, changed_by, changed_at FROM rule_version GROUP BY rule_id";
     all(connection, newest, versioned).await
 }
@@ -144,14 +158,15 @@ pub(super) async fn newest_rules(connection: &mut SqliteConnection) -> Result<Ve
 pub(super) async fn newest_recipient_policies(
     connection: &mut SqliteConnection,
 ) -> Result<Vec<(OrganisationId, RecipientPolicy)>, StoreError> {
-    let newest =
-        "SELECT recipient, max(version), policy_id, changed_by, changed_at FROM recipient_policy GROUP BY recipient";
+    let newest = "SELECT recipient, max(version), policy_id, changed_by, changed_at FROM recipient_policy GROUP BY recipient";
     all(connection, newest, |row| {
         let policy_id: Option<String> = get(row, 2)?;
         let set = RecipientPolicy {
             version: unsigned(get(row, 1)?),
             policy_id: policy_id
-                .map(|text| text.parse::<DocumentId>().map_err(StoreError::unreadable("identifier")))
+                .map(|text| {
+                    text.parse::<DocumentId>().map_err(StoreError::unreadable("identifier"))
+                })
                 .transpose()?,
             changed_by: get(row, 3)?,
             changed_at: DateTime::from_unix_micros(get(row, 4)?),
@@ -161,8 +176,12 @@ pub(super) async fn newest_recipient_policies(
     .await
 }
 
-pub(super) async fn last_rule_decision(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
-    let rows = all(connection, "SELECT coalesce(max(id), 0) FROM rule_decision", |row| get::<i64>(row, 0)).await?;
+pub(super) async fn last_rule_decision(
+    connection: &mut SqliteConnection,
+) -> Result<i64, StoreError> {
+    let rows =
+        all(connection, "SELECT coalesce(max(id), 0) FROM rule_decision", |row| get::<i64>(row, 0))
+            .await?;
     Ok(rows.into_iter().next().unwrap_or(0))
 }
 
@@ -232,7 +251,11 @@ pub struct RuleDecision {
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn rule_decisions(readers: &SqlitePool, before: i64, limit: u32) -> Result<Vec<RuleDecision>, StoreError> {
+pub async fn rule_decisions(
+    readers: &SqlitePool,
+    before: i64,
+    limit: u32,
+) -> Result<Vec<RuleDecision>, StoreError> {
     let rows = sqlx::query(
         "SELECT id, field, action, rules, consent_version, decided_at, undone_by, undone_at FROM rule_decision \
          WHERE id < ? ORDER BY id DESC LIMIT ?",
@@ -249,7 +272,10 @@ pub async fn rule_decisions(readers: &SqlitePool, before: i64, limit: u32) -> Re
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn rule_decision(readers: &SqlitePool, id: i64) -> Result<Option<RuleDecision>, StoreError> {
+pub async fn rule_decision(
+    readers: &SqlitePool,
+    id: i64,
+) -> Result<Option<RuleDecision>, StoreError> {
     let row = sqlx::query(
         "SELECT id, field, action, rules, consent_version, decided_at, undone_by, undone_at FROM rule_decision \
          WHERE id = ?",
@@ -268,7 +294,9 @@ fn decision(row: &SqliteRow) -> Result<RuleDecision, StoreError> {
         field: json(&field, "field's key")?,
         action: get(row, 2)?,
         rules: json(&rules, "rule's decision")?,
-        consent_version: unsigned(row.try_get(4).map_err(StoreError::while_doing("read a column"))?),
+        consent_version: unsigned(
+            row.try_get(4).map_err(StoreError::while_doing("read a column"))?,
+        ),
         decided_at: DateTime::from_unix_micros(get(row, 5)?),
         undone_by: get(row, 6)?,
         undone_at: time(get(row, 7)?),

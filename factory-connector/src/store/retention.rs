@@ -1,5 +1,5 @@
-//! What retention removes. The chains stay provable: emptied values leave their hashes, removed entries leave a signed
-//! anchor.
+//! What retention removes. The chains stay provable: emptied values leave their hashes, removed
+//! entries leave a signed anchor.
 
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use rusqlite::{Connection, Transaction};
@@ -18,12 +18,16 @@ const ENTRIES_PER_ROUND: i64 = 2000;
 const PRUNE: &str = "remove old entries";
 
 impl Store {
-    /// Empties the values of reports that are done with and were made before a time, after the one with this number.
-    /// Returns the number of the last one looked at; none when there are no more.
+    /// Empties the values of reports that are done with and were made before a time, after the one
+    /// with this number. Returns the number of the last one looked at; none when there are no more.
     ///
     /// # Errors
     /// [`StoreError`] where the table cannot be written.
-    pub async fn empty_values(&mut self, before: DateTime, after: i64) -> Result<Option<i64>, StoreError> {
+    pub async fn empty_values(
+        &mut self,
+        before: DateTime,
+        after: i64,
+    ) -> Result<Option<i64>, StoreError> {
         let action = "empty old values";
         let work = move |connection: &Transaction<'_>| {
             empty_values(connection, before, after).map_err(StoreError::while_writing(action))
@@ -31,9 +35,9 @@ impl Store {
         self.writer.transact(action, work).await
     }
 
-    /// Removes the oldest entries of each chain that were recorded before a time, with the reports that no chain speaks
-    /// of any more, and puts signed anchors in their place. What the spool still works with stays. Returns how many
-    /// entries were removed.
+    /// Removes the oldest entries of each chain that were recorded before a time, with the reports
+    /// that no chain speaks of any more, and puts signed anchors in their place. What the spool
+    /// still works with stays. Returns how many entries were removed.
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be written; then nothing was removed.
@@ -46,15 +50,23 @@ impl Store {
     ) -> Result<u64, StoreError> {
         let (factory, key) = (factory.clone(), key.clone());
         let work = move |connection: &Transaction<'_>| {
-            let recipients = recipients_and_oldest(connection, before).map_err(StoreError::while_writing(PRUNE));
+            let recipients =
+                recipients_and_oldest(connection, before).map_err(StoreError::while_writing(PRUNE));
             let (recipients, before) = recipients?;
-            recipients.iter().map(|recipient| prune_chain(connection, recipient, before, &factory, &key, now)).sum()
+            recipients
+                .iter()
+                .map(|recipient| prune_chain(connection, recipient, before, &factory, &key, now))
+                .sum()
         };
         self.writer.transact(PRUNE, work).await
     }
 }
 
-fn empty_values(connection: &Connection, before: DateTime, after: i64) -> rusqlite::Result<Option<i64>> {
+fn empty_values(
+    connection: &Connection,
+    before: DateTime,
+    after: i64,
+) -> rusqlite::Result<Option<i64>> {
     let ids: Vec<i64> = connection
         .prepare_cached(
             "SELECT id FROM report WHERE id > ? AND created_at < ? AND state = 'DONE' AND body IS NOT NULL \
@@ -70,10 +82,15 @@ fn empty_values(connection: &Connection, before: DateTime, after: i64) -> rusqli
 }
 
 /// The chains, and the time before which nothing is still worked with.
-fn recipients_and_oldest(connection: &Connection, before: DateTime) -> rusqlite::Result<(Vec<String>, i64)> {
+fn recipients_and_oldest(
+    connection: &Connection,
+    before: DateTime,
+) -> rusqlite::Result<(Vec<String>, i64)> {
     let oldest = "SELECT min(created_at) FROM report WHERE state IN ('WAITING', 'SENT', 'PARKED')";
-    let oldest_open: Option<i64> = connection.prepare_cached(oldest)?.query_row((), |row| row.get(0))?;
-    let mut recipients = connection.prepare_cached("SELECT recipient FROM ledger_head ORDER BY recipient")?;
+    let oldest_open: Option<i64> =
+        connection.prepare_cached(oldest)?.query_row((), |row| row.get(0))?;
+    let mut recipients =
+        connection.prepare_cached("SELECT recipient FROM ledger_head ORDER BY recipient")?;
     let recipients = recipients.query_map((), |row| row.get(0))?.collect::<Result<_, _>>()?;
     Ok((recipients, before.unix_micros().min(oldest_open.unwrap_or(i64::MAX))))
 }
@@ -86,11 +103,14 @@ fn prune_chain(
     key: &LedgerKey,
     now: DateTime,
 ) -> Result<u64, StoreError> {
-    let entries = oldest_entries(connection, recipient, before).map_err(StoreError::while_writing(PRUNE))?;
+    let entries =
+        oldest_entries(connection, recipient, before).map_err(StoreError::while_writing(PRUNE))?;
     let Some((number, recorded_at, hash, _)) = entries.last() else { return Ok(0) };
     let anchor = Anchor {
         factory_id: factory.clone(),
-        recipient: recipient.parse::<OrganisationId>().map_err(StoreError::unreadable("identifier"))?,
+        recipient: recipient
+            .parse::<OrganisationId>()
+            .map_err(StoreError::unreadable("identifier"))?,
         number: unsigned(*number),
         hash: hex::encode(hash),
         last_entry_at: DateTime::from_unix_micros(*recorded_at),
@@ -106,8 +126,12 @@ fn prune_chain(
         (recipient, now.unix_micros(), &content, key.sign(&content), key.public()),
     )
     .map_err(StoreError::while_writing("anchor a chain"))?;
-    run(connection, "DELETE FROM ledger_entry WHERE recipient = ? AND number <= ?", (recipient, number))
-        .map_err(StoreError::while_writing(PRUNE))?;
+    run(
+        connection,
+        "DELETE FROM ledger_entry WHERE recipient = ? AND number <= ?",
+        (recipient, number),
+    )
+    .map_err(StoreError::while_writing(PRUNE))?;
     let reports: Vec<i64> = entries.iter().filter_map(|(.., report)| *report).collect();
     run(
         connection,
@@ -123,7 +147,11 @@ fn prune_chain(
 type OldEntry = (i64, i64, Vec<u8>, Option<i64>);
 
 /// The oldest entries of a chain, up to the first that is not old enough.
-fn oldest_entries(connection: &Connection, recipient: &str, before: i64) -> rusqlite::Result<Vec<OldEntry>> {
+fn oldest_entries(
+    connection: &Connection,
+    recipient: &str,
+    before: i64,
+) -> rusqlite::Result<Vec<OldEntry>> {
     let mut statement = connection.prepare_cached(
         "SELECT number, recorded_at, hash, report_id FROM ledger_entry WHERE recipient = ? ORDER BY number LIMIT ?",
     )?;

@@ -21,12 +21,16 @@ pub struct Revisions {
 ///
 /// # Errors
 /// [`StoreError`] where the table or a document cannot be read.
-pub async fn revisions(readers: &SqlitePool, id: &OperationNetworkId) -> Result<Option<Revisions>, StoreError> {
-    let row = sqlx::query("SELECT message, previous_message FROM network WHERE operation_network_id = ?")
-        .bind(id.as_str())
-        .fetch_optional(readers)
-        .await
-        .map_err(StoreError::while_doing("read a network's revisions"))?;
+pub async fn revisions(
+    readers: &SqlitePool,
+    id: &OperationNetworkId,
+) -> Result<Option<Revisions>, StoreError> {
+    let row =
+        sqlx::query("SELECT message, previous_message FROM network WHERE operation_network_id = ?")
+            .bind(id.as_str())
+            .fetch_optional(readers)
+            .await
+            .map_err(StoreError::while_doing("read a network's revisions"))?;
     let Some(row) = row else { return Ok(None) };
     let (current, previous): (Option<String>, Option<String>) = (get(&row, 0)?, get(&row, 1)?);
     let Some(current) = current else { return Ok(None) };

@@ -18,7 +18,8 @@ pub struct StoredRevocation {
     pub signature: String,
     /// The key it is verified with, hexadecimal.
     pub public_key: String,
-    /// Reports that were on their way when the consent ended, of which the platform has said since that it holds them.
+    /// Reports that were on their way when the consent ended, of which the platform has said since
+    /// that it holds them.
     pub arrived_since: u32,
     /// Reports of which it is still not known whether they arrived.
     pub open: u32,
@@ -56,7 +57,10 @@ pub async fn revocations(
 ///
 /// # Errors
 /// [`StoreError`] where the table cannot be read.
-pub async fn revocation_by_id(readers: &SqlitePool, id: &str) -> Result<Option<StoredRevocation>, StoreError> {
+pub async fn revocation_by_id(
+    readers: &SqlitePool,
+    id: &str,
+) -> Result<Option<StoredRevocation>, StoreError> {
     let row = sqlx::query(sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE revocation_id = ?")))
         .bind(id.to_owned())
         .fetch_optional(readers)
@@ -71,7 +75,8 @@ pub async fn revocation_by_id(readers: &SqlitePool, id: &str) -> Result<Option<S
 fn revocation(row: &SqliteRow) -> Result<StoredRevocation, StoreError> {
     let signed_text: String = get(row, 0)?;
     Ok(StoredRevocation {
-        receipt: serde_json::from_str(&signed_text).map_err(StoreError::unreadable("revocation"))?,
+        receipt: serde_json::from_str(&signed_text)
+            .map_err(StoreError::unreadable("revocation"))?,
         signed_text,
         signature: hex::encode(get::<Vec<u8>>(row, 1)?),
         public_key: hex::encode(get::<Vec<u8>>(row, 2)?),
@@ -80,7 +85,10 @@ fn revocation(row: &SqliteRow) -> Result<StoredRevocation, StoreError> {
     })
 }
 
-async fn with_arrivals(readers: &SqlitePool, mut found: StoredRevocation) -> Result<StoredRevocation, StoreError> {
+async fn with_arrivals(
+    readers: &SqlitePool,
+    mut found: StoredRevocation,
+) -> Result<StoredRevocation, StoreError> {
     for writer in &found.receipt.writers {
         for range in &writer.in_flight {
             let row = sqlx::query(
@@ -94,7 +102,9 @@ async fn with_arrivals(readers: &SqlitePool, mut found: StoredRevocation) -> Res
             .fetch_one(readers)
             .await
             .map_err(StoreError::while_doing("read the spool"))?;
-            let count = |column| row.try_get::<u32, _>(column).map_err(StoreError::while_doing("read a column"));
+            let count = |column| {
+                row.try_get::<u32, _>(column).map_err(StoreError::while_doing("read a column"))
+            };
             found.arrived_since += count(0)?;
             found.open += count(1)?;
         }

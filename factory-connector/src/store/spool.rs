@@ -82,7 +82,8 @@ impl SpoolReader {
         match fetch.lane {
             Lane::Control => self.controls(fetch).await,
             Lane::Newest => {
-                // Not with a report whose writer's newer ones have left already: these would be overtaken in the live lane.
+                // Not with a report whose writer's newer ones have left already: these would be
+                // overtaken in the live lane.
                 let statement = "SELECT message, id, body, created_at, attempts FROM report WHERE state = 'WAITING' \
                      AND message IN (SELECT DISTINCT r.message FROM report r JOIN (SELECT writer_id, max(id) AS id \
                      FROM report WHERE state = 'WAITING' AND message > ?1 AND message <= ?2 GROUP BY writer_id) n \
@@ -114,7 +115,11 @@ impl SpoolReader {
         rows.iter().map(control).collect()
     }
 
-    async fn reports(&self, statement: &'static str, fetch: Fetch) -> Result<Vec<Message>, StoreError> {
+    async fn reports(
+        &self,
+        statement: &'static str,
+        fetch: Fetch,
+    ) -> Result<Vec<Message>, StoreError> {
         let rows = sqlx::query(statement)
             .bind(fetch.after.0)
             .bind(fetch.through.map_or(i64::MAX, |id| id.0))
@@ -124,9 +129,12 @@ impl SpoolReader {
             .map_err(StoreError::while_doing("read the spool"))?;
         let mut messages: Vec<Message> = Vec::new();
         for row in &rows {
-            let (message, report): (i64, (i64, String)) = (get(row, 0)?, (get(row, 1)?, get(row, 2)?));
+            let (message, report): (i64, (i64, String)) =
+                (get(row, 0)?, (get(row, 1)?, get(row, 2)?));
             match messages.last_mut() {
-                Some(Message::Reports { id, reports, .. }) if *id == message => reports.push(report),
+                Some(Message::Reports { id, reports, .. }) if *id == message => {
+                    reports.push(report)
+                }
                 _ => messages.push(Message::Reports {
                     id: message,
                     reports: vec![report],
@@ -187,7 +195,11 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
-    pub async fn kept_reports(&mut self, writer: u16, epoch: Option<u32>) -> Result<Vec<WaitingRow>, StoreError> {
+    pub async fn kept_reports(
+        &mut self,
+        writer: u16,
+        epoch: Option<u32>,
+    ) -> Result<Vec<WaitingRow>, StoreError> {
         let rows = sqlx::query(
             "SELECT id, writer_id, epoch, sequence, bytes, created_at, sent_at, sent_count, state, recipients, \
              is_revoked, message FROM report WHERE state IN ('WAITING', 'SENT') AND writer_id = ?1 \
@@ -222,10 +234,12 @@ impl Store {
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
     pub async fn kept_bytes(&mut self) -> Result<u64, StoreError> {
-        let row = sqlx::query("SELECT coalesce(sum(bytes), 0) FROM report WHERE state IN ('WAITING', 'SENT')")
-            .fetch_one(&mut self.reader)
-            .await
-            .map_err(StoreError::while_doing("measure the spool"))?;
+        let row = sqlx::query(
+            "SELECT coalesce(sum(bytes), 0) FROM report WHERE state IN ('WAITING', 'SENT')",
+        )
+        .fetch_one(&mut self.reader)
+        .await
+        .map_err(StoreError::while_doing("measure the spool"))?;
         Ok(unsigned(get(&row, 0)?))
     }
 
@@ -234,15 +248,17 @@ impl Store {
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
     pub async fn newest_reports(&mut self) -> Result<std::collections::HashSet<RowId>, StoreError> {
-        let rows = sqlx::query("SELECT max(id) FROM report WHERE state IN ('WAITING', 'SENT') GROUP BY writer_id")
-            .fetch_all(&mut self.reader)
-            .await
-            .map_err(StoreError::while_doing("read the spool"))?;
+        let rows = sqlx::query(
+            "SELECT max(id) FROM report WHERE state IN ('WAITING', 'SENT') GROUP BY writer_id",
+        )
+        .fetch_all(&mut self.reader)
+        .await
+        .map_err(StoreError::while_doing("read the spool"))?;
         rows.iter().map(|row| Ok(RowId(get(row, 0)?))).collect()
     }
 
-    /// The reports that travel in these messages and were not known to have left: those that wait, and those that were
-    /// taken back meanwhile.
+    /// The reports that travel in these messages and were not known to have left: those that wait,
+    /// and those that were taken back meanwhile.
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
@@ -263,7 +279,11 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError`] where the tables cannot be read.
-    pub async fn last_sequences(&mut self, writer: u16, epoch: u32) -> Result<(Option<u32>, Option<u32>), StoreError> {
+    pub async fn last_sequences(
+        &mut self,
+        writer: u16,
+        epoch: u32,
+    ) -> Result<(Option<u32>, Option<u32>), StoreError> {
         let row = sqlx::query(
             "SELECT (SELECT sequence FROM report WHERE writer_id = ?1 AND epoch = ?2 AND sent_at IS NOT NULL \
              ORDER BY sequence DESC LIMIT 1), (SELECT sequence FROM report WHERE writer_id = ?1 AND epoch = ?2 \
@@ -284,17 +304,20 @@ impl Store {
     /// [`StoreError`] where the table cannot be read.
     pub async fn seen(&mut self, message_ids: &[String]) -> Result<Vec<String>, StoreError> {
         let ids = serde_json::to_string(message_ids).expect("texts serialise");
-        let rows = sqlx::query("SELECT message_id FROM seen WHERE message_id IN (SELECT value FROM json_each(?))")
-            .bind(ids)
-            .fetch_all(&mut self.reader)
-            .await
-            .map_err(StoreError::while_doing("look for repeats"))?;
+        let rows = sqlx::query(
+            "SELECT message_id FROM seen WHERE message_id IN (SELECT value FROM json_each(?))",
+        )
+        .bind(ids)
+        .fetch_all(&mut self.reader)
+        .await
+        .map_err(StoreError::while_doing("look for repeats"))?;
         rows.iter().map(|row| get(row, 0)).collect()
     }
 }
 
 fn control(row: &SqliteRow) -> Result<Message, StoreError> {
-    let message_id = |text: String| MessageId::new(text).map_err(StoreError::unreadable("message id"));
+    let message_id =
+        |text: String| MessageId::new(text).map_err(StoreError::unreadable("message id"));
     let ttl: Option<i64> = get(row, 6)?;
     Ok(Message::Control {
         id: get(row, 0)?,
@@ -323,8 +346,10 @@ fn kept(row: &SqliteRow) -> Result<WaitingRow, StoreError> {
             sent_at: sent_at.filter(|_| state == "SENT"),
             sent_count: unsigned(get(row, 7)?),
         },
-        recipients: serde_json::from_str(&recipients).map_err(StoreError::unreadable("recipients"))?,
-        is_revoked: row.try_get::<i64, _>(10).map_err(StoreError::while_doing("read a column"))? != 0,
+        recipients: serde_json::from_str(&recipients)
+            .map_err(StoreError::unreadable("recipients"))?,
+        is_revoked: row.try_get::<i64, _>(10).map_err(StoreError::while_doing("read a column"))?
+            != 0,
         message: get(row, 11)?,
         is_done: state == "DONE",
     })

@@ -13,7 +13,8 @@ use super::{StoreError, load::get};
 pub struct SpooledMessage {
     /// Its number.
     pub id: i64,
-    /// `WAITING`, `SENT` (without a receipt yet) or `PARKED` (set aside, for the broker will not take it).
+    /// `WAITING`, `SENT` (without a receipt yet) or `PARKED` (set aside, for the broker will not
+    /// take it).
     pub state: String,
     /// `report writer/epoch/sequence`, or the type of the control message.
     pub about: String,

@@ -13,7 +13,8 @@ use super::{
     load::{all, get, unsigned},
 };
 use crate::ledger::{
-    CheckedEntry, Hash, StoredConsent, StoredEntry, StoredHead, StoredStatement, Surroundings, Verification, Verifier,
+    CheckedEntry, Hash, StoredConsent, StoredEntry, StoredHead, StoredStatement, Surroundings,
+    Verification, Verifier,
 };
 
 /// Entries read at once.
@@ -42,8 +43,8 @@ struct Block {
     reports: NewReports,
 }
 
-/// Reads every chain from its beginning and looks for any change, deletion or reordering. Everything signed must be
-/// signed with the trusted key, where one is given.
+/// Reads every chain from its beginning and looks for any change, deletion or reordering.
+/// Everything signed must be signed with the trusted key, where one is given.
 ///
 /// # Errors
 /// [`StoreError`] where the tables cannot be read.
@@ -65,11 +66,17 @@ pub async fn verify_ledger(
     read.and(outcome)
 }
 
-/// Reads all chains side by side: a report goes to several recipients at about the same time, and is read once for all.
-async fn read(connection: &mut SqliteConnection, blocks: &mpsc::Sender<Block>) -> Result<(), StoreError> {
+/// Reads all chains side by side: a report goes to several recipients at about the same time, and
+/// is read once for all.
+async fn read(
+    connection: &mut SqliteConnection,
+    blocks: &mpsc::Sender<Block>,
+) -> Result<(), StoreError> {
     let mut chains = chains(connection).await?;
     let mut wanted = Wanted::default();
-    while let Some(chain) = chains.iter_mut().filter(|chain| chain.next.is_some()).min_by_key(|chain| chain.report) {
+    while let Some(chain) =
+        chains.iter_mut().filter(|chain| chain.next.is_some()).min_by_key(|chain| chain.report)
+    {
         let entries = entries(connection, chain).await?;
         let Some(last) = entries.last() else {
             chain.next = None;
@@ -79,7 +86,8 @@ async fn read(connection: &mut SqliteConnection, blocks: &mpsc::Sender<Block>) -
         let referred: Vec<i64> = entries.iter().filter_map(|entry| entry.report_id).collect();
         chain.report = referred.iter().copied().fold(chain.report, i64::max);
         let recipient = chain.recipient.clone();
-        let behind = chains.iter().filter(|chain| chain.next.is_some()).map(|chain| chain.report).min();
+        let behind =
+            chains.iter().filter(|chain| chain.next.is_some()).map(|chain| chain.report).min();
         let reports = wanted.read(connection, &referred, behind).await?;
         if blocks.send(Block { recipient, entries, reports }).await.is_err() {
             break;
@@ -101,7 +109,10 @@ async fn chains(connection: &mut SqliteConnection) -> Result<Vec<Chain>, StoreEr
     }
 }
 
-async fn entries(connection: &mut SqliteConnection, chain: &Chain) -> Result<Vec<StoredEntry>, StoreError> {
+async fn entries(
+    connection: &mut SqliteConnection,
+    chain: &Chain,
+) -> Result<Vec<StoredEntry>, StoreError> {
     let rows = sqlx::query(ENTRIES)
         .bind(chain.recipient.clone())
         .bind(chain.next)
@@ -129,7 +140,8 @@ fn check(mut verifier: Verifier, mut blocks: mpsc::Receiver<Block>) -> Verificat
     while let Some(Block { recipient, entries, reports }) = blocks.blocking_recv() {
         digests.add(reports);
         let start = last.get(&recipient).copied().unwrap_or_else(|| verifier.start_of(&recipient));
-        let previous: Vec<Hash> = std::iter::once(start).chain(entries.iter().map(StoredEntry::stored_hash)).collect();
+        let previous: Vec<Hash> =
+            std::iter::once(start).chain(entries.iter().map(StoredEntry::stored_hash)).collect();
         let pairs: Vec<(&StoredEntry, &Hash)> = entries.iter().zip(&previous).collect();
         let checked: Vec<CheckedEntry> = on_all_processors(&pairs, |(entry, previous)| {
             entry.check(&recipient, previous, entry.report_id.and_then(|id| digests.get(id)))
@@ -146,8 +158,10 @@ fn on_all_processors<T: Sync, R: Send>(items: &[T], each: impl Fn(&T) -> R + Syn
     let share = items.len().div_ceil(threads).max(1);
     let each = &each;
     std::thread::scope(|scope| {
-        let parts: Vec<_> =
-            items.chunks(share).map(|part| scope.spawn(move || part.iter().map(each).collect::<Vec<_>>())).collect();
+        let parts: Vec<_> = items
+            .chunks(share)
+            .map(|part| scope.spawn(move || part.iter().map(each).collect::<Vec<_>>()))
+            .collect();
         parts
             .into_iter()
             .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
@@ -159,7 +173,9 @@ async fn surroundings(
     connection: &mut SqliteConnection,
     trusted_key: Option<Hash>,
 ) -> Result<Surroundings, StoreError> {
-    let factory = all(connection, "SELECT factory_id FROM identity", |row| get::<String>(row, 0)).await?.pop();
+    let factory = all(connection, "SELECT factory_id FROM identity", |row| get::<String>(row, 0))
+        .await?
+        .pop();
     Ok(Surroundings {
         factory_id: factory.unwrap_or_default(),
         trusted_key,
@@ -212,7 +228,9 @@ fn statement(row: &SqliteRow) -> Result<StoredStatement, StoreError> {
     })
 }
 
-async fn consents(connection: &mut SqliteConnection) -> Result<HashMap<(String, u32), StoredConsent>, StoreError> {
+async fn consents(
+    connection: &mut SqliteConnection,
+) -> Result<HashMap<(String, u32), StoredConsent>, StoreError> {
     let rows = all(
         connection,
         "SELECT CAST(field AS BLOB), version, CAST(mapping_state AS BLOB), CAST(value_source AS BLOB), \
@@ -237,5 +255,6 @@ fn text(row: &SqliteRow, column: usize) -> Result<String, StoreError> {
 }
 
 fn optional_text(row: &SqliteRow, column: usize) -> Result<Option<String>, StoreError> {
-    Ok(get::<Option<Vec<u8>>>(row, column)?.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
+    Ok(get::<Option<Vec<u8>>>(row, column)?
+        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }

@@ -1,7 +1,7 @@
 //! The one connection that writes, on a thread of its own.
 //!
-//! A transaction takes one trip to that thread and goes to its end there, whoever still waits for it: none is left open,
-//! and what came earlier is stored earlier.
+//! A transaction takes one trip to that thread and goes to its end there, whoever still waits for
+//! it: none is left open, and what came earlier is stored earlier.
 
 use std::{
     panic::resume_unwind,
@@ -16,10 +16,11 @@ use tokio::sync::oneshot;
 
 use super::StoreError;
 
-/// The connection keeps so much of the file in memory, in KiB with a minus sign: the ends of the indexes, which every
-/// transaction touches.
+/// The connection keeps so much of the file in memory, in KiB with a minus sign: the ends of the
+/// indexes, which every transaction touches.
 const CACHE: i64 = -32_768;
-/// Pages in the write-ahead log after which it is written back: pages that many transactions change are written once.
+/// Pages in the write-ahead log after which it is written back: pages that many transactions change
+/// are written once.
 const CHECKPOINT_PAGES: i64 = 8_000;
 /// More statements than one transaction has.
 const PREPARED_STATEMENTS: usize = 64;
@@ -39,9 +40,13 @@ impl Writer {
     ///
     /// # Errors
     /// [`StoreError`] where it cannot be opened.
-    pub(super) fn open(database: &Path, busy_timeout: Duration, log_bytes: &str) -> Result<Self, StoreError> {
-        let mut connection =
-            connect(database, busy_timeout, log_bytes).map_err(StoreError::while_writing("open the store"))?;
+    pub(super) fn open(
+        database: &Path,
+        busy_timeout: Duration,
+        log_bytes: &str,
+    ) -> Result<Self, StoreError> {
+        let mut connection = connect(database, busy_timeout, log_bytes)
+            .map_err(StoreError::while_writing("open the store"))?;
         let (jobs, queue) = mpsc::channel::<Job>();
         let thread = thread::Builder::new()
             .name("store".to_owned())
@@ -57,7 +62,8 @@ impl Writer {
         Ok(Self { jobs, thread: Some(thread) })
     }
 
-    /// Does all of the work or nothing of it. It goes on when nobody waits for its outcome any more.
+    /// Does all of the work or nothing of it. It goes on when nobody waits for its outcome any
+    /// more.
     ///
     /// # Errors
     /// That of the work, or that of the transaction.
@@ -90,7 +96,11 @@ impl Writer {
     }
 }
 
-fn connect(database: &Path, busy_timeout: Duration, log_bytes: &str) -> rusqlite::Result<Connection> {
+fn connect(
+    database: &Path,
+    busy_timeout: Duration,
+    log_bytes: &str,
+) -> rusqlite::Result<Connection> {
     let connection = Connection::open(database)?;
     connection.busy_timeout(busy_timeout)?;
     connection.pragma_update(None, "journal_mode", "WAL")?;
@@ -118,7 +128,11 @@ fn transaction<T>(
 }
 
 /// One statement with its parameters; answers how many rows it changed.
-pub(super) fn run(connection: &Connection, statement: &str, parameters: impl Params) -> rusqlite::Result<usize> {
+pub(super) fn run(
+    connection: &Connection,
+    statement: &str,
+    parameters: impl Params,
+) -> rusqlite::Result<usize> {
     connection.prepare_cached(statement)?.execute(parameters)
 }
 
@@ -175,9 +189,16 @@ mod tests {
     async fn a_fault_leaves_nothing_and_the_connection_goes_on() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
-        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)").await.expect("a table");
-        let problem = execute(&mut writer, "INSERT INTO number VALUES (1), (2); INSERT INTO number VALUES (2)").await;
-        let cause = std::error::Error::source(&problem.expect_err("taken")).map(ToString::to_string);
+        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)")
+            .await
+            .expect("a table");
+        let problem = execute(
+            &mut writer,
+            "INSERT INTO number VALUES (1), (2); INSERT INTO number VALUES (2)",
+        )
+        .await;
+        let cause =
+            std::error::Error::source(&problem.expect_err("taken")).map(ToString::to_string);
         assert!(cause.is_some_and(|cause| cause.contains("UNIQUE")));
         assert_eq!(count(&mut writer).await, 0);
         execute(&mut writer, "INSERT INTO number VALUES (1), (2)").await.expect("written");
@@ -189,7 +210,9 @@ mod tests {
     async fn a_transaction_that_nobody_waits_for_is_written_before_the_next() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
-        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)").await.expect("a table");
+        execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)")
+            .await
+            .expect("a table");
         let rows = "WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n WHERE value < 100000) \
                     INSERT INTO number SELECT value FROM n";
         let given_up = tokio::time::timeout(Duration::ZERO, execute(&mut writer, rows)).await;
@@ -202,6 +225,10 @@ mod tests {
     async fn a_panic_of_the_work_is_its_callers() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
-        drop(writer.transact("panic", |_| -> Result<(), StoreError> { panic!("a fault in the work") }).await);
+        drop(
+            writer
+                .transact("panic", |_| -> Result<(), StoreError> { panic!("a fault in the work") })
+                .await,
+        );
     }
 }

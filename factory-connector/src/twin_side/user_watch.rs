@@ -1,5 +1,5 @@
-//! Ends the OPC UA sessions of people who were removed, or who got another role or password: a session keeps the rights
-//! it began with.
+//! Ends the OPC UA sessions of people who were removed, or who got another role or password: a
+//! session keeps the rights it began with.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -29,7 +29,11 @@ impl UserWatch {
     ///
     /// # Errors
     /// [`StoreError`] where the users cannot be read.
-    pub async fn new(readers: SqlitePool, twin: TwinHandle, changed: Arc<Notify>) -> Result<Self, StoreError> {
+    pub async fn new(
+        readers: SqlitePool,
+        twin: TwinHandle,
+        changed: Arc<Notify>,
+    ) -> Result<Self, StoreError> {
         let known = store::everybody(&readers).await?;
         Ok(Self { readers, twin, changed, known })
     }
@@ -57,7 +61,11 @@ impl UserWatch {
         for name in changed(&before, &self.known) {
             let ended = self.twin.end_sessions_of(name).await;
             if ended > 0 {
-                tracing::info!(user.name = name, sessions = ended, "OPC UA sessions of a changed user were ended.");
+                tracing::info!(
+                    user.name = name,
+                    sessions = ended,
+                    "OPC UA sessions of a changed user were ended."
+                );
             }
         }
     }
@@ -75,10 +83,15 @@ mod tests {
     #[test]
     fn only_those_who_changed_have_to_go() {
         let people = |people: &[(&str, &str, &str)]| -> People {
-            people.iter().map(|(name, role, hash)| ((*name).into(), ((*role).into(), (*hash).into()))).collect()
+            people
+                .iter()
+                .map(|(name, role, hash)| ((*name).into(), ((*role).into(), (*hash).into())))
+                .collect()
         };
-        let before = people(&[("eva", "E", "1"), ("otto", "O", "2"), ("vera", "V", "3"), ("ida", "E", "4")]);
-        let now = people(&[("eva", "E", "1"), ("otto", "V", "2"), ("vera", "V", "9"), ("new", "E", "5")]);
+        let before =
+            people(&[("eva", "E", "1"), ("otto", "O", "2"), ("vera", "V", "3"), ("ida", "E", "4")]);
+        let now =
+            people(&[("eva", "E", "1"), ("otto", "V", "2"), ("vera", "V", "9"), ("new", "E", "5")]);
         let mut found: Vec<_> = changed(&before, &now).collect();
         found.sort_unstable();
         assert_eq!(found, ["ida", "otto", "vera"]);

@@ -18,19 +18,34 @@ async fn people_come_and_go_but_for_the_last_engineer() {
     let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
     let short = json!({ "role": "OPERATOR", "password": "short" });
     let (status, problem) = refused(&plant, Method::PUT, "/users/otto", short).await;
-    assert_eq!((status.as_u16(), &problem["faults"][0]["pointer"]), (422, &json!("/password")), "{problem}");
-    let (status, _) = refused(&plant, Method::PUT, "/users/otto", json!({ "role": "OPERATOR" })).await;
+    assert_eq!(
+        (status.as_u16(), &problem["faults"][0]["pointer"]),
+        (422, &json!("/password")),
+        "{problem}"
+    );
+    let (status, _) =
+        refused(&plant, Method::PUT, "/users/otto", json!({ "role": "OPERATOR" })).await;
     assert_eq!(status, 422, "a new person needs a password");
     let otto = json!({ "role": "OPERATOR", "password": "otto at machine 7" });
-    assert_eq!(plant.put("/users/otto", otto).await, json!({ "userName": "otto", "role": "OPERATOR" }));
+    assert_eq!(
+        plant.put("/users/otto", otto).await,
+        json!({ "userName": "otto", "role": "OPERATOR" })
+    );
 
     let operator = plant.signed_in("otto", "otto at machine 7").await.expect("otto may come in");
-    let (status, _) = refused(&operator, Method::PUT, "/users/otto", json!({ "role": "ENGINEER" })).await;
+    let (status, _) =
+        refused(&operator, Method::PUT, "/users/otto", json!({ "role": "ENGINEER" })).await;
     assert_eq!(status, 403);
     assert_eq!(operator.call(Method::GET, "/users", None).await.0, 403);
-    for (method, body) in [(Method::PUT, json!({ "role": "VIEWER" })), (Method::DELETE, Value::Null)] {
+    for (method, body) in
+        [(Method::PUT, json!({ "role": "VIEWER" })), (Method::DELETE, Value::Null)]
+    {
         let (status, problem) = refused(&plant, method, "/users/engineer", body).await;
-        assert_eq!((status.as_u16(), &problem["code"]), (409, &json!("LAST_ENGINEER")), "{problem}");
+        assert_eq!(
+            (status.as_u16(), &problem["code"]),
+            (409, &json!("LAST_ENGINEER")),
+            "{problem}"
+        );
     }
 
     // A new password ends the sessions of the old one.
@@ -68,7 +83,11 @@ async fn policies_and_rules_decide_and_are_undone() {
     assert_eq!(offer["disclosure"]["minimumIntervalMs"], 1000, "{offer:#}");
     assert_eq!(offer["valuesPerHour"], 3600.0);
     let news = plant.get("/operation-networks/frame/news").await;
-    assert_eq!((&news["revision"], &news["previousRevision"]), (&json!(1), &Value::Null), "{news:#}");
+    assert_eq!(
+        (&news["revision"], &news["previousRevision"]),
+        (&json!(1), &Value::Null),
+        "{news:#}"
+    );
 
     // A named policy: by version, never finer than its fields and never overwritten unseen.
     let coarse = |step: f64| json!({ "name": "Coarse", "disclosure": { "roundingStep": step } });
@@ -78,31 +97,49 @@ async fn policies_and_rules_decide_and_are_undone() {
     assert!(stale.0 == 409 && stale.1.contains("CHANGED"), "{}", stale.1);
     let wrong = json!({ "name": "", "disclosure": {} });
     let (status, problem) = refused(&plant, Method::PUT, "/policies/wrong", wrong).await;
-    assert_eq!((status.as_u16(), &problem["faults"][0]["pointer"]), (422, &json!("/name")), "{problem:#}");
+    assert_eq!(
+        (status.as_u16(), &problem["faults"][0]["pointer"]),
+        (422, &json!("/name")),
+        "{problem:#}"
+    );
 
     // A rule accepts what it means, refuses what it means, and is looked at before.
     let accept = json!({ "name": "Power of acme", "isEnabled": true, "action": "ACCEPT", "valueSource": "EXTERNAL",
         "when": { "partners": ["acme"], "units": ["WTT"] }, "policyId": "coarse" });
     let looked = plant.post("/rules/preview", accept.clone()).await;
-    assert_eq!((&looked["count"], &looked["wouldDecideCount"]), (&json!(1), &json!(1)), "{looked:#}");
+    assert_eq!(
+        (&looked["count"], &looked["wouldDecideCount"]),
+        (&json!(1), &json!(1)),
+        "{looked:#}"
+    );
     plant.put("/rules/power", accept).await;
     let refuse = json!({ "name": "No recipes", "isEnabled": true, "action": "REFUSE", "reason": "Recipes stay here.",
         "when": { "namePattern": "*recipe*" } });
     plant.put("/rules/recipes", refuse).await;
     assert_eq!(plant.post("/rules/apply", json!({})).await["decidedCount"], 2);
     let power = plant.get(&field("power")).await;
-    assert_eq!((&power["mappingState"], &power["valueSource"]), (&json!("MAPPED"), &json!("EXTERNAL")), "{power:#}");
+    assert_eq!(
+        (&power["mappingState"], &power["valueSource"]),
+        (&json!("MAPPED"), &json!("EXTERNAL")),
+        "{power:#}"
+    );
     assert_eq!(plant.get(&field("recipe")).await["mappingState"], "REFUSED");
     let decisions = plant.get("/rule-decisions").await;
     let by_one = plant.get("/rule-decisions?limit=1").await;
     let cursor = by_one["nextCursor"].as_str().expect("another page");
     let next = plant.get(&format!("/rule-decisions?limit=1&cursor={cursor}")).await;
     assert_eq!(json!([by_one["items"][0], next["items"][0]]), decisions["items"]);
-    let recipe = decisions["items"].as_array().and_then(|all| all.iter().find(|d| d.to_string().contains("recipe")));
+    let recipe = decisions["items"]
+        .as_array()
+        .and_then(|all| all.iter().find(|d| d.to_string().contains("recipe")));
     let id = recipe.and_then(|decision| decision["id"].as_str()).expect("an id");
     assert_eq!(plant.call(Method::POST, &format!("/rule-decisions/{id}/undo"), None).await.0, 204);
     assert_eq!(plant.get(&field("recipe")).await["mappingState"], "PENDING");
-    assert_eq!(plant.post("/rules/apply", json!({})).await["decidedCount"], 0, "what was undone is the engineer's");
+    assert_eq!(
+        plant.post("/rules/apply", json!({})).await["decidedCount"],
+        0,
+        "what was undone is the engineer's"
+    );
 
     // What the policy and the recipient's policy change is told beforehand, and holds at once.
     let changed = plant.post("/policies/coarse/preview", coarse(100.0)).await;
@@ -116,17 +153,27 @@ async fn policies_and_rules_decide_and_are_undone() {
     assert_eq!(recipients["items"][0]["set"]["policyId"], "coarse", "{recipients:#}");
     let policies = plant.get("/policies").await;
     let coarse = &policies["items"][0];
-    assert_eq!((&coarse["fieldCount"], &coarse["recipients"]), (&json!(1), &json!(["acme"])), "{policies:#}");
+    assert_eq!(
+        (&coarse["fieldCount"], &coarse["recipients"]),
+        (&json!(1), &json!(["acme"])),
+        "{policies:#}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_left_is_shown_summed_up_exported_and_ended() {
-    let plant = Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 12 }])).await;
+    let plant =
+        Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 12 }]))
+            .await;
     for (name, value) in [("count", json!(17)), ("state", json!("RUNNING"))] {
         let manual = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL", "disclosure": {} });
         plant.put(&format!("{}/decision", field(name)), manual).await;
         let (status, text) = plant
-            .call(Method::PUT, &format!("{}/value", field(name)), Some(json!({ "value": value }).to_string()))
+            .call(
+                Method::PUT,
+                &format!("{}/value", field(name)),
+                Some(json!({ "value": value }).to_string()),
+            )
             .await;
         assert!(status.is_success(), "{text}");
     }
@@ -140,9 +187,14 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
     assert_eq!(ledger["recipients"], json!(["acme"]));
     assert_eq!(plant.get("/ledger?limit=1").await["items"].as_array().map(Vec::len), Some(1));
     let verified = plant.post("/ledger/verification", json!({})).await;
-    assert_eq!((&verified["valid"], &verified["fault"]), (&json!(true), &Value::Null), "{verified:#}");
+    assert_eq!(
+        (&verified["valid"], &verified["fault"]),
+        (&json!(true), &Value::Null),
+        "{verified:#}"
+    );
     for (format, expected) in [("jsonl", "{"), ("csv", "recipient"), ("html", "<!doctype html>")] {
-        let (status, text) = plant.call(Method::GET, &format!("/ledger/export?format={format}"), None).await;
+        let (status, text) =
+            plant.call(Method::GET, &format!("/ledger/export?format={format}"), None).await;
         assert!(status == 200 && text.to_lowercase().starts_with(expected), "{format}: {text}");
         assert!(text.contains("RUNNING") && text.contains("17"), "{format}: {text}");
     }
@@ -162,18 +214,24 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
         (&json!("acme"), &json!(2), &json!(acme["warnings"].as_array().map(Vec::len))),
         "{summary:#}"
     );
-    assert_eq!((&short["fields"], &short["conclusions"][0]), (&Value::Null, &acme["warnings"][0]["conclusion"]));
+    assert_eq!(
+        (&short["fields"], &short["conclusions"][0]),
+        (&Value::Null, &acme["warnings"][0]["conclusion"])
+    );
     let told = json!([{ "code": "UNCHANGED" }]);
     assert_eq!(acme["fields"][0]["statementParts"], told, "{acme:#}");
     assert_eq!(plant.get(&field("count")).await["disclosureParts"], told);
 
     let nothing = refused(&plant, Method::POST, "/revocations", json!({})).await;
     assert_eq!(nothing.1["code"], "NOTHING_NAMED");
-    let receipt = plant.post("/revocations", json!({ "operationNetworkId": "frame", "reason": "Order closed" })).await;
+    let receipt = plant
+        .post("/revocations", json!({ "operationNetworkId": "frame", "reason": "Order closed" }))
+        .await;
     let id = receipt["receipt"]["revocationId"].as_str().or(receipt["revocationId"].as_str());
     let id = id.unwrap_or_else(|| panic!("{receipt:#}"));
     assert_eq!(plant.get(&format!("/revocations/{id}")).await, receipt);
-    let (status, page) = plant.call(Method::GET, &format!("/revocations/{id}/print?language=de"), None).await;
+    let (status, page) =
+        plant.call(Method::GET, &format!("/revocations/{id}/print?language=de"), None).await;
     assert!(status == 200 && page.contains("Order closed"), "{status} {page}");
     for name in ["count", "state"] {
         assert_eq!(plant.get(&field(name)).await["mappingState"], "PENDING");
@@ -187,24 +245,33 @@ async fn certificates_of_clients_are_approved_and_turned_away() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     assert_eq!(plant.get("/client-certificates").await["items"], json!([]));
     // No security policy of ours takes its key.
-    let elliptic = rcgen::generate_simple_self_signed(vec!["client.plant".to_owned()]).expect("a certificate");
+    let elliptic =
+        rcgen::generate_simple_self_signed(vec!["client.plant".to_owned()]).expect("a certificate");
     let file = json!({ "kind": "CERTIFICATE", "content": elliptic.cert.pem() });
     let (status, problem) = refused(&plant, Method::POST, "/client-certificates", file).await;
-    assert_eq!((status.as_u16(), &problem["faults"][0]["code"]), (422, &json!("WRONG_KEY")), "{problem}");
+    assert_eq!(
+        (status.as_u16(), &problem["faults"][0]["code"]),
+        (422, &json!("WRONG_KEY")),
+        "{problem}"
+    );
     let key = PrivateKey::new(2048).expect("a key").to_der().expect("a key as DER");
     let key = rcgen::KeyPair::try_from(key.as_bytes()).expect("a key");
-    let certificate = rcgen::CertificateParams::new(vec!["client.plant".to_owned()]).expect("parameters");
+    let certificate =
+        rcgen::CertificateParams::new(vec!["client.plant".to_owned()]).expect("parameters");
     let certificate = certificate.self_signed(&key).expect("a certificate");
     let file = json!({ "kind": "CERTIFICATE", "content": certificate.pem() });
-    let (status, text) = plant.call(Method::POST, "/client-certificates", Some(file.to_string())).await;
+    let (status, text) =
+        plant.call(Method::POST, "/client-certificates", Some(file.to_string())).await;
     assert_eq!(status, 201, "{text}");
     let listed = plant.get("/client-certificates").await;
     let listed = &listed["items"][0];
     assert_eq!(listed["state"], "TRUSTED", "{listed:#}");
-    let path = format!("/client-certificates/{}", listed["thumbprint"].as_str().expect("a thumbprint"));
+    let path =
+        format!("/client-certificates/{}", listed["thumbprint"].as_str().expect("a thumbprint"));
     assert_eq!(plant.put(&path, json!({ "isTrusted": false })).await["state"], "REJECTED");
     assert_eq!(plant.put(&path, json!({ "isTrusted": true })).await["state"], "TRUSTED");
-    let (status, _) = refused(&plant, Method::PUT, "/client-certificates/00", json!({ "isTrusted": true })).await;
+    let (status, _) =
+        refused(&plant, Method::PUT, "/client-certificates/00", json!({ "isTrusted": true })).await;
     assert_eq!(status, 404);
     let rubbish = json!({ "kind": "REVOCATION_LIST", "content": "AAAA" });
     let (status, problem) = refused(&plant, Method::POST, "/client-certificates", rubbish).await;

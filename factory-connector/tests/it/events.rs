@@ -17,7 +17,9 @@ async fn next(events: &mut mpsc::UnboundedReceiver<(String, Value)>, name: &str)
             }
         }
     };
-    tokio::time::timeout(Duration::from_secs(60), found).await.unwrap_or_else(|_| panic!("{name} is told"))
+    tokio::time::timeout(Duration::from_secs(60), found)
+        .await
+        .unwrap_or_else(|_| panic!("{name} is told"))
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -30,10 +32,19 @@ async fn pages_hear_of_decisions_of_rules_of_the_ledger_and_of_lost_machines() {
         "when": { "partners": ["acme"], "units": ["WTT"] } });
     plant.put("/rules/power", accept).await;
     assert_eq!(plant.post("/rules/apply", json!({})).await["decidedCount"], 2);
-    assert_eq!(next(&mut events, "decisions").await, json!({ "count": 2, "ruleCount": 2 }), "both are told at once");
+    assert_eq!(
+        next(&mut events, "decisions").await,
+        json!({ "count": 2, "ruleCount": 2 }),
+        "both are told at once"
+    );
     next(&mut events, "ledger").await;
 
-    plant.put(&format!("{}/decision", field("count")), json!({ "mappingState": "REFUSED", "reason": "Ours." })).await;
+    plant
+        .put(
+            &format!("{}/decision", field("count")),
+            json!({ "mappingState": "REFUSED", "reason": "Ours." }),
+        )
+        .await;
     assert_eq!(next(&mut events, "decisions").await, json!({ "count": 1, "ruleCount": 0 }));
     next(&mut events, "ledger").await;
 

@@ -20,7 +20,9 @@ fn kinds(ledger: &Value) -> Vec<&str> {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn entries_are_found_by_kind_request_and_field() {
-    let plant = Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 12 }])).await;
+    let plant =
+        Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 12 }]))
+            .await;
     open(&plant, "state", json!("RUNNING")).await;
     open(&plant, "count", json!(17)).await;
     let request = "/ledger?recipient=acme&operationNetworkId=frame&operationId=MakeFrame&dynamicDataRequestId=Req";
@@ -29,7 +31,11 @@ async fn entries_are_found_by_kind_request_and_field() {
             kinds(ledger).len() >= 4 && ledger["items"][0]["value"]["count"] != Value::Null
         })
         .await;
-    assert_eq!(whole["items"], plant.get("/ledger").await["items"], "everything is about the one request");
+    assert_eq!(
+        whole["items"],
+        plant.get("/ledger").await["items"],
+        "everything is about the one request"
+    );
 
     let told = &whole["items"][0]["precisionParts"]["count"];
     assert_eq!(*told, json!([{ "code": "UNCHANGED" }]), "{whole:#}");
@@ -38,9 +44,18 @@ async fn entries_are_found_by_kind_request_and_field() {
     assert_eq!(kinds(&consents), ["CONSENT"; 2]);
     let of_count = plant.get(&format!("{request}&fieldName=count")).await;
     let items = of_count["items"].as_array().expect("a page");
-    assert!(items.iter().all(|item| item["fieldName"] == "count" || item["consents"]["count"] == 1), "{of_count:#}");
-    assert!(items.len() >= 2 && items.len() < kinds(&whole).len(), "what left before the field is not about it");
-    assert_eq!(kinds(&plant.get(&format!("{request}&fieldName=count&kind=CONSENT")).await), ["CONSENT"]);
+    assert!(
+        items.iter().all(|item| item["fieldName"] == "count" || item["consents"]["count"] == 1),
+        "{of_count:#}"
+    );
+    assert!(
+        items.len() >= 2 && items.len() < kinds(&whole).len(),
+        "what left before the field is not about it"
+    );
+    assert_eq!(
+        kinds(&plant.get(&format!("{request}&fieldName=count&kind=CONSENT")).await),
+        ["CONSENT"]
+    );
     assert!(kinds(&plant.get("/ledger?operationNetworkId=other").await).is_empty());
 
     let mut by_one = Vec::new();
@@ -53,7 +68,8 @@ async fn entries_are_found_by_kind_request_and_field() {
     }
     assert_eq!(Value::Array(by_one), whole["items"]);
 
-    let export = request.replace("/ledger?", "/ledger/export?format=csv&fieldName=count&kind=QUEUED&");
+    let export =
+        request.replace("/ledger?", "/ledger/export?format=csv&fieldName=count&kind=QUEUED&");
     let (status, csv) = plant.call(Method::GET, &export, None).await;
     assert!(status == 200 && csv.contains(",17,") && !csv.contains("CONSENT"), "{csv}");
     let (status, problem) = plant.call(Method::GET, "/ledger?fieldName=count", None).await;
@@ -69,12 +85,19 @@ async fn checkpoints_can_be_taken_along_and_proven() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     open(&plant, "count", json!(17)).await;
     let page = plant
-        .until("the daily checkpoint is made", "/ledger/checkpoints", |page| page["items"][0] != Value::Null)
+        .until("the daily checkpoint is made", "/ledger/checkpoints", |page| {
+            page["items"][0] != Value::Null
+        })
         .await;
     assert_eq!(page["nextCursor"], Value::Null);
     let checkpoint = &page["items"][0];
-    assert_eq!((&checkpoint["number"], &checkpoint["heads"][0]["recipient"]), (&json!(1), &json!("acme")));
-    let bytes = |member: &str| hex::decode(checkpoint[member].as_str().expect("a text")).expect("hexadecimal");
+    assert_eq!(
+        (&checkpoint["number"], &checkpoint["heads"][0]["recipient"]),
+        (&json!(1), &json!("acme"))
+    );
+    let bytes = |member: &str| {
+        hex::decode(checkpoint[member].as_str().expect("a text")).expect("hexadecimal")
+    };
     let key = VerifyingKey::try_from(bytes("publicKey").as_slice()).expect("a key");
     let signature = Signature::from_slice(&bytes("signature")).expect("a signature");
     let text = checkpoint["signedText"].as_str().expect("a text");

@@ -1,4 +1,5 @@
-//! The whole connector in this process, over real machines of the simulator; the platform stays away.
+//! The whole connector in this process, over real machines of the simulator; the platform stays
+//! away.
 
 mod control;
 mod events;

@@ -90,18 +90,28 @@ impl Plant {
         tokio::spawn(simulator.run(machines_stop.clone()));
 
         let lifecycle = Lifecycle::new();
-        let mut config =
-            ConnectorConfig { data_directory: directory.path().join("data"), ..ConnectorConfig::default() };
+        let mut config = ConnectorConfig {
+            data_directory: directory.path().join("data"),
+            ..ConnectorConfig::default()
+        };
         config.web.listen = "127.0.0.1:0".parse().expect("an address");
         config.twin.listen = "127.0.0.1:0".parse().expect("an address");
         (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
         config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));
         let handle = service::start(config, &lifecycle).await.expect("the connector starts");
         let base = format!("http://{}/api/v1", handle.web_address);
-        let engineer = SignedIn::new(base, "engineer", PASSWORD).await.expect("the engineer comes in");
-        let plant = Self { engineer, lifecycle, machines, directory, _machines_stop: machines_stop.drop_guard() };
+        let engineer =
+            SignedIn::new(base, "engineer", PASSWORD).await.expect("the engineer comes in");
+        let plant = Self {
+            engineer,
+            lifecycle,
+            machines,
+            directory,
+            _machines_stop: machines_stop.drop_guard(),
+        };
         for name in ["Mill1", "Belt1"] {
-            let endpoint = plant.machines.machine(name).expect("a machine").endpoint_url().to_owned();
+            let endpoint =
+                plant.machines.machine(name).expect("a machine").endpoint_url().to_owned();
             let source = json!({ "sourceId": name, "endpointUrl": endpoint, "security": { "choice": "none" } });
             plant.post("/sources", source).await;
         }
@@ -128,7 +138,8 @@ impl Plant {
 
 impl SignedIn {
     async fn new(base: String, user_name: &str, password: &str) -> Result<Self, String> {
-        let http = reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
+        let http =
+            reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
         let mut session = Self { base, http, csrf: String::new() };
         let body = json!({ "userName": user_name, "password": password }).to_string();
         let (status, text) = session.call(Method::POST, "/session", Some(body)).await;
@@ -164,17 +175,32 @@ impl SignedIn {
     }
 
     /// Any call; the answer as text.
-    pub async fn call(&self, method: Method, path: &str, body: Option<String>) -> (StatusCode, String) {
+    pub async fn call(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<String>,
+    ) -> (StatusCode, String) {
         Self::answer(self.request(method, path, body)).await
     }
 
     /// A call that holds for this version only.
-    pub async fn call_if_match(&self, method: Method, path: &str, version: &str, body: Value) -> (StatusCode, String) {
-        Self::answer(self.request(method, path, Some(body.to_string())).header("if-match", version)).await
+    pub async fn call_if_match(
+        &self,
+        method: Method,
+        path: &str,
+        version: &str,
+        body: Value,
+    ) -> (StatusCode, String) {
+        Self::answer(self.request(method, path, Some(body.to_string())).header("if-match", version))
+            .await
     }
 
     fn request(&self, method: Method, path: &str, body: Option<String>) -> reqwest::RequestBuilder {
-        let request = self.http.request(method, format!("{}{path}", self.base)).header("x-csrf-token", &self.csrf);
+        let request = self
+            .http
+            .request(method, format!("{}{path}", self.base))
+            .header("x-csrf-token", &self.csrf);
         match body {
             Some(body) => request.header("content-type", "application/json").body(body),
             None => request,
@@ -188,7 +214,8 @@ impl SignedIn {
 
     /// The names of live events with their bodies, as they come.
     pub async fn events(&self) -> mpsc::UnboundedReceiver<(String, Value)> {
-        let mut answer = self.request(Method::GET, "/events", None).send().await.expect("an answer");
+        let mut answer =
+            self.request(Method::GET, "/events", None).send().await.expect("an answer");
         let (sender, receiver) = mpsc::unbounded_channel();
         tokio::spawn(async move {
             let mut text = String::new();
@@ -198,9 +225,13 @@ impl SignedIn {
                     text.split_once("\n\n").map(|(event, rest)| (event.to_owned(), rest.to_owned()))
                 {
                     text = rest;
-                    let line = |name: &str| event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
+                    let line = |name: &str| {
+                        event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim)
+                    };
                     if let Some((name, data)) = line("event:").zip(line("data:"))
-                        && sender.send((name.to_owned(), serde_json::from_str(data).unwrap_or_default())).is_err()
+                        && sender
+                            .send((name.to_owned(), serde_json::from_str(data).unwrap_or_default()))
+                            .is_err()
                     {
                         return;
                     }
@@ -229,7 +260,8 @@ impl SignedIn {
 
     /// Decides a field with the source MAPPING.
     pub async fn map(&self, name: &str, mapping: Value) -> Value {
-        let body = json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": mapping });
+        let body =
+            json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": mapping });
         self.put(&format!("{}/decision", field(name)), body).await
     }
 
@@ -241,19 +273,24 @@ impl SignedIn {
             if is_so(&answer) {
                 return answer;
             }
-            assert!(begun.elapsed() < Duration::from_secs(60), "not within a minute: {what}; last {answer}");
+            assert!(
+                begun.elapsed() < Duration::from_secs(60),
+                "not within a minute: {what}; last {answer}"
+            );
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     }
 }
 
-/// The worker under test: the one that `SCRIPT_DENO` names, or `script-quickjs` as the workspace builds it.
+/// The worker under test: the one that `SCRIPT_DENO` names, or `script-quickjs` as the workspace
+/// builds it.
 fn script_worker() -> (ScriptEngine, Option<PathBuf>) {
     if let Some(path) = std::env::var_os("SCRIPT_DENO") {
         return (ScriptEngine::Deno, Some(path.into()));
     }
     let program = std::env::current_exe().expect("a program");
-    let path = program.ancestors().nth(2).expect("tests lie below the binaries").join("script-quickjs");
+    let path =
+        program.ancestors().nth(2).expect("tests lie below the binaries").join("script-quickjs");
     assert!(path.exists(), "build the worker first: cargo build -p script-quickjs");
     (ScriptEngine::QuickJs, Some(path))
 }
@@ -278,7 +315,8 @@ async fn enrol(directory: &TempDir, fields: Value) {
     let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
     let snapshot = store.load().await.expect("loaded");
     let mut books = Books::new(config, snapshot, false, now()).expect("books");
-    let message: OperationNetworkMessage = serde_json::from_value(network(fields)).expect("a network");
+    let message: OperationNetworkMessage =
+        serde_json::from_value(network(fields)).expect("a network");
     let raw = serde_json::to_string(&message).expect("serialises");
     books.network_arrived(message, raw, now());
     let (changes, _) = books.take();

@@ -1,4 +1,5 @@
-//! Who may come in at the OPC UA server: the pages' people, with certificates that an engineer trusts.
+//! Who may come in at the OPC UA server: the pages' people, with certificates that an engineer
+//! trusts.
 
 use std::{
     path::{Path, PathBuf},
@@ -17,8 +18,8 @@ use opcua_stack::{
         client::{ClientBuilder, IdentityToken, Session},
         crypto::SecurityPolicy,
         types::{
-            AttributeId, MessageSecurityMode, NodeId, ReadValueId, StatusCode, TimestampsToReturn, UserTokenPolicy,
-            VariableId,
+            AttributeId, MessageSecurityMode, NodeId, ReadValueId, StatusCode, TimestampsToReturn,
+            UserTokenPolicy, VariableId,
         },
     },
 };
@@ -31,7 +32,12 @@ use crate::plant::Plant;
 const FAILURES_MAX: usize = 10;
 
 /// Signs in at the twin.
-async fn sign_in(url: &str, pki: PathBuf, user: &str, password: &str) -> Result<Arc<Session>, StatusCode> {
+async fn sign_in(
+    url: &str,
+    pki: PathBuf,
+    user: &str,
+    password: &str,
+) -> Result<Arc<Session>, StatusCode> {
     let builder = ClientBuilder::new()
         .application_name("line planner")
         .application_uri("urn:verbund:test:client")
@@ -41,8 +47,11 @@ async fn sign_in(url: &str, pki: PathBuf, user: &str, password: &str) -> Result<
         .session_retry_limit(0);
     let mut client = limits::raise_client(builder).client().expect("a client");
     let policy = SecurityPolicy::Basic256Sha256;
-    let endpoint = (url, policy.to_str(), MessageSecurityMode::SignAndEncrypt, UserTokenPolicy::anonymous());
-    let connected = client.connect_to_matching_endpoint(endpoint, IdentityToken::new_user_name(user, password)).await;
+    let endpoint =
+        (url, policy.to_str(), MessageSecurityMode::SignAndEncrypt, UserTokenPolicy::anonymous());
+    let connected = client
+        .connect_to_matching_endpoint(endpoint, IdentityToken::new_user_name(user, password))
+        .await;
     let (session, event_loop) = connected.map_err(|error| error.status())?;
     let mut events = event_loop.spawn();
     tokio::select! {
@@ -55,8 +64,13 @@ async fn sign_in(url: &str, pki: PathBuf, user: &str, password: &str) -> Result<
 
 async fn read_state(session: &Session) -> Result<(), StatusCode> {
     let node_id: NodeId = VariableId::Server_ServerStatus_State.into();
-    let wanted = ReadValueId { node_id, attribute_id: AttributeId::Value as u32, ..ReadValueId::default() };
-    session.read(&[wanted], TimestampsToReturn::Both, 0.0).await.map(drop).map_err(|error| error.status())
+    let wanted =
+        ReadValueId { node_id, attribute_id: AttributeId::Value as u32, ..ReadValueId::default() };
+    session
+        .read(&[wanted], TimestampsToReturn::Both, 0.0)
+        .await
+        .map(drop)
+        .map_err(|error| error.status())
 }
 
 /// Waits until a session is no longer good for anything.
@@ -97,14 +111,22 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
     let refused = sign_in(&url, pki(), "otto", "otto at machine 7").await.err();
     assert_eq!(refused, Some(StatusCode::BadSecurityChecksFailed));
     let waiting = plant.get("/client-certificates").await["items"][0].clone();
-    assert_eq!((&waiting["state"], &waiting["rejectionReason"]), (&json!("REJECTED"), &json!("NOT_TRUSTED")));
+    assert_eq!(
+        (&waiting["state"], &waiting["rejectionReason"]),
+        (&json!("REJECTED"), &json!("NOT_TRUSTED"))
+    );
     assert_eq!(waiting["rejectedApplicationName"], "line planner");
-    assert_eq!((&waiting["rejectedAddress"], waiting["rejectedAt"].is_string()), (&json!("127.0.0.1"), true));
-    let path = format!("/client-certificates/{}", waiting["thumbprint"].as_str().expect("a thumbprint"));
+    assert_eq!(
+        (&waiting["rejectedAddress"], waiting["rejectedAt"].is_string()),
+        (&json!("127.0.0.1"), true)
+    );
+    let path =
+        format!("/client-certificates/{}", waiting["thumbprint"].as_str().expect("a thumbprint"));
     let trusted = plant.put(&path, json!({ "isTrusted": true })).await;
     assert_eq!((&trusted["state"], &trusted["rejectedAt"]), (&json!("TRUSTED"), &Value::Null));
 
-    let session = sign_in(&url, pki(), "otto", "otto at machine 7").await.expect("otto may come in");
+    let session =
+        sign_in(&url, pki(), "otto", "otto at machine 7").await.expect("otto may come in");
     read_state(&session).await.expect("and look");
     // A new password by the page ends the session, and the old password is good for nothing.
     plant.put("/users/otto", json!({ "role": "OPERATOR", "password": "otto's new secret" })).await;
@@ -113,7 +135,8 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
     assert_eq!(refused, Some(StatusCode::BadIdentityTokenRejected));
 
     // So does one by the command line, which only writes to the store.
-    let session = sign_in(&url, pki(), "otto", "otto's new secret").await.expect("otto may come in");
+    let session =
+        sign_in(&url, pki(), "otto", "otto's new secret").await.expect("otto may come in");
     let page = plant.signed_in("otto", "otto's new secret").await.expect("at the pages, too");
     let mut connection = Store::connect(&plant.data_directory()).await.expect("a store");
     let password_hash = password_hash(&plant, "engineer").await;
@@ -130,7 +153,10 @@ async fn guessing_passwords_at_the_twin_is_slowed() {
     let folder = tempfile::tempdir().expect("a folder");
     let pki = || folder.path().join("client");
     plant.put("/users/otto", json!({ "role": "OPERATOR", "password": "otto at machine 7" })).await;
-    assert!(sign_in(&url, pki(), "otto", "otto at machine 7").await.is_err(), "its certificate is not trusted");
+    assert!(
+        sign_in(&url, pki(), "otto", "otto at machine 7").await.is_err(),
+        "its certificate is not trusted"
+    );
     let thumbprint = plant.get("/client-certificates").await["items"][0]["thumbprint"].clone();
     let path = format!("/client-certificates/{}", thumbprint.as_str().expect("a thumbprint"));
     plant.put(&path, json!({ "isTrusted": true })).await;
@@ -139,7 +165,11 @@ async fn guessing_passwords_at_the_twin_is_slowed() {
         assert_eq!(refused, Some(StatusCode::BadIdentityTokenRejected), "{attempt}");
     }
     let refused = sign_in(&url, pki(), "otto", "otto at machine 7").await.err();
-    assert_eq!(refused, Some(StatusCode::BadIdentityTokenRejected), "not even the right one is looked at");
+    assert_eq!(
+        refused,
+        Some(StatusCode::BadIdentityTokenRejected),
+        "not even the right one is looked at"
+    );
     let other = sign_in(&url, pki(), "engineer", crate::plant::PASSWORD).await;
     assert!(other.is_ok(), "others are not held up");
 }
@@ -162,36 +192,57 @@ async fn authorities_and_revocation_lists_come_and_go() {
         key_identifier_method: rcgen::KeyIdMethod::Sha256,
     };
     let list = list.signed_by(&rcgen::Issuer::new(params, key)).expect("a list");
-    let file = |kind: &str, content: String| json!({ "kind": kind, "content": content }).to_string();
+    let file =
+        |kind: &str, content: String| json!({ "kind": kind, "content": content }).to_string();
 
-    let add = async |body: String| plant.call(Method::POST, "/client-certificates", Some(body)).await;
+    let add =
+        async |body: String| plant.call(Method::POST, "/client-certificates", Some(body)).await;
     let list_file = file("REVOCATION_LIST", list.pem().expect("PEM"));
     let (status, problem) = add(list_file.clone()).await;
     let problem: Value = serde_json::from_str(&problem).expect("a problem");
-    assert_eq!((status.as_u16(), &problem["faults"][0]["code"]), (422, &json!("UNKNOWN_ISSUER")), "{problem}");
+    assert_eq!(
+        (status.as_u16(), &problem["faults"][0]["code"]),
+        (422, &json!("UNKNOWN_ISSUER")),
+        "{problem}"
+    );
     assert_eq!(add(file("CERTIFICATE", certificate.pem())).await.0, 201);
     assert_eq!(plant.get("/client-authorities").await["items"][0]["revocationList"], "MISSING");
     assert_eq!(add(list_file).await.0, 201);
     assert_eq!(add(file("ISSUER", STANDARD.encode(certificate.der()))).await.0, 201);
 
     let authorities = plant.get("/client-authorities").await;
-    let shown: Vec<_> = authorities["items"].as_array().expect("a page").iter().map(|one| &one["isTrusted"]).collect();
+    let shown: Vec<_> = authorities["items"]
+        .as_array()
+        .expect("a page")
+        .iter()
+        .map(|one| &one["isTrusted"])
+        .collect();
     assert_eq!(shown, [&json!(true), &json!(false)]);
     assert_eq!(authorities["items"][0]["revocationList"], "CURRENT");
     let lists = plant.get("/client-revocation-lists").await;
-    assert_eq!((&lists["items"][0]["issuer"], &lists["items"][0]["revokedCount"]), (&json!("CN=Plant CA"), &json!(0)));
-    assert!(plant.get("/client-certificates").await["items"].as_array().expect("a page").is_empty());
+    assert_eq!(
+        (&lists["items"][0]["issuer"], &lists["items"][0]["revokedCount"]),
+        (&json!("CN=Plant CA"), &json!(0))
+    );
+    assert!(
+        plant.get("/client-certificates").await["items"].as_array().expect("a page").is_empty()
+    );
 
     plant.put("/users/vera", json!({ "role": "VIEWER", "password": "vera only looks" })).await;
     let vera = plant.signed_in("vera", "vera only looks").await.expect("vera may come in");
     let id = lists["items"][0]["revocationListId"].as_str().expect("an id");
     let thumbprint = authorities["items"][0]["thumbprint"].as_str().expect("a thumbprint");
-    for path in [format!("/client-revocation-lists/{id}"), format!("/client-authorities/{thumbprint}")] {
+    for path in
+        [format!("/client-revocation-lists/{id}"), format!("/client-authorities/{thumbprint}")]
+    {
         assert_eq!(vera.call(Method::DELETE, &path, None).await.0, 403);
         assert_eq!(plant.call(Method::DELETE, &path, None).await.0, 204);
         assert_eq!(plant.call(Method::DELETE, &path, None).await.0, 404);
     }
-    assert!(plant.get("/client-authorities").await["items"].as_array().expect("a page").is_empty(), "both are gone");
+    assert!(
+        plant.get("/client-authorities").await["items"].as_array().expect("a page").is_empty(),
+        "both are gone"
+    );
 }
 
 /// Runs the connector's command line; what it printed, or what it complained of.
@@ -208,29 +259,42 @@ async fn the_command_line_requests_and_installs_a_certificate_beside_the_running
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| folder.path().join(name);
     let config = file("connector.toml");
-    let text = format!("data_directory = {:?}\n[twin]\nlisten = \"127.0.0.1:0\"\n", plant.data_directory());
+    let text = format!(
+        "data_directory = {:?}\n[twin]\nlisten = \"127.0.0.1:0\"\n",
+        plant.data_directory()
+    );
     std::fs::write(&config, text).expect("written");
     let name = |path: &Path| path.to_str().expect("text").to_owned();
     let request = name(&file("twin.csr"));
-    command_line(&config, &["certificate", "request", "--new-key", "--output", &request]).expect("requested");
+    command_line(&config, &["certificate", "request", "--new-key", "--output", &request])
+        .expect("requested");
 
     let mut params = rcgen::CertificateParams::default();
     params.distinguished_name.push(rcgen::DnType::CommonName, "Plant CA");
     params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
     let key = rcgen::KeyPair::generate().expect("a key");
-    std::fs::write(file("ca.der"), params.self_signed(&key).expect("a certificate").der()).expect("written");
+    std::fs::write(file("ca.der"), params.self_signed(&key).expect("a certificate").der())
+        .expect("written");
     let issuer = rcgen::Issuer::new(params, key);
     let request = std::fs::read_to_string(&request).expect("a request");
-    let mut request = rcgen::CertificateSigningRequestParams::from_pem(&request).expect("a request");
+    let mut request =
+        rcgen::CertificateSigningRequestParams::from_pem(&request).expect("a request");
     request.params.serial_number = Some(7_u64.into());
-    std::fs::write(file("twin.pem"), request.signed_by(&issuer).expect("issued").pem()).expect("written");
+    std::fs::write(file("twin.pem"), request.signed_by(&issuer).expect("issued").pem())
+        .expect("written");
 
     let (issued, authority) = (name(&file("twin.pem")), name(&file("ca.der")));
-    let complaint = command_line(&config, &["certificate", "install", &issued]).expect_err("its issuer is missing");
+    let complaint = command_line(&config, &["certificate", "install", &issued])
+        .expect_err("its issuer is missing");
     assert!(complaint.contains("CN=Plant CA"), "{complaint}");
-    let shown = command_line(&config, &["certificate", "install", &issued, &authority]).expect("installed");
+    let shown =
+        command_line(&config, &["certificate", "install", &issued, &authority]).expect("installed");
     assert!(shown.contains("issued by    CN=Plant CA"), "{shown}");
-    assert!(command_line(&config, &["certificate", "show"]).expect("shown").contains("urn:verbund:twin:FOR_MUC"));
+    assert!(
+        command_line(&config, &["certificate", "show"])
+            .expect("shown")
+            .contains("urn:verbund:twin:FOR_MUC")
+    );
     let own = plant.get("/application-certificate").await;
     assert_eq!((&own["isSelfSigned"], &own["issuer"]), (&json!(false), &json!("CN=Plant CA")));
 }
@@ -239,14 +303,26 @@ async fn the_command_line_requests_and_installs_a_certificate_beside_the_running
 async fn an_authority_can_issue_the_twins_certificate() {
     let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
     let own = plant.get("/application-certificate").await;
-    assert_eq!((&own["isSelfSigned"], &own["applicationUri"]), (&json!(true), &json!("urn:verbund:twin:FOR_MUC")));
-    let answer = plant.post("/application-certificate/request", json!({ "organization": "Plant Ltd" })).await;
+    assert_eq!(
+        (&own["isSelfSigned"], &own["applicationUri"]),
+        (&json!(true), &json!("urn:verbund:twin:FOR_MUC"))
+    );
+    let answer = plant
+        .post("/application-certificate/request", json!({ "organization": "Plant Ltd" }))
+        .await;
     let request = answer["content"].as_str().expect("PEM");
     assert!(request.starts_with("-----BEGIN CERTIFICATE REQUEST-----"), "{request}");
     let body = json!({ "content": request }).to_string();
     let (status, problem) = plant.call(Method::PUT, "/application-certificate", Some(body)).await;
     let problem: Value = serde_json::from_str(&problem).expect("a problem");
-    assert_eq!((status.as_u16(), &problem["faults"][0]["code"]), (422, &json!("NOT_ISSUED")), "{problem}");
+    assert_eq!(
+        (status.as_u16(), &problem["faults"][0]["code"]),
+        (422, &json!("NOT_ISSUED")),
+        "{problem}"
+    );
     let long = json!({ "commonName": "x".repeat(65) }).to_string();
-    assert_eq!(plant.call(Method::POST, "/application-certificate/request", Some(long)).await.0, 422);
+    assert_eq!(
+        plant.call(Method::POST, "/application-certificate/request", Some(long)).await.0,
+        422
+    );
 }

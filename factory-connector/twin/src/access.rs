@@ -68,8 +68,8 @@ pub struct TwinUser {
 /// Knows the users and their passwords.
 #[async_trait]
 pub trait Authenticator: Send + Sync + 'static {
-    /// The role of the user with this name, if the password is right. Must take as long for an unknown user as for a
-    /// wrong password. Attempts are throttled before they get here.
+    /// The role of the user with this name, if the password is right. Must take as long for an
+    /// unknown user as for a wrong password. Attempts are throttled before they get here.
     async fn authenticate(&self, user_name: &str, password: &str) -> Option<Role>;
 }
 
@@ -84,14 +84,20 @@ pub struct FieldDecision {
 
 /// Takes what OPC UA clients write and decide, through the disclosure gate and into the store.
 ///
-/// The twin has checked the user's role, the value's type and rank, and that the field was decided External. It answers
-/// the client with what these return, after they returned: after the commit.
+/// The twin has checked the user's role, the value's type and rank, and that the field was decided
+/// External. It answers the client with what these return, after they returned: after the commit.
 #[async_trait]
 pub trait FieldWriter: Send + Sync + 'static {
-    /// A client wrote a value. Good where it was taken as it is, GoodClamped where policy coarsened it,
-    /// GoodCompletesAsynchronously where policy delays or aggregates it, else why it was not taken.
+    /// A client wrote a value. Good where it was taken as it is, GoodClamped where policy coarsened
+    /// it, GoodCompletesAsynchronously where policy delays or aggregates it, else why it was not
+    /// taken.
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode;
 
     /// A client called `Decide`. Good where the decision holds, else why it does not.
-    async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode;
+    async fn decide(
+        &self,
+        field: &FieldKey,
+        decision: FieldDecision,
+        user: &TwinUser,
+    ) -> StatusCode;
 }

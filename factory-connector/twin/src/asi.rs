@@ -1,4 +1,5 @@
-//! The provider of Activity Status Interfaces: every node is computed from a compact record when it is asked for.
+//! The provider of Activity Status Interfaces: every node is computed from a compact record when it
+//! is asked for.
 //!
 //! - [`model`]: the types, as data; they also say which parts each instance has.
 //! - [`interface`]: one ASI - the network as received, its indexes, a record per field.

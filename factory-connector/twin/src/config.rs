@@ -17,10 +17,12 @@ pub const DEFAULT_PORT: u16 = 4840;
 pub struct TwinConfig {
     /// Address and port to listen on. Port 0 takes any free one; the endpoint URL tells which.
     pub listen: SocketAddr,
-    /// Host names and addresses under which clients reach this machine, for the certificate; the first one also stands
-    /// in the endpoint URLs. Where empty, the machine's own name, or the listening address where that is a specific one.
+    /// Host names and addresses under which clients reach this machine, for the certificate; the
+    /// first one also stands in the endpoint URLs. Where empty, the machine's own name, or the
+    /// listening address where that is a specific one.
     pub host_names: Vec<String>,
-    /// Folder of the own certificate and key, and of the trusted and rejected certificates of clients.
+    /// Folder of the own certificate and key, and of the trusted and rejected certificates of
+    /// clients.
     pub pki_directory: PathBuf,
     /// Who may connect, and how.
     pub security: SecurityConfig,
@@ -47,12 +49,13 @@ impl Default for TwinConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SecurityConfig {
-    /// Development only: also offers an endpoint without encryption and without a user, in the viewer role.
+    /// Development only: also offers an endpoint without encryption and without a user, in the
+    /// viewer role.
     pub allow_anonymous_unencrypted: bool,
     /// Development only: trusts every client certificate instead of waiting for an approval.
     pub trust_unknown_certificates: bool,
-    /// How many wrong passwords a user or the whole server may see within [`Self::login_window_s`] before further
-    /// attempts are refused without looking at the password.
+    /// How many wrong passwords a user or the whole server may see within [`Self::login_window_s`]
+    /// before further attempts are refused without looking at the password.
     pub login_failures_max: u32,
     /// The window of [`Self::login_failures_max`], and how long attempts are refused, in seconds.
     pub login_window_s: u32,
@@ -83,8 +86,9 @@ impl SecurityConfig {
     }
 }
 
-/// Bounds on what clients may take. The defaults suit a factory with some hundred clients' items; what is not listed
-/// here follows the limits that the OPC UA stack room sets for every server of ours.
+/// Bounds on what clients may take. The defaults suit a factory with some hundred clients' items;
+/// what is not listed here follows the limits that the OPC UA stack room sets for every server of
+/// ours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TwinLimits {
@@ -98,7 +102,8 @@ pub struct TwinLimits {
     pub monitored_items_per_subscription_max: usize,
     /// Shortest publishing interval granted, in milliseconds.
     pub publishing_interval_ms_min: u64,
-    /// How often due subscriptions are looked for, in milliseconds: the grain of every publishing interval.
+    /// How often due subscriptions are looked for, in milliseconds: the grain of every publishing
+    /// interval.
     pub publishing_tick_ms: u64,
 }
 
@@ -119,10 +124,11 @@ impl Default for TwinLimits {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiscoveryConfig {
-    /// Endpoint URL of a local discovery server to register with; none where absent. Its certificate needs an approval
-    /// like that of a client.
+    /// Endpoint URL of a local discovery server to register with; none where absent. Its
+    /// certificate needs an approval like that of a client.
     pub local_discovery_server_url: Option<String>,
-    /// How often the twin registers, in seconds. Discovery servers forget what was silent for ten minutes.
+    /// How often the twin registers, in seconds. Discovery servers forget what was silent for ten
+    /// minutes.
     pub registration_interval_s: u32,
     /// Whether the twin announces itself on the local network by multicast DNS (`_opcua-tcp._tcp`).
     pub announce_by_multicast_dns: bool,
@@ -130,7 +136,11 @@ pub struct DiscoveryConfig {
 
 impl Default for DiscoveryConfig {
     fn default() -> Self {
-        Self { local_discovery_server_url: None, registration_interval_s: 300, announce_by_multicast_dns: false }
+        Self {
+            local_discovery_server_url: None,
+            registration_interval_s: 300,
+            announce_by_multicast_dns: false,
+        }
     }
 }
 
@@ -143,7 +153,8 @@ impl DiscoveryConfig {
 }
 
 impl TwinConfig {
-    /// What no single key shows to be wrong: sentences that name the key, below `twin`, and the remedy.
+    /// What no single key shows to be wrong: sentences that name the key, below `twin`, and the
+    /// remedy.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -158,8 +169,11 @@ impl TwinConfig {
         if !(1..=600).contains(&self.discovery.registration_interval_s) {
             faults.push("discovery.registration_interval_s must lie between 1 and 600".to_owned());
         }
-        let SecurityConfig { certificate_renewal_days: renewal, certificate_validity_days: validity, .. } =
-            self.security;
+        let SecurityConfig {
+            certificate_renewal_days: renewal,
+            certificate_validity_days: validity,
+            ..
+        } = self.security;
         if renewal >= validity {
             faults.push(format!(
                 "security.certificate_renewal_days is {renewal}, but must be less than \
@@ -167,7 +181,10 @@ impl TwinConfig {
             ));
         }
         if self.security.login_failures_max == 0 || self.security.login_window_s == 0 {
-            faults.push("security.login_failures_max and security.login_window_s must be at least 1".to_owned());
+            faults.push(
+                "security.login_failures_max and security.login_window_s must be at least 1"
+                    .to_owned(),
+            );
         }
         let limits = &self.limits;
         for (key, value) in [
@@ -177,7 +194,9 @@ impl TwinConfig {
             ("monitored_items_per_subscription_max", limits.monitored_items_per_subscription_max),
         ] {
             if value == 0 {
-                faults.push(format!("limits.{key} is 0, so that nobody could use the twin; give at least 1"));
+                faults.push(format!(
+                    "limits.{key} is 0, so that nobody could use the twin; give at least 1"
+                ));
             }
         }
         faults

@@ -21,18 +21,31 @@ pub(crate) struct Discovery {
 
 impl Discovery {
     /// `address` is where the twin really listens.
-    pub fn new(config: &TwinConfig, address: SocketAddr, handle: &ServerHandle, validator: Arc<Validator>) -> Self {
+    pub fn new(
+        config: &TwinConfig,
+        address: SocketAddr,
+        handle: &ServerHandle,
+        validator: Arc<Validator>,
+    ) -> Self {
         // The server does not run yet, but will when this is sent.
         let server = RegisteredServer { is_online: true, ..handle.info().registered_server() };
-        let name = server.server_names.iter().flatten().next().map(|name| name.text.to_string()).unwrap_or_default();
-        let announcement = config.discovery.announce_by_multicast_dns.then_some(Announcement { name, address });
-        let registration = config.discovery.local_discovery_server_url.clone().map(|url| Registration {
-            url,
-            interval: config.discovery.registration_interval(),
-            pki_directory: config.pki_directory.clone(),
-            validator,
-            server,
-        });
+        let name = server
+            .server_names
+            .iter()
+            .flatten()
+            .next()
+            .map(|name| name.text.to_string())
+            .unwrap_or_default();
+        let announcement =
+            config.discovery.announce_by_multicast_dns.then_some(Announcement { name, address });
+        let registration =
+            config.discovery.local_discovery_server_url.clone().map(|url| Registration {
+                url,
+                interval: config.discovery.registration_interval(),
+                pki_directory: config.pki_directory.clone(),
+                validator,
+                server,
+            });
         Self { registration, announcement }
     }
 

@@ -8,7 +8,9 @@ use crate::security::trust::TrustFault;
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
     /// The address to listen on is taken or not ours.
-    #[error("cannot listen on {address}; choose another `listen` address or stop the program that uses it")]
+    #[error(
+        "cannot listen on {address}; choose another `listen` address or stop the program that uses it"
+    )]
     Listen {
         /// The configured address.
         address: SocketAddr,

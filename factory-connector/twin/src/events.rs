@@ -1,4 +1,5 @@
-//! Events of the Server object: changes of the model, and an audit trail that standard tools can follow.
+//! Events of the Server object: changes of the model, and an audit trail that standard tools can
+//! follow.
 
 mod security;
 
@@ -12,8 +13,8 @@ use opcua_stack::opcua::{
     server::{EventField, SubscriptionCache},
     types::{
         AddNodesItem, AttributeId, DateTime, DeleteNodesItem, ExtensionObject, LocalizedText,
-        ModelChangeStructureDataType, NodeId, NumericRange, ObjectId, ObjectTypeId, QualifiedName, StatusCode,
-        UAString, Variant,
+        ModelChangeStructureDataType, NodeId, NumericRange, ObjectId, ObjectTypeId, QualifiedName,
+        StatusCode, UAString, Variant,
     },
 };
 
@@ -78,7 +79,12 @@ impl EventReporter {
             return;
         }
         let write = write();
-        let mut event = self.audit(ObjectTypeId::AuditWriteUpdateEventType, &write.user, write.status, write.message);
+        let mut event = self.audit(
+            ObjectTypeId::AuditWriteUpdateEventType,
+            &write.user,
+            write.status,
+            write.message,
+        );
         event.set("SourceNode", write.node_id);
         event.set("SourceName", "Attribute/Write");
         event.set("AttributeId", AttributeId::Value as u32);
@@ -90,7 +96,9 @@ impl EventReporter {
 
     /// AuditAddNodesEventType and AuditDeleteNodesEventType (OPC 10000-5 §6.4.21, §6.4.22).
     pub fn report_nodes(&self, changes: &[NodeChange], added: u8, deleted: u8) {
-        let with = |verb: u8| changes.iter().filter(move |c| c.verbs & verb != 0).take(NODES_PER_AUDIT_EVENT_MAX);
+        let with = |verb: u8| {
+            changes.iter().filter(move |c| c.verbs & verb != 0).take(NODES_PER_AUDIT_EVENT_MAX)
+        };
         let to_add: Vec<ExtensionObject> = with(added)
             .map(|change| {
                 ExtensionObject::from_message(AddNodesItem {
@@ -110,7 +118,12 @@ impl EventReporter {
             .collect();
         for (event_type, field, source, items) in [
             (ObjectTypeId::AuditAddNodesEventType, "NodesToAdd", "NodeManagement/AddNodes", to_add),
-            (ObjectTypeId::AuditDeleteNodesEventType, "NodesToDelete", "NodeManagement/DeleteNodes", to_delete),
+            (
+                ObjectTypeId::AuditDeleteNodesEventType,
+                "NodesToDelete",
+                "NodeManagement/DeleteNodes",
+                to_delete,
+            ),
         ] {
             if !items.is_empty() {
                 // The platform's messages change the model, no OPC UA client does.
@@ -125,7 +138,11 @@ impl EventReporter {
 
     /// GeneralModelChangeEventType (OPC 10000-5 §6.4.32).
     pub fn report_model_change(&self, change: ModelChange) {
-        let mut event = ServerEvent::new(ObjectTypeId::GeneralModelChangeEventType, SEVERITY_NORMAL, change.message);
+        let mut event = ServerEvent::new(
+            ObjectTypeId::GeneralModelChangeEventType,
+            SEVERITY_NORMAL,
+            change.message,
+        );
         let changes: Vec<ExtensionObject> = change
             .changes
             .into_iter()
@@ -141,7 +158,13 @@ impl EventReporter {
         self.send(&event);
     }
 
-    fn audit(&self, event_type: ObjectTypeId, user: &str, status: StatusCode, message: String) -> ServerEvent {
+    fn audit(
+        &self,
+        event_type: ObjectTypeId,
+        user: &str,
+        status: StatusCode,
+        message: String,
+    ) -> ServerEvent {
         let severity = if status.is_bad() { SEVERITY_REFUSED } else { SEVERITY_NORMAL };
         let mut event = ServerEvent::new(event_type, severity, &message);
         event.set("ActionTimeStamp", event.time);
@@ -154,8 +177,8 @@ impl EventReporter {
     }
 }
 
-/// An event with its fields by name. Field names are unique over the standard's event types, so that they need no
-/// qualification.
+/// An event with its fields by name. Field names are unique over the standard's event types, so
+/// that they need no qualification.
 #[derive(Debug)]
 struct ServerEvent {
     event_type: NodeId,
@@ -192,7 +215,12 @@ impl ServerEvent {
 }
 
 impl EventField for ServerEvent {
-    fn get_value(&self, attribute_id: AttributeId, index_range: &NumericRange, path: &[QualifiedName]) -> Variant {
+    fn get_value(
+        &self,
+        attribute_id: AttributeId,
+        index_range: &NumericRange,
+        path: &[QualifiedName],
+    ) -> Variant {
         let [name] = path else { return Variant::Empty };
         if attribute_id != AttributeId::Value || name.namespace_index != 0 {
             return Variant::Empty;

@@ -19,8 +19,8 @@ use crate::{
     security::{login::user_of, own::ApplicationCertificate, trust::TrustList},
 };
 
-/// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be called before the twin
-/// runs, so that a restart shows everything from the first connection on.
+/// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be
+/// called before the twin runs, so that a restart shows everything from the first connection on.
 #[derive(Clone)]
 pub struct TwinHandle {
     interfaces: Arc<AsiProvider>,
@@ -50,14 +50,14 @@ impl TwinHandle {
         Self { interfaces, host, server, events, files, endpoint }
     }
 
-    /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the nodes of the one that
-    /// is there where they differ. Subscribers of other nodes notice nothing.
+    /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the
+    /// nodes of the one that is there where they differ. Subscribers of other nodes notice nothing.
     pub fn apply(&self, document: AsiDocument) -> Applied {
         self.interfaces.apply(document)
     }
 
-    /// Takes an Activity Status Interface away. Monitored items on its nodes get BadNodeIdUnknown. False where there
-    /// was none.
+    /// Takes an Activity Status Interface away. Monitored items on its nodes get BadNodeIdUnknown.
+    /// False where there was none.
     pub fn remove(&self, operation_network_id: &OperationNetworkId) -> bool {
         self.interfaces.remove_interface(operation_network_id)
     }
@@ -68,8 +68,8 @@ impl TwinHandle {
         self.interfaces.count()
     }
 
-    /// Shows newly disclosed values, after the commit, in the order given. Values of fields that do not exist or are
-    /// not mapped are ignored. Returns how many were shown.
+    /// Shows newly disclosed values, after the commit, in the order given. Values of fields that do
+    /// not exist or are not mapped are ignored. Returns how many were shown.
     pub fn publish_values(&self, values: Vec<(FieldKey, DataValue)>) -> usize {
         self.interfaces.publish_values(values)
     }
@@ -79,14 +79,15 @@ impl TwinHandle {
         self.interfaces.publish_decision(field, record)
     }
 
-    /// The index of a namespace on this server, for a provider to be made with. New namespaces get new indexes, which
-    /// stay theirs while the server runs.
+    /// The index of a namespace on this server, for a provider to be made with. New namespaces get
+    /// new indexes, which stay theirs while the server runs.
     #[must_use]
     pub fn namespace_index(&self, uri: &str) -> u16 {
         self.host.namespace_index(uri)
     }
 
-    /// Hosts a further provider: its namespaces, types and nodes are there from now on, for connected clients too.
+    /// Hosts a further provider: its namespaces, types and nodes are there from now on, for
+    /// connected clients too.
     pub fn add_provider(&self, provider: Arc<dyn NodeProvider>) {
         self.host.add_provider(provider);
     }
@@ -113,8 +114,8 @@ impl TwinHandle {
         &self.files.application_certificate
     }
 
-    /// Ends the sessions of a user and their subscriptions, as after a change of password or role: a session keeps the
-    /// role it began with. The client may sign in anew. How many there were.
+    /// Ends the sessions of a user and their subscriptions, as after a change of password or role:
+    /// a session keeps the role it began with. The client may sign in anew. How many there were.
     pub async fn end_sessions_of(&self, user_name: &str) -> usize {
         let ended = self.server.close_sessions(|token| &*user_of(token).name == user_name).await;
         let count = ended.len();

@@ -1,7 +1,8 @@
-//! The host: our own node manager in the OPC UA stack, in front of any number of [providers](crate::provider).
+//! The host: our own node manager in the OPC UA stack, in front of any number of
+//! [providers](crate::provider).
 //!
-//! The stack's own in-memory manager fixes its namespaces when the server is built, calls methods without the user, and
-//! leaves subscribers of deleted nodes in the dark; ours does none of that.
+//! The stack's own in-memory manager fixes its namespaces when the server is built, calls methods
+//! without the user, and leaves subscribers of deleted nodes in the dark; ours does none of that.
 
 mod attributes;
 mod browse;
@@ -22,7 +23,8 @@ use opcua_stack::opcua::{
 
 use crate::provider::{Node, NodeProvider};
 
-/// Hosts providers. Shared between the server and the parts of the twin that add and remove providers.
+/// Hosts providers. Shared between the server and the parts of the twin that add and remove
+/// providers.
 pub(crate) struct NodeHost {
     table: ArcSwap<ProviderTable>,
     type_tree: Arc<RwLock<DefaultTypeTree>>,
@@ -42,7 +44,9 @@ impl ProviderTable {
         let owners = providers
             .iter()
             .enumerate()
-            .flat_map(|(position, provider)| provider.namespaces().into_iter().map(move |n| (n.index, position)))
+            .flat_map(|(position, provider)| {
+                provider.namespaces().into_iter().map(move |n| (n.index, position))
+            })
             .collect();
         Self { providers, owners }
     }
@@ -66,8 +70,8 @@ impl NodeHost {
         }
     }
 
-    /// The index of a namespace, which is added to the server's table where it is new. Indexes are never reused while
-    /// the server runs, as OPC 10000-3 §8.2.2 asks.
+    /// The index of a namespace, which is added to the server's table where it is new. Indexes are
+    /// never reused while the server runs, as OPC 10000-3 §8.2.2 asks.
     pub(crate) fn namespace_index(&self, uri: &str) -> u16 {
         self.type_tree.write().namespaces_mut().add_namespace(uri)
     }
@@ -92,7 +96,8 @@ impl NodeHost {
     /// Takes a provider and its namespaces away.
     pub(crate) fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
         self.table.rcu(|table| {
-            let kept = table.providers.iter().filter(|other| !Arc::ptr_eq(other, provider)).cloned();
+            let kept =
+                table.providers.iter().filter(|other| !Arc::ptr_eq(other, provider)).cloned();
             ProviderTable::of(kept.collect())
         });
         {
@@ -104,23 +109,30 @@ impl NodeHost {
         let gone = DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() };
         let gone: Vec<_> = provider.variables().into_iter().map(|id| (id, gone.clone())).collect();
         self.notify(&gone);
-        tracing::debug!(provider = provider.name(), "The twin hosts a provider of nodes no longer.");
+        tracing::debug!(
+            provider = provider.name(),
+            "The twin hosts a provider of nodes no longer."
+        );
         self.notify_namespace_array();
     }
 
     /// Pushes values into the monitored items of variables.
     pub(crate) fn notify(&self, values: &[(NodeId, DataValue)]) {
         let now = DateTime::now();
-        let told = values
-            .iter()
-            .map(|(id, value)| (DataValue { server_timestamp: Some(now), ..value.clone() }, id, AttributeId::Value));
+        let told = values.iter().map(|(id, value)| {
+            (DataValue { server_timestamp: Some(now), ..value.clone() }, id, AttributeId::Value)
+        });
         self.subscriptions.notify_data_change(told);
     }
 
     fn notify_namespace_array(&self) {
         let known: HashMap<u16, String> = {
             let tree = self.type_tree.read();
-            tree.namespaces().known_namespaces().iter().map(|(uri, index)| (*index, uri.clone())).collect()
+            tree.namespaces()
+                .known_namespaces()
+                .iter()
+                .map(|(uri, index)| (*index, uri.clone()))
+                .collect()
         };
         let owned = &self.table.load().owners;
         let last = known.keys().copied().max().unwrap_or(0);
@@ -132,7 +144,8 @@ impl NodeHost {
             })
             .collect();
         let array = VariableId::Server_NamespaceArray.into();
-        self.subscriptions
-            .notify_data_change([(DataValue::new_now(Variant::from(uris)), &array, AttributeId::Value)].into_iter());
+        self.subscriptions.notify_data_change(
+            [(DataValue::new_now(Variant::from(uris)), &array, AttributeId::Value)].into_iter(),
+        );
     }
 }

@@ -1,8 +1,9 @@
-//! The Collaborative Process Twin: an OPC UA server whose address space holds every Activity Status Interface (ASI) of
-//! a factory.
+//! The Collaborative Process Twin: an OPC UA server whose address space holds every Activity Status
+//! Interface (ASI) of a factory.
 //!
-//! The connector gives it documents ([`AsiDocument`]) and newly disclosed values; standard OPC UA clients of the plant
-//! browse, read, subscribe and - where the engineer decided so - write. *What the node shows is what the partner gets.*
+//! The connector gives it documents ([`AsiDocument`]) and newly disclosed values; standard OPC UA
+//! clients of the plant browse, read, subscribe and - where the engineer decided so - write. *What
+//! the node shows is what the partner gets.*
 //!
 //! - `host`: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
 //! - `asi`: the provider of the interfaces, which computes nodes from compact records.
@@ -30,7 +31,7 @@ pub use error::TwinError;
 pub use handle::TwinHandle;
 pub use security::own::{ApplicationCertificate, OwnCertificate, RequestedSubject};
 pub use security::trust::{
-    Authority, CertificateState, ClientCertificate, Rejection, RejectionReason, RevocationKnowledge, RevocationList,
-    TrustFault, TrustList,
+    Authority, CertificateState, ClientCertificate, Rejection, RejectionReason,
+    RevocationKnowledge, RevocationList, TrustFault, TrustList,
 };
 pub use server::Twin;

@@ -1,8 +1,9 @@
-//! What the twin hosts: providers of nodes, whose namespaces and nodes come and go while clients are connected.
+//! What the twin hosts: providers of nodes, whose namespaces and nodes come and go while clients
+//! are connected.
 //!
-//! A provider computes its nodes when it is asked for them; nothing obliges it to store one object per node. The
-//! host turns the answers into OPC UA services and keeps everything that is alike for all providers:
-//! filters, continuation, roles, attributes.
+//! A provider computes its nodes when it is asked for them; nothing obliges it to store one object
+//! per node. The host turns the answers into OPC UA services and keeps everything that is alike for
+//! all providers: filters, continuation, roles, attributes.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +11,8 @@ use async_trait::async_trait;
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,
     types::{
-        AttributeId, DataValue, ExtensionObject, LocalizedText, NodeClass, NodeId, QualifiedName, StatusCode, Variant,
+        AttributeId, DataValue, ExtensionObject, LocalizedText, NodeClass, NodeId, QualifiedName,
+        StatusCode, Variant,
     },
 };
 
@@ -170,17 +172,23 @@ pub trait NodeProvider: Send + Sync + 'static {
     /// The value of a variable; `None` where the node does not exist or has none.
     fn value(&self, node_id: &NodeId) -> Option<DataValue>;
 
-    /// Enumerates the references of a node that this provider knows, in a stable order, beginning after a position (0:
-    /// from the first). It is asked about foreign nodes too: that is how its nodes hang under standard ones.
+    /// Enumerates the references of a node that this provider knows, in a stable order, beginning
+    /// after a position (0: from the first). It is asked about foreign nodes too: that is how its
+    /// nodes hang under standard ones.
     fn references(&self, node_id: &NodeId, after: u64, visit: &mut ReferenceVisitor<'_>);
 
-    /// The targets of forward references to nodes of this BrowseName, where the provider can tell faster than by
-    /// enumerating; `None` means enumerate.
-    fn targets_named(&self, _node_id: &NodeId, _browse_name: &QualifiedName) -> Option<Vec<Reference>> {
+    /// The targets of forward references to nodes of this BrowseName, where the provider can tell
+    /// faster than by enumerating; `None` means enumerate.
+    fn targets_named(
+        &self,
+        _node_id: &NodeId,
+        _browse_name: &QualifiedName,
+    ) -> Option<Vec<Reference>> {
         None
     }
 
-    /// Every variable that it has now: whose monitored items are told when the provider is taken away.
+    /// Every variable that it has now: whose monitored items are told when the provider is taken
+    /// away.
     fn variables(&self) -> Vec<NodeId> {
         Vec::new()
     }
@@ -190,13 +198,20 @@ pub trait NodeProvider: Send + Sync + 'static {
         Vec::new()
     }
 
-    /// Tells newly registered monitored items the present values, in order with what is published otherwise: what
-    /// changed between their first read and their registration was notified to nobody.
+    /// Tells newly registered monitored items the present values, in order with what is published
+    /// otherwise: what changed between their first read and their registration was notified to
+    /// nobody.
     fn tell_again(&self, _items: &[&MonitoredItemRef]) {}
 
     /// Writes an attribute. The answer may be delayed until the value is durable.
     async fn write(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode;
 
     /// Calls a method. The host has checked that the user's role may call it.
-    async fn call(&self, user: &TwinUser, object: &NodeId, method: &NodeId, arguments: &[Variant]) -> CallOutcome;
+    async fn call(
+        &self,
+        user: &TwinUser,
+        object: &NodeId,
+        method: &NodeId,
+        arguments: &[Variant],
+    ) -> CallOutcome;
 }

@@ -14,9 +14,14 @@ use opcua_stack::{
         crypto::SecurityPolicy,
         server::{
             ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle,
-            node_manager::{DynNodeManager, NodeManagerBuilder, ServerContext, memory::CoreNodeManager},
+            node_manager::{
+                DynNodeManager, NodeManagerBuilder, ServerContext, memory::CoreNodeManager,
+            },
         },
-        types::{BuildInfo, DataValue, DateTime as StackTime, MessageSecurityMode, ServerState, VariableId},
+        types::{
+            BuildInfo, DataValue, DateTime as StackTime, MessageSecurityMode, ServerState,
+            VariableId,
+        },
     },
 };
 use tokio::sync::watch;
@@ -57,12 +62,13 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// Prepares the twin of a factory: reads or makes its certificate, takes its address and builds the server. Makes an
-    /// RSA key at the first start, which takes about a second. Clients are served once the twin runs.
+    /// Prepares the twin of a factory: reads or makes its certificate, takes its address and builds
+    /// the server. Makes an RSA key at the first start, which takes about a second. Clients are
+    /// served once the twin runs.
     ///
     /// # Errors
-    /// [`TwinError`] when the address is taken, the certificate folder is not usable, or the configuration contradicts
-    /// itself.
+    /// [`TwinError`] when the address is taken, the certificate folder is not usable, or the
+    /// configuration contradicts itself.
     pub fn new(
         factory_id: FactoryId,
         config: TwinConfig,
@@ -74,7 +80,11 @@ impl Twin {
             return Err(TwinError::Faults { faults });
         }
         let application_uri = application_uri(&factory_id);
-        certificate::ensure(&config, &application_uri, DateTime::from(std::time::SystemTime::now()))?;
+        certificate::ensure(
+            &config,
+            &application_uri,
+            DateTime::from(std::time::SystemTime::now()),
+        )?;
         let (listener, address) = listen(&config)?;
         let port = address.port();
         let host_name = certificate::host_names(&config).swap_remove(0);
@@ -97,12 +107,17 @@ impl Twin {
             .with_session_observer(Arc::new(SessionAudit { events: Arc::clone(&events) }))
             .with_connection_filter(Arc::new(ConnectionLimits::new(&config.limits)))
             .with_node_manager(HostBuilder(Arc::clone(&host)));
-        let (server, handle) = builder.build().map_err(|reason| TwinError::Configuration { reason })?;
+        let (server, handle) =
+            builder.build().map_err(|reason| TwinError::Configuration { reason })?;
         let host = host.get().expect("building the server builds its node managers");
 
-        let reporter = Arc::new(EventReporter::new(Arc::clone(handle.subscriptions()), application_uri.clone()));
+        let reporter = Arc::new(EventReporter::new(
+            Arc::clone(handle.subscriptions()),
+            application_uri.clone(),
+        ));
         events.get_or_init(|| Arc::clone(&reporter));
-        let interfaces = Arc::new(interfaces(&factory_id, host, &handle, writer, Arc::clone(&reporter)));
+        let interfaces =
+            Arc::new(interfaces(&factory_id, host, &handle, writer, Arc::clone(&reporter)));
         host.add_provider(Arc::clone(&interfaces) as _);
         announce_auditing(&handle);
         warn_of_development_settings(&config);
@@ -131,12 +146,14 @@ impl Twin {
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), TwinError> {
         let Self { server, handle, listener, url, endpoint, discovery, renewal } = self;
         let failed = |reason: String| TwinError::Server { reason };
-        let listener = tokio::net::TcpListener::from_std(listener).map_err(|error| failed(error.to_string()))?;
+        let listener = tokio::net::TcpListener::from_std(listener)
+            .map_err(|error| failed(error.to_string()))?;
         let serving = server.run_with(listener);
         tokio::pin!(serving);
         tracing::info!(endpoint.url = %url, "The twin listens.");
         endpoint.send_replace(Some(url));
-        let companions = maybe_done(async { tokio::join!(discovery.run(&shutdown), renewal.run(&shutdown)) });
+        let companions =
+            maybe_done(async { tokio::join!(discovery.run(&shutdown), renewal.run(&shutdown)) });
         tokio::pin!(companions);
         tokio::select! {
             ended = &mut serving => return ended.map_err(failed),
@@ -183,10 +200,12 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
     let mut builder = limits::raise_server(ServerBuilder::new());
     let bounds = builder.limits_mut();
     bounds.max_sessions = config.limits.sessions_max;
-    bounds.subscriptions.max_monitored_items_per_sub = config.limits.monitored_items_per_subscription_max;
+    bounds.subscriptions.max_monitored_items_per_sub =
+        config.limits.monitored_items_per_subscription_max;
     #[expect(clippy::cast_precision_loss, reason = "milliseconds fit a double")]
     {
-        bounds.subscriptions.min_publishing_interval_ms = config.limits.publishing_interval_ms_min as f64;
+        bounds.subscriptions.min_publishing_interval_ms =
+            config.limits.publishing_interval_ms_min as f64;
     }
     let version = env!("CARGO_PKG_VERSION");
     builder = builder
@@ -212,10 +231,14 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
         (SecurityPolicy::Aes128Sha256RsaOaep, "aes128sha256rsaoaep"),
         (SecurityPolicy::Aes256Sha256RsaPss, "aes256sha256rsapss"),
     ] {
-        for (mode, suffix) in
-            [(MessageSecurityMode::Sign, "sign"), (MessageSecurityMode::SignAndEncrypt, "sign_and_encrypt")]
-        {
-            builder = builder.add_endpoint(format!("{name}_{suffix}"), ServerEndpoint::new("/", policy, mode, &[]));
+        for (mode, suffix) in [
+            (MessageSecurityMode::Sign, "sign"),
+            (MessageSecurityMode::SignAndEncrypt, "sign_and_encrypt"),
+        ] {
+            builder = builder.add_endpoint(
+                format!("{name}_{suffix}"),
+                ServerEndpoint::new("/", policy, mode, &[]),
+            );
         }
     }
     if config.security.allow_anonymous_unencrypted {
@@ -249,8 +272,12 @@ fn interfaces(
 
 fn namespace_table(handle: &ServerHandle) -> NamespaceTable {
     let tree = handle.type_tree().read();
-    let mut known: Vec<(u16, String)> =
-        tree.namespaces().known_namespaces().iter().map(|(uri, index)| (*index, uri.clone())).collect();
+    let mut known: Vec<(u16, String)> = tree
+        .namespaces()
+        .known_namespaces()
+        .iter()
+        .map(|(uri, index)| (*index, uri.clone()))
+        .collect();
     known.sort();
     NamespaceTable::new(known.into_iter().map(|(_, uri)| uri))
 }
@@ -258,10 +285,9 @@ fn namespace_table(handle: &ServerHandle) -> NamespaceTable {
 /// Server.Auditing: clients may rely on audit events.
 fn announce_auditing(handle: &ServerHandle) {
     let auditing = VariableId::Server_Auditing.into();
-    let is_set = handle
-        .node_managers()
-        .get_of_type::<CoreNodeManager>()
-        .is_some_and(|core| core.set_value(handle.subscriptions(), &auditing, None, DataValue::new_now(true)).is_ok());
+    let is_set = handle.node_managers().get_of_type::<CoreNodeManager>().is_some_and(|core| {
+        core.set_value(handle.subscriptions(), &auditing, None, DataValue::new_now(true)).is_ok()
+    });
     if !is_set {
         tracing::warn!("The server does not say that it raises audit events.");
     }

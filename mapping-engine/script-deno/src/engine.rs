@@ -48,8 +48,12 @@ impl Deno {
         Self { limits, timer, scripts: HashMap::new(), isolate: isolate(&limits) }
     }
 
-    /// Runs something in the isolate within the budget. The second value is why it was ended, if it was.
-    fn watched<R>(&mut self, run: impl FnOnce(&mut v8::OwnedIsolate) -> R) -> (R, Option<ScriptFault>) {
+    /// Runs something in the isolate within the budget. The second value is why it was ended, if it
+    /// was.
+    fn watched<R>(
+        &mut self,
+        run: impl FnOnce(&mut v8::OwnedIsolate) -> R,
+    ) -> (R, Option<ScriptFault>) {
         self.timer.begin(self.isolate.thread_safe_handle(), self.limits.call_budget);
         let result = run(&mut self.isolate);
         let has_fired = self.timer.end();
@@ -58,7 +62,8 @@ impl Deno {
         if has_fired || is_ended {
             self.isolate.cancel_terminate_execution();
         }
-        let fault = if has_fired { Some(fault::timeout()) } else { is_ended.then(fault::out_of_memory) };
+        let fault =
+            if has_fired { Some(fault::timeout()) } else { is_ended.then(fault::out_of_memory) };
         (result, fault)
     }
 
@@ -80,7 +85,8 @@ impl Deno {
 }
 
 fn isolate(limits: &Limits) -> v8::OwnedIsolate {
-    let memory = usize::try_from(limits.script_memory_bytes.saturating_mul(SHARED_MEMORIES)).unwrap_or(usize::MAX);
+    let memory = usize::try_from(limits.script_memory_bytes.saturating_mul(SHARED_MEMORIES))
+        .unwrap_or(usize::MAX);
     v8::Isolate::new(v8::CreateParams::default().heap_limits(0, memory))
 }
 
@@ -167,7 +173,16 @@ impl Script {
         match compiled {
             Some(Ok(functions)) => {
                 let [function, invoke, invoke_input, input, state_of, kind_of] = functions;
-                Ok(Self { file, context: context.clone(), function, invoke, invoke_input, input, state_of, kind_of })
+                Ok(Self {
+                    file,
+                    context: context.clone(),
+                    function,
+                    invoke,
+                    invoke_input,
+                    input,
+                    state_of,
+                    kind_of,
+                })
             }
             Some(Err(fault)) => Err(fault),
             None => Err(match scope.exception() {
@@ -185,7 +200,8 @@ impl Script {
     ) -> Option<Result<[v8::Global<v8::Function>; 6], ScriptFault>> {
         let tools = run(scope, PRELUDE, "prelude.js", false)?;
         let tools: v8::Local<'s, v8::Object> = v8::Local::try_from(tools).ok()?;
-        let tool = |name| v8::Local::<v8::Function>::try_from(values::member(scope, tools, name)?).ok();
+        let tool =
+            |name| v8::Local::<v8::Function>::try_from(values::member(scope, tools, name)?).ok();
         let undefined = v8::undefined(scope).into();
         let define = tool("define")?;
         for (index, name) in load.inputs.iter().enumerate() {
@@ -206,7 +222,8 @@ impl Script {
             let message = "the script must end with a function, as (value, ctx) => value";
             return Some(Err(ScriptFault::new(FaultKind::Result, message)));
         };
-        let functions = [function, tool("invoke")?, tool("invokeInput")?, input, tool("state")?, tool("kind")?];
+        let functions =
+            [function, tool("invoke")?, tool("invokeInput")?, input, tool("state")?, tool("kind")?];
         Some(Ok(functions.map(|function| v8::Global::new(scope, function))))
     }
 
@@ -223,7 +240,12 @@ impl Script {
     }
 
     /// `None` where the engine threw.
-    fn call_in(&self, scope: &v8::PinScope<'_, '_>, call: &Call, state: Option<&str>) -> Option<Called> {
+    fn call_in(
+        &self,
+        scope: &v8::PinScope<'_, '_>,
+        call: &Call,
+        state: Option<&str>,
+    ) -> Option<Called> {
         let undefined = v8::undefined(scope).into();
         let input = v8::Local::new(scope, &self.input);
         for value in &call.inputs {
@@ -233,11 +255,19 @@ impl Script {
         let result = match &call.value {
             CallValue::Input(index) => {
                 let index = v8::Integer::new(scope, (*index).into());
-                v8::Local::new(scope, &self.invoke_input).call(scope, undefined, &[function.into(), index.into()])?
+                v8::Local::new(scope, &self.invoke_input).call(
+                    scope,
+                    undefined,
+                    &[function.into(), index.into()],
+                )?
             }
             CallValue::Own(spoken) => {
                 let [value, status, time] = arguments(scope, spoken)?;
-                v8::Local::new(scope, &self.invoke).call(scope, undefined, &[function.into(), value, status, time])?
+                v8::Local::new(scope, &self.invoke).call(
+                    scope,
+                    undefined,
+                    &[function.into(), value, status, time],
+                )?
             }
         };
         let yielded = values::yielded(scope, v8::Local::new(scope, &self.kind_of), result)?;
@@ -253,15 +283,26 @@ impl Script {
     }
 }
 
-fn arguments<'s>(scope: &v8::PinScope<'s, '_>, spoken: &Spoken) -> Option<[v8::Local<'s, v8::Value>; 3]> {
+fn arguments<'s>(
+    scope: &v8::PinScope<'s, '_>,
+    spoken: &Spoken,
+) -> Option<[v8::Local<'s, v8::Value>; 3]> {
     let time = match spoken.source_time_ms {
         Some(ms) => v8::Number::new(scope, ms).into(),
         None => v8::null(scope).into(),
     };
-    Some([values::to_js(scope, &spoken.value)?, v8::Number::new(scope, spoken.status.into()).into(), time])
+    Some([
+        values::to_js(scope, &spoken.value)?,
+        v8::Number::new(scope, spoken.status.into()).into(),
+        time,
+    ])
 }
 
-fn set_input<'s>(scope: &v8::PinScope<'s, '_>, input: Function<'s>, value: &InputValue) -> Option<()> {
+fn set_input<'s>(
+    scope: &v8::PinScope<'s, '_>,
+    input: Function<'s>,
+    value: &InputValue,
+) -> Option<()> {
     let index = v8::Integer::new(scope, value.input.into());
     let [content, status, time] = arguments(scope, &value.spoken)?;
     let undefined = v8::undefined(scope).into();
@@ -274,11 +315,24 @@ fn run<'s>(
     file: &str,
     is_strict: bool,
 ) -> Option<v8::Local<'s, v8::Value>> {
-    // On the first line, so that lines keep their numbers; columns of that line are those of an engine in strict mode.
+    // On the first line, so that lines keep their numbers; columns of that line are those of an
+    // engine in strict mode.
     let source = if is_strict { format!("\"use strict\";{source}") } else { source.to_owned() };
     let source = v8::String::new(scope, &source)?;
     let name = v8::String::new(scope, file)?;
     let column = if is_strict { -13 } else { 0 };
-    let origin = v8::ScriptOrigin::new(scope, name.into(), 0, column, false, 0, None, false, false, false, None);
+    let origin = v8::ScriptOrigin::new(
+        scope,
+        name.into(),
+        0,
+        column,
+        false,
+        0,
+        None,
+        false,
+        false,
+        false,
+        None,
+    );
     v8::Script::compile(scope, source, Some(&origin))?.run(scope)
 }

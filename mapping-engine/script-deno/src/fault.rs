@@ -4,7 +4,11 @@ use deno_core::v8;
 use script_protocol::{FaultKind, ScriptFault};
 
 /// A caught error as fault. `file` is the script's name as it was given to the engine.
-pub fn of<'s>(scope: &v8::PinScope<'s, '_>, thrown: v8::Local<'s, v8::Value>, file: &str) -> ScriptFault {
+pub fn of<'s>(
+    scope: &v8::PinScope<'s, '_>,
+    thrown: v8::Local<'s, v8::Value>,
+    file: &str,
+) -> ScriptFault {
     let text = |name: &str| {
         let object = v8::Local::<v8::Object>::try_from(thrown).ok()?;
         let key = v8::String::new(scope, name)?;
@@ -36,7 +40,10 @@ pub fn of<'s>(scope: &v8::PinScope<'s, '_>, thrown: v8::Local<'s, v8::Value>, fi
 
 /// The fault of a script that used up its memory.
 pub fn out_of_memory() -> ScriptFault {
-    ScriptFault::new(FaultKind::OutOfMemory, "the script used more memory than it may; it starts anew")
+    ScriptFault::new(
+        FaultKind::OutOfMemory,
+        "the script used more memory than it may; it starts anew",
+    )
 }
 
 /// The fault of a script that used up its time.
@@ -48,7 +55,8 @@ pub fn timeout() -> ScriptFault {
 fn position(stack: &str, file: &str) -> Option<(u32, Option<u32>)> {
     stack.lines().find_map(|line| {
         let at = line.find(file)?;
-        let mut numbers = line[at + file.len()..].strip_prefix(':')?.split(|c: char| !c.is_ascii_digit());
+        let mut numbers =
+            line[at + file.len()..].strip_prefix(':')?.split(|c: char| !c.is_ascii_digit());
         let line = numbers.next()?.parse().ok()?;
         Some((line, numbers.next().and_then(|column| column.parse().ok())))
     })

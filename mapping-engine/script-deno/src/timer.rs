@@ -35,7 +35,10 @@ impl Timer {
     pub fn start() -> io::Result<Self> {
         let shared = Arc::new(Shared { watched: Mutex::default(), begun: Condvar::new() });
         let watching = Arc::clone(&shared);
-        thread::Builder::new().name("timer".to_owned()).stack_size(128 << 10).spawn(move || watching.watch())?;
+        thread::Builder::new()
+            .name("timer".to_owned())
+            .stack_size(128 << 10)
+            .spawn(move || watching.watch())?;
         Ok(Self { shared })
     }
 

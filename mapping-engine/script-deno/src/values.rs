@@ -47,7 +47,11 @@ pub fn to_js<'s>(scope: &Scope<'s, '_>, value: &ScriptValue) -> Option<Value<'s>
 }
 
 /// Gets a member.
-pub fn member<'s>(scope: &Scope<'s, '_>, object: v8::Local<'s, v8::Object>, name: &str) -> Option<Value<'s>> {
+pub fn member<'s>(
+    scope: &Scope<'s, '_>,
+    object: v8::Local<'s, v8::Object>,
+    name: &str,
+) -> Option<Value<'s>> {
     let name = v8::String::new(scope, name)?;
     object.get(scope, name.into())
 }
@@ -72,7 +76,11 @@ pub fn yielded<'s>(
             match number.filter(|n| n.fract() == 0.0 && (0.0..=4_294_967_295.0).contains(n)) {
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 Some(number) => status = number as u32,
-                None => return Some(Err(wrong("\"status\" must be an OPC UA status code, a number from 0 to 2^32-1"))),
+                None => {
+                    return Some(Err(wrong(
+                        "\"status\" must be an OPC UA status code, a number from 0 to 2^32-1",
+                    )));
+                }
             }
         }
         value = member(scope, object, "value")?;
@@ -81,7 +89,9 @@ pub fn yielded<'s>(
         }
     }
     let mut left = ELEMENTS_MAX;
-    Some(from_js(scope, kind_of, value, 0, &mut left)?.map(|value| Yielded::Value { value, status }))
+    Some(
+        from_js(scope, kind_of, value, 0, &mut left)?.map(|value| Yielded::Value { value, status }),
+    )
 }
 
 fn plain_object<'s>(value: Value<'s>) -> Option<v8::Local<'s, v8::Object>> {
@@ -94,7 +104,11 @@ fn plain_object<'s>(value: Value<'s>) -> Option<v8::Local<'s, v8::Object>> {
     if is_plain { v8::Local::try_from(value).ok() } else { None }
 }
 
-fn kind<'s>(scope: &Scope<'s, '_>, kind_of: v8::Local<'s, v8::Function>, value: Value<'s>) -> Option<String> {
+fn kind<'s>(
+    scope: &Scope<'s, '_>,
+    kind_of: v8::Local<'s, v8::Function>,
+    value: Value<'s>,
+) -> Option<String> {
     let undefined = v8::undefined(scope);
     Some(kind_of.call(scope, undefined.into(), &[value])?.to_rust_string_lossy(scope))
 }
@@ -113,7 +127,9 @@ fn from_js<'s>(
     left: &mut usize,
 ) -> Converted {
     if depth > DEPTH_MAX || *left == 0 {
-        let message = format!("a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements");
+        let message = format!(
+            "a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements"
+        );
         return Some(Err(wrong(message)));
     }
     *left -= 1;
@@ -136,7 +152,9 @@ fn from_js<'s>(
             _ => return Some(Err(wrong("the BigInt is beyond 64 bits"))),
         }
     } else if value.is_promise() {
-        return Some(Err(wrong("the script must return a value, not a promise: async functions do not work here")));
+        return Some(Err(wrong(
+            "the script must return a value, not a promise: async functions do not work here",
+        )));
     } else if let Ok(date) = v8::Local::<v8::Date>::try_from(value) {
         let ms = date.value_of();
         if ms.is_nan() {

@@ -226,8 +226,8 @@ impl<'a> Decoder<'a> {
         }
     }
 
-    /// A counted sequence. Each element takes at least one byte, so a count beyond the bytes left is refused before
-    /// anything is reserved for it.
+    /// A counted sequence. Each element takes at least one byte, so a count beyond the bytes left
+    /// is refused before anything is reserved for it.
     ///
     /// # Errors
     /// Those of the elements, [`DecodeError::Truncated`].
@@ -239,7 +239,8 @@ impl<'a> Decoder<'a> {
         if count > self.rest.len() {
             return Err(DecodeError::Truncated);
         }
-        // An element in memory is larger than on the wire: let the vector grow with what is really there.
+        // An element in memory is larger than on the wire: let the vector grow with what is really
+        // there.
         let mut values = Vec::with_capacity(count.min(1024));
         for _ in 0..count {
             values.push(decode(self)?);

@@ -51,14 +51,16 @@ pub fn write(writer: &mut impl Write, body: &[u8]) -> io::Result<()> {
 /// Reads one frame; `None` at the end of the stream.
 ///
 /// # Errors
-/// Those of the reader; `InvalidData` for a length that no frame has, `UnexpectedEof` for a frame cut short.
+/// Those of the reader; `InvalidData` for a length that no frame has, `UnexpectedEof` for a frame
+/// cut short.
 pub fn read(reader: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
     let mut header = [0; HEADER_BYTES];
     match reader.read(&mut header[..1])? {
         0 => return Ok(None),
         _ => reader.read_exact(&mut header[1..])?,
     }
-    let length = body_length(header).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+    let length =
+        body_length(header).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     let mut body = vec![0; length];
     reader.read_exact(&mut body)?;
     Ok(Some(body))

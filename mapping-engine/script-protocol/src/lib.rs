@@ -1,13 +1,16 @@
-//! What a script worker process and the process that started it say to each other over standard input and output.
+//! What a script worker process and the process that started it say to each other over standard
+//! input and output.
 //!
-//! Frames are a length and a body ([`frame`]), bodies are messages ([`message`]) in a compact binary form of our own
-//! ([`codec`]) that keeps 64-bit integers exact and is bounded wherever the other side decides: a worker runs foreign
-//! scripts in a C engine, so its parent trusts it no more than a peer on the network.
+//! Frames are a length and a body ([`frame`]), bodies are messages ([`message`]) in a compact
+//! binary form of our own ([`codec`]) that keeps 64-bit integers exact and is bounded wherever the
+//! other side decides: a worker runs foreign scripts in a C engine, so its parent trusts it no more
+//! than a peer on the network.
 //!
-//! Nothing here knows of mappings: a script has an id, named inputs, a state and is called with a value.
+//! Nothing here knows of mappings: a script has an id, named inputs, a state and is called with a
+//! value.
 //!
-//! With the feature `worker` there is the worker's side too: its loop, the watchdog that ends a call nothing else can
-//! end, and the sandbox.
+//! With the feature `worker` there is the worker's side too: its loop, the watchdog that ends a
+//! call nothing else can end, and the sandbox.
 
 pub mod codec;
 pub mod frame;
@@ -17,8 +20,8 @@ pub mod value;
 pub mod worker;
 
 pub use message::{
-    Call, CallResult, CallValue, FaultKind, HostMessage, InputValue, Limits, Load, ScriptFault, ScriptId, Spoken,
-    WorkerMessage, Yielded,
+    Call, CallResult, CallValue, FaultKind, HostMessage, InputValue, Limits, Load, ScriptFault,
+    ScriptId, Spoken, WorkerMessage, Yielded,
 };
 pub use value::ScriptValue;
 

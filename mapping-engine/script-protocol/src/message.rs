@@ -28,7 +28,8 @@ pub struct Limits {
     pub script_stack_bytes: u64,
     /// Computing time of one call.
     pub call_budget: Duration,
-    /// After so much computing time within one call the worker ends itself, because nothing else ends the call.
+    /// After so much computing time within one call the worker ends itself, because nothing else
+    /// ends the call.
     pub overrun_budget: Duration,
     /// After so much time the rest of a batch is given back.
     pub batch_budget: Duration,

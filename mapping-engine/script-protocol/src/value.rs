@@ -7,7 +7,8 @@ use crate::codec::{DecodeError, Decoder, Encoder};
 /// Deepest nesting of lists and records.
 pub const DEPTH_MAX: usize = 16;
 
-/// A value on its way into a script or out of it: what the value types of JavaScript can say, and no more.
+/// A value on its way into a script or out of it: what the value types of JavaScript can say, and
+/// no more.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScriptValue {
     /// `null`.
@@ -22,7 +23,8 @@ pub enum ScriptValue {
     Unsigned(u64),
     /// A text.
     Text(Arc<str>),
-    /// A `Date`, in milliseconds since 1970; the fraction survives into the script only as far as `Date` keeps it.
+    /// A `Date`, in milliseconds since 1970; the fraction survives into the script only as far as
+    /// `Date` keeps it.
     Time(f64),
     /// A `Uint8Array`.
     Bytes(Arc<[u8]>),
@@ -107,7 +109,9 @@ impl ScriptValue {
             6 => Self::Time(from.f64()?),
             7 => Self::Bytes(from.bytes()?.into()),
             8 => Self::List(from.sequence(|from| Self::decode_nested(from, depth + 1))?),
-            9 => Self::Record(from.sequence(|from| Ok((from.text()?, Self::decode_nested(from, depth + 1)?)))?),
+            9 => Self::Record(
+                from.sequence(|from| Ok((from.text()?, Self::decode_nested(from, depth + 1)?)))?,
+            ),
             tag => return Err(DecodeError::UnknownTag { what: "a value", tag }),
         })
     }

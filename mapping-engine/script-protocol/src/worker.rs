@@ -1,6 +1,7 @@
 //! The worker's side: read, call, answer - and end what nothing else ends.
 //!
-//! A worker binary brings a [`ScriptEngine`] and calls [`serve`]. Single-threaded but for the watchdog.
+//! A worker binary brings a [`ScriptEngine`] and calls [`serve`]. Single-threaded but for the
+//! watchdog.
 
 mod clock;
 mod prelude;
@@ -16,14 +17,15 @@ use std::{
 };
 
 use crate::{
-    Call, CallResult, HostMessage, Limits, Load, PROTOCOL_VERSION, ScriptFault, ScriptId, WorkerMessage, Yielded, frame,
+    Call, CallResult, HostMessage, Limits, Load, PROTOCOL_VERSION, ScriptFault, ScriptId,
+    WorkerMessage, Yielded, frame,
 };
 pub use clock::{process_time, thread_time};
 pub use prelude::PRELUDE;
 use watchdog::Watchdog;
 
-/// A JavaScript engine behind the protocol. One instance serves many scripts; each is apart from the others in memory,
-/// globals and faults.
+/// A JavaScript engine behind the protocol. One instance serves many scripts; each is apart from
+/// the others in memory, globals and faults.
 pub trait ScriptEngine {
     /// Name and version, as `quickjs-ng 0.16`.
     fn name(&self) -> String;
@@ -48,14 +50,19 @@ pub trait ScriptEngine {
 pub fn serve<E: ScriptEngine>(create: impl FnOnce(&Limits) -> E) -> io::Result<()> {
     // Unbuffered: whole frames are written at once.
     let output = File::from(io::stdout().as_fd().try_clone_to_owned()?);
-    let mut input = BufReader::with_capacity(1 << 16, File::from(io::stdin().as_fd().try_clone_to_owned()?));
+    let mut input =
+        BufReader::with_capacity(1 << 16, File::from(io::stdin().as_fd().try_clone_to_owned()?));
     let Some(HostMessage::Hello { version, limits }) = receive(&mut input)? else {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "the host did not say hello"));
     };
     let watchdog = Watchdog::start(output, &limits)?;
     let is_filtered = sandbox::enter(&limits)?;
     let mut engine = create(&limits);
-    watchdog.say(&WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine: engine.name().into(), is_filtered })?;
+    watchdog.say(&WorkerMessage::Welcome {
+        version: PROTOCOL_VERSION,
+        engine: engine.name().into(),
+        is_filtered,
+    })?;
     if version != PROTOCOL_VERSION {
         // The host sees our version and knows.
         return Ok(());
@@ -63,7 +70,10 @@ pub fn serve<E: ScriptEngine>(create: impl FnOnce(&Limits) -> E) -> io::Result<(
     while let Some(message) = receive(&mut input)? {
         match message {
             HostMessage::Hello { .. } => {
-                return Err(io::Error::new(io::ErrorKind::InvalidData, "the host said hello twice"));
+                return Err(io::Error::new(
+                    io::ErrorKind::InvalidData,
+                    "the host said hello twice",
+                ));
             }
             HostMessage::Load(load) => {
                 let script = load.script;
@@ -77,7 +87,12 @@ pub fn serve<E: ScriptEngine>(create: impl FnOnce(&Limits) -> E) -> io::Result<(
     Ok(())
 }
 
-fn run<E: ScriptEngine>(engine: &mut E, watchdog: &Watchdog, limits: &Limits, calls: Vec<Call>) -> io::Result<()> {
+fn run<E: ScriptEngine>(
+    engine: &mut E,
+    watchdog: &Watchdog,
+    limits: &Limits,
+    calls: Vec<Call>,
+) -> io::Result<()> {
     let begun = Instant::now();
     let mut last = begun;
     for call in calls {
@@ -95,5 +110,7 @@ fn run<E: ScriptEngine>(engine: &mut E, watchdog: &Watchdog, limits: &Limits, ca
 
 fn receive(input: &mut impl io::Read) -> io::Result<Option<HostMessage>> {
     let Some(body) = frame::read(input)? else { return Ok(None) };
-    HostMessage::decode(&body).map(Some).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    HostMessage::decode(&body)
+        .map(Some)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }

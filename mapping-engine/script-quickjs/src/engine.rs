@@ -59,7 +59,8 @@ impl ScriptEngine for QuickJs {
             loaded.load.state = Some(Arc::clone(state));
         }
         if matches!(&outcome, Err(fault) if fault.kind == FaultKind::OutOfMemory) {
-            // What it allocated may be held by its closures: only a new runtime is sure to have its memory back.
+            // What it allocated may be held by its closures: only a new runtime is sure to have its
+            // memory back.
             loaded.script = None;
         }
         (outcome, state)

@@ -9,7 +9,8 @@ pub fn of<'js>(ctx: &Ctx<'js>, caught: CaughtError<'js>, file: &str) -> ScriptFa
         CaughtError::Exception(exception) => of_exception(&exception, file),
         CaughtError::Value(value) if value.is_null() || value.is_undefined() => out_of_memory(),
         CaughtError::Value(value) => {
-            let text = Coerced::<String>::from_js(ctx, value).map_or_else(|_| "a thrown value".to_owned(), |t| t.0);
+            let text = Coerced::<String>::from_js(ctx, value)
+                .map_or_else(|_| "a thrown value".to_owned(), |t| t.0);
             ScriptFault::new(FaultKind::Error, text)
         }
         // Rust-side conversions: a text that is not UTF-8, or memory that ran out there.
@@ -28,13 +29,17 @@ fn of_exception(exception: &Exception<'_>, file: &str) -> ScriptFault {
     let position = exception.stack().as_deref().and_then(|stack| position(stack, file));
     let mut fault = ScriptFault::new(kind, message);
     fault.name = name.into();
-    (fault.line, fault.column) = position.map_or((None, None), |(line, column)| (Some(line), column));
+    (fault.line, fault.column) =
+        position.map_or((None, None), |(line, column)| (Some(line), column));
     fault
 }
 
 /// The fault of a script that used up its memory.
 pub fn out_of_memory() -> ScriptFault {
-    ScriptFault::new(FaultKind::OutOfMemory, "the script used more memory than it may; it starts anew")
+    ScriptFault::new(
+        FaultKind::OutOfMemory,
+        "the script used more memory than it may; it starts anew",
+    )
 }
 
 /// The fault of a script that used up its time.
@@ -46,7 +51,8 @@ pub fn timeout() -> ScriptFault {
 fn position(stack: &str, file: &str) -> Option<(u32, Option<u32>)> {
     stack.lines().find_map(|line| {
         let at = line.find(file)?;
-        let mut numbers = line[at + file.len()..].strip_prefix(':')?.split(|c: char| !c.is_ascii_digit());
+        let mut numbers =
+            line[at + file.len()..].strip_prefix(':')?.split(|c: char| !c.is_ascii_digit());
         let line = numbers.next()?.parse().ok()?;
         Some((line, numbers.next().and_then(|column| column.parse().ok())))
     })

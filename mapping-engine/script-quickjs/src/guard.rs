@@ -28,7 +28,8 @@ impl Guard {
         guard
     }
 
-    /// Runs something under the budget. The second value is true if the budget ran out, whatever the first says.
+    /// Runs something under the budget. The second value is true if the budget ran out, whatever
+    /// the first says.
     pub fn watch<R>(&self, run: impl FnOnce() -> R) -> (R, bool) {
         let call = self.calls.get() + 1;
         self.calls.set(call);
@@ -39,7 +40,8 @@ impl Guard {
         (result, self.has_fired.get())
     }
 
-    /// The first poll of a call only reads the clock: the call has then run ten thousand jumps at most.
+    /// The first poll of a call only reads the clock: the call has then run ten thousand jumps at
+    /// most.
     fn poll(&self) -> bool {
         let call = self.call.get();
         if call == 0 {

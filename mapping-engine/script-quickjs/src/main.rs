@@ -1,8 +1,8 @@
 //! The script worker with QuickJS-ng: a process that runs scripts and nothing else.
 //!
-//! Started by the mapping engine, which speaks the script protocol on its standard streams. Each script has a runtime
-//! and a context of its own: memory limits of the engine hold per runtime, and a script that exhausts its own must not
-//! starve another.
+//! Started by the mapping engine, which speaks the script protocol on its standard streams. Each
+//! script has a runtime and a context of its own: memory limits of the engine hold per runtime, and
+//! a script that exhausts its own must not starve another.
 
 mod engine;
 mod fault;

@@ -2,17 +2,21 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use rquickjs::{CatchResultExt, Context, Ctx, Function, Object, Persistent, Runtime, Value, context::EvalOptions};
+use rquickjs::{
+    CatchResultExt, Context, Ctx, Function, Object, Persistent, Runtime, Value,
+    context::EvalOptions,
+};
 use script_protocol::{
-    Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, Spoken, Yielded, message::STATE_BYTES_MAX,
-    worker::PRELUDE,
+    Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, Spoken, Yielded,
+    message::STATE_BYTES_MAX, worker::PRELUDE,
 };
 
 use crate::{fault, guard::Guard, values};
 
 /// A loaded script.
 ///
-/// Fields are dropped in this order: what belongs to the context before it, the context before the runtime.
+/// Fields are dropped in this order: what belongs to the context before it, the context before the
+/// runtime.
 pub struct Script {
     functions: Functions,
     /// `ctx.state` as it was sent last.
@@ -38,20 +42,27 @@ type Failed = Result<Yielded, ScriptFault>;
 impl Script {
     /// Compiles a script and takes its function.
     pub fn start(load: &Load, limits: &Limits) -> Result<Self, ScriptFault> {
-        let broken = |error: rquickjs::Error| ScriptFault::new(FaultKind::OutOfMemory, error.to_string());
+        let broken =
+            |error: rquickjs::Error| ScriptFault::new(FaultKind::OutOfMemory, error.to_string());
         let runtime = Runtime::new().map_err(broken)?;
         let bytes = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
         runtime.set_memory_limit(bytes(limits.script_memory_bytes));
         runtime.set_max_stack_size(bytes(limits.script_stack_bytes));
         let guard = Guard::install(&runtime, limits.call_budget);
         let context = Context::full(&runtime).map_err(broken)?;
-        // The engine names places in the file's words; a name that looks like a position would confuse it.
+        // The engine names places in the file's words; a name that looks like a position would
+        // confuse it.
         let file = format!("{}.js", load.name.replace([':', '(', ')', '\n', '\r', '\0'], "_"));
         let functions = context.with(|ctx| Self::compile(&ctx, load, &guard, &file))?;
         Ok(Self { functions, state: load.state.clone(), file, context, guard, _runtime: runtime })
     }
 
-    fn compile(ctx: &Ctx<'_>, load: &Load, guard: &Guard, file: &str) -> Result<Functions, ScriptFault> {
+    fn compile(
+        ctx: &Ctx<'_>,
+        load: &Load,
+        guard: &Guard,
+        file: &str,
+    ) -> Result<Functions, ScriptFault> {
         let of = |caught| fault::of(ctx, caught, file);
         let tools: Object<'_> = ctx.eval(PRELUDE).catch(ctx).map_err(of)?;
         let function = |name: &str| tools.get::<_, Function<'_>>(name).catch(ctx).map_err(of);
@@ -70,8 +81,8 @@ impl Script {
         options.strict = true;
         options.filename = Some(file.to_owned());
         // Top-level code may loop too.
-        let (evaluated, has_fired) =
-            guard.watch(|| ctx.eval_with_options::<Value<'_>, _>(&*load.source, options).catch(ctx));
+        let (evaluated, has_fired) = guard
+            .watch(|| ctx.eval_with_options::<Value<'_>, _>(&*load.source, options).catch(ctx));
         if has_fired {
             return Err(fault::timeout());
         }
@@ -128,10 +139,17 @@ impl Functions {
         }
         let script = self.script.clone().restore(ctx)?;
         let result: Value<'js> = match &call.value {
-            CallValue::Input(index) => self.invoke_input.clone().restore(ctx)?.call((script, *index))?,
+            CallValue::Input(index) => {
+                self.invoke_input.clone().restore(ctx)?.call((script, *index))?
+            }
             CallValue::Own(Spoken { value, status, source_time_ms }) => {
                 let value = values::to_js(ctx, &tools, value)?;
-                self.invoke.clone().restore(ctx)?.call((script, value, f64::from(*status), source_time_ms))?
+                self.invoke.clone().restore(ctx)?.call((
+                    script,
+                    value,
+                    f64::from(*status),
+                    source_time_ms,
+                ))?
             }
         };
         let yielded = values::yielded(ctx, &tools, result)?;

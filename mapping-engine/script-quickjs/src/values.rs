@@ -11,7 +11,11 @@ const ELEMENTS_MAX: usize = 65_536;
 const TEXT_BYTES_MAX: usize = 65_536;
 
 /// A value as the engine's own.
-pub fn to_js<'js>(ctx: &Ctx<'js>, tools: &Object<'js>, value: &ScriptValue) -> rquickjs::Result<Value<'js>> {
+pub fn to_js<'js>(
+    ctx: &Ctx<'js>,
+    tools: &Object<'js>,
+    value: &ScriptValue,
+) -> rquickjs::Result<Value<'js>> {
     Ok(match value {
         ScriptValue::Null => Value::new_null(ctx.clone()),
         ScriptValue::Boolean(v) => Value::new_bool(ctx.clone(), *v),
@@ -49,15 +53,24 @@ pub fn yielded<'js>(
     }
     let mut value = result;
     let mut status = 0;
-    if let Some(object) = value.as_object().filter(|o| !o.is_array() && !o.is_function() && !o.as_value().is_promise())
+    if let Some(object) = value
+        .as_object()
+        .filter(|o| !o.is_array() && !o.is_function() && !o.as_value().is_promise())
         && kind(tools, object)? == "result"
     {
         let said: Value<'js> = object.get("status")?;
         if !said.is_undefined() {
-            match said.as_number().filter(|n| n.fract() == 0.0 && (0.0..=4_294_967_295.0).contains(n)) {
+            match said
+                .as_number()
+                .filter(|n| n.fract() == 0.0 && (0.0..=4_294_967_295.0).contains(n))
+            {
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 Some(number) => status = number as u32,
-                None => return Ok(Err(wrong("\"status\" must be an OPC UA status code, a number from 0 to 2^32-1"))),
+                None => {
+                    return Ok(Err(wrong(
+                        "\"status\" must be an OPC UA status code, a number from 0 to 2^32-1",
+                    )));
+                }
             }
         }
         value = object.get("value")?;
@@ -79,9 +92,17 @@ fn wrong(message: impl Into<Arc<str>>) -> ScriptFault {
 
 type Converted = rquickjs::Result<Result<ScriptValue, ScriptFault>>;
 
-fn from_js<'js>(ctx: &Ctx<'js>, tools: &Object<'js>, value: &Value<'js>, depth: usize, left: &mut usize) -> Converted {
+fn from_js<'js>(
+    ctx: &Ctx<'js>,
+    tools: &Object<'js>,
+    value: &Value<'js>,
+    depth: usize,
+    left: &mut usize,
+) -> Converted {
     if depth > DEPTH_MAX || *left == 0 {
-        let message = format!("a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements");
+        let message = format!(
+            "a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements"
+        );
         return Ok(Err(wrong(message)));
     }
     *left -= 1;
@@ -105,7 +126,8 @@ fn from_js<'js>(ctx: &Ctx<'js>, tools: &Object<'js>, value: &Value<'js>, depth: 
         return big_int(tools, big);
     }
     if value.is_promise() {
-        let message = "the script must return a value, not a promise: async functions do not work here";
+        let message =
+            "the script must return a value, not a promise: async functions do not work here";
         return Ok(Err(wrong(message)));
     }
     if let Some(array) = value.as_array() {
@@ -138,11 +160,21 @@ fn big_int<'js>(tools: &Object<'js>, big: &BigInt<'js>) -> Converted {
     })
 }
 
-fn record<'js>(ctx: &Ctx<'js>, tools: &Object<'js>, object: &Object<'js>, depth: usize, left: &mut usize) -> Converted {
+fn record<'js>(
+    ctx: &Ctx<'js>,
+    tools: &Object<'js>,
+    object: &Object<'js>,
+    depth: usize,
+    left: &mut usize,
+) -> Converted {
     match kind(tools, object)?.as_str() {
         "time" => {
             let ms: f64 = tools.get::<_, Function<'js>>("timeOf")?.call((object.clone(),))?;
-            Ok(if ms.is_nan() { Err(wrong("the Date is invalid")) } else { Ok(ScriptValue::Time(ms)) })
+            Ok(if ms.is_nan() {
+                Err(wrong("the Date is invalid"))
+            } else {
+                Ok(ScriptValue::Time(ms))
+            })
         }
         "bytes" => {
             let length: usize = object.get("length")?;
@@ -157,7 +189,8 @@ fn record<'js>(ctx: &Ctx<'js>, tools: &Object<'js>, object: &Object<'js>, depth:
         }
         _ => {
             let mut members = Vec::new();
-            for member in object.own_props::<String, Value<'js>>(Filter::new().string().enum_only()) {
+            for member in object.own_props::<String, Value<'js>>(Filter::new().string().enum_only())
+            {
                 let (name, value) = member?;
                 match from_js(ctx, tools, &value, depth + 1, left)? {
                     Ok(value) => members.push((name.into(), value)),

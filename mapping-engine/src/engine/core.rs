@@ -69,7 +69,11 @@ impl Core {
         }
     }
 
-    pub fn put_many(&mut self, compiled: Vec<Compiled>, now: DateTime) -> Vec<Result<(), EngineError>> {
+    pub fn put_many(
+        &mut self,
+        compiled: Vec<Compiled>,
+        now: DateTime,
+    ) -> Vec<Result<(), EngineError>> {
         let mut requests = Vec::new();
         let mut results = Vec::with_capacity(compiled.len());
         let mut put = Vec::new();
@@ -89,7 +93,9 @@ impl Core {
             for (index, id) in put {
                 self.remove(&id);
                 if let Some(result) = results.get_mut(index) {
-                    *result = Err(EngineError::Inputs(shop_floor::ShopFloorError::Invalid(message.to_string())));
+                    *result = Err(EngineError::Inputs(shop_floor::ShopFloorError::Invalid(
+                        message.to_string(),
+                    )));
                 }
             }
         }
@@ -98,7 +104,8 @@ impl Core {
         results
     }
 
-    /// What both the mapping so far and the new one use stays monitored, and keeps what was recorded of it.
+    /// What both the mapping so far and the new one use stays monitored, and keeps what was
+    /// recorded of it.
     fn put(
         &mut self,
         compiled: Compiled,
@@ -136,9 +143,11 @@ impl Core {
         let follower = |input| Subscriber { place: narrow(place), input };
         // They are held already, so there is nothing to request.
         let inputs = (0..).zip(&mapping.inputs);
-        let keys: SmallVec<_> =
-            inputs.map(|(input, wanted)| self.routes.subscribe(wanted, follower(input)).0).collect();
-        self.inventory.insert(id, Entry::new(mapping, transform, target, keys.clone(), scripts, is_shadow));
+        let keys: SmallVec<_> = inputs
+            .map(|(input, wanted)| self.routes.subscribe(wanted, follower(input)).0)
+            .collect();
+        self.inventory
+            .insert(id, Entry::new(mapping, transform, target, keys.clone(), scripts, is_shadow));
         let reaction = self.inventory.get_mut(place).map(|entry| entry.transform.start(now, None));
         if let Some(reaction) = reaction {
             self.react(place, reaction, now);
@@ -181,10 +190,8 @@ impl Core {
         let mut samples: Vec<DryRunSample> = Vec::new();
         for input in inputs {
             let values = self.routes.like(input).map(|route| &route.history);
-            samples.extend(values.into_iter().flat_map(History::iter).map(|(at, value)| DryRunSample {
-                input: input.name.clone(),
-                at: *at,
-                value: value.clone(),
+            samples.extend(values.into_iter().flat_map(History::iter).map(|(at, value)| {
+                DryRunSample { input: input.name.clone(), at: *at, value: value.clone() }
             }));
         }
         samples.sort_by_key(|sample| sample.at);
@@ -218,7 +225,14 @@ impl Core {
         self.lanes.iter_mut().for_each(Lane::feed);
     }
 
-    fn change(&mut self, key: InputKey, value: DataValue, share: usize, now: DateTime, begun: &mut Instant) {
+    fn change(
+        &mut self,
+        key: InputKey,
+        value: DataValue,
+        share: usize,
+        now: DateTime,
+        begun: &mut Instant,
+    ) {
         let Some(route) = self.routes.get_mut(key) else { return };
         route.history.push(now, value.clone(), share);
         if let [only] = *route.subscribers.as_slice() {
@@ -229,8 +243,15 @@ impl Core {
         }
     }
 
-    /// What one subscriber has done is where the next begins: asking for the time costs as much as a small function.
-    fn take(&mut self, subscriber: Subscriber, value: DataValue, now: DateTime, begun: &mut Instant) {
+    /// What one subscriber has done is where the next begins: asking for the time costs as much as
+    /// a small function.
+    fn take(
+        &mut self,
+        subscriber: Subscriber,
+        value: DataValue,
+        now: DateTime,
+        begun: &mut Instant,
+    ) {
         let (place, input) = (subscriber.place as usize, subscriber.input as usize);
         let Some(entry) = self.inventory.get_mut(place) else { return };
         entry.received += 1;
@@ -246,7 +267,9 @@ impl Core {
 
     pub fn wake(&mut self, now: DateTime) {
         while let Some((place, due)) = self.timers.pop(now) {
-            let Some(entry) = self.inventory.get_mut(place).filter(|entry| entry.scheduled == Some(due)) else {
+            let Some(entry) =
+                self.inventory.get_mut(place).filter(|entry| entry.scheduled == Some(due))
+            else {
                 continue;
             };
             entry.scheduled = None;
@@ -266,7 +289,8 @@ impl Core {
             Reaction::Candidate(value) => self.yielded(place, value, now),
             Reaction::Failed(value, failed) => {
                 entry.faults += 1;
-                entry.last_fault = Some(Box::new(FaultRecord::new(now, failed.step, &failed.fault)));
+                entry.last_fault =
+                    Some(Box::new(FaultRecord::new(now, failed.step, &failed.fault)));
                 self.yielded(place, value, now);
             }
             Reaction::Call(call) => self.call(place, call, now),
@@ -298,7 +322,9 @@ impl Core {
         metrics::counter!("mapping_engine_candidates_total").increment(self.pending.len() as u64);
         for (candidate, place) in self.pending.iter_mut().zip(self.pending_places.drain(..)).rev() {
             let entry = self.inventory.get_mut(place as usize);
-            let Some(entry) = entry.filter(|entry| entry.state_carried_in != self.batches) else { continue };
+            let Some(entry) = entry.filter(|entry| entry.state_carried_in != self.batches) else {
+                continue;
+            };
             entry.state_carried_in = self.batches;
             candidate.state = entry.transform.state();
         }

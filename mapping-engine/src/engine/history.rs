@@ -1,6 +1,7 @@
 //! The last values of each variable in use, to try mappings on.
 //!
-//! Kept in memory only and bounded twice: per variable, and over all of them. With many variables each has fewer.
+//! Kept in memory only and bounded twice: per variable, and over all of them. With many variables
+//! each has fewer.
 
 use std::collections::VecDeque;
 
@@ -30,9 +31,11 @@ impl Default for HistoryConfig {
 }
 
 impl HistoryConfig {
-    /// How many values a variable may have when there are so many variables: a power of two, which is how buffers grow.
+    /// How many values a variable may have when there are so many variables: a power of two, which
+    /// is how buffers grow.
     pub(super) fn share(&self, variables: usize) -> usize {
-        let share = (self.values_max / variables.max(1)).min(self.values_per_variable_max).max(SAMPLES_MIN);
+        let share =
+            (self.values_max / variables.max(1)).min(self.values_per_variable_max).max(SAMPLES_MIN);
         1 << share.ilog2()
     }
 }
@@ -60,7 +63,8 @@ impl History {
             self.values.pop_front();
         }
         if self.values.len() == self.values.capacity() {
-            // Doubled from one on: where variables seldom change, most of them never have four values.
+            // Doubled from one on: where variables seldom change, most of them never have four
+            // values.
             self.values.reserve_exact(self.values.len().max(1));
         }
         self.values.push_back((at, value));
@@ -74,8 +78,12 @@ fn is_bulky(value: &Variant) -> bool {
     match value {
         Variant::Null => false,
         Variant::Array(array) => array.elements.len() > ELEMENTS_MAX,
-        Variant::Scalar(Scalar::String(text)) => text.as_ref().is_some_and(|text| text.len() > TEXT_BYTES_MAX),
-        Variant::Scalar(Scalar::ByteString(bytes)) => bytes.as_ref().is_some_and(|bytes| bytes.len() > TEXT_BYTES_MAX),
+        Variant::Scalar(Scalar::String(text)) => {
+            text.as_ref().is_some_and(|text| text.len() > TEXT_BYTES_MAX)
+        }
+        Variant::Scalar(Scalar::ByteString(bytes)) => {
+            bytes.as_ref().is_some_and(|bytes| bytes.len() > TEXT_BYTES_MAX)
+        }
         Variant::Scalar(_) => false,
     }
 }

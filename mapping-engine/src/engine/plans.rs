@@ -1,7 +1,7 @@
 //! Plans that mappings share.
 //!
-//! A plan says nothing about whose values enter it: series of like machines have one plan together, which is in the
-//! processor's cache when the next of them has a value, and takes memory once.
+//! A plan says nothing about whose values enter it: series of like machines have one plan together,
+//! which is in the processor's cache when the next of them has a value, and takes memory once.
 
 use std::{
     hash::{DefaultHasher, Hash as _, Hasher as _},
@@ -25,7 +25,8 @@ impl Plans {
         let made_of = made_of(mapping);
         let hash = hash_of(&made_of);
         let is_it = |(known_hash, known): &(u64, Weak<Plan>)| {
-            *known_hash == hash && known.upgrade().is_some_and(|plan| self::made_of(&plan.made_for) == made_of)
+            *known_hash == hash
+                && known.upgrade().is_some_and(|plan| self::made_of(&plan.made_for) == made_of)
         };
         if let Some(known) = self.known.find(hash, is_it).and_then(|(_, known)| known.upgrade()) {
             return known;
@@ -40,12 +41,22 @@ impl Plans {
     }
 }
 
-/// All of a mapping but whose values it takes and for which field. As text, in which 1 and 1.0 differ: they are equal
-/// numbers, but one makes integers and the other does not.
+/// All of a mapping but whose values it takes and for which field. As text, in which 1 and 1.0
+/// differ: they are equal numbers, but one makes integers and the other does not.
 fn made_of(mapping: &Mapping) -> String {
     let Mapping { target_type, target_unit, target_value_rank, steps, late_values, .. } = mapping;
-    let inputs = mapping.inputs.iter().map(|input| (&input.name, input.value_type, &input.unit, input.triggers));
-    let parts = (target_type, target_unit, target_value_rank, steps, late_values, inputs.collect::<Vec<_>>());
+    let inputs = mapping
+        .inputs
+        .iter()
+        .map(|input| (&input.name, input.value_type, &input.unit, input.triggers));
+    let parts = (
+        target_type,
+        target_unit,
+        target_value_rank,
+        steps,
+        late_values,
+        inputs.collect::<Vec<_>>(),
+    );
     serde_json::to_string(&parts).expect("mappings have text keys and finite numbers")
 }
 
@@ -82,10 +93,15 @@ mod tests {
         assert!(Arc::ptr_eq(&one, &shared(&mapping("other", "Other", 0.1))));
         assert!(!Arc::ptr_eq(&one, &shared(&mapping("one", "One", 0.2))), "another function");
         assert!(!Arc::ptr_eq(&one, &shared(&mapping("one", "One", 1))));
-        let (whole, real) = (shared(&mapping("one", "One", 2)), shared(&mapping("one", "One", 2.0)));
-        assert_eq!((whole.made_for.steps == real.made_for.steps, Arc::ptr_eq(&whole, &real)), (true, false));
+        let (whole, real) =
+            (shared(&mapping("one", "One", 2)), shared(&mapping("one", "One", 2.0)));
+        assert_eq!(
+            (whole.made_for.steps == real.made_for.steps, Arc::ptr_eq(&whole, &real)),
+            (true, false)
+        );
         let mut whole = mapping("one", "One", 0.1);
-        Arc::make_mut(&mut whole).target_type = serde_json::from_value(json!("Int32")).expect("a type");
+        Arc::make_mut(&mut whole).target_type =
+            serde_json::from_value(json!("Int32")).expect("a type");
         assert!(!Arc::ptr_eq(&one, &shared(&whole)), "another field's type");
     }
 

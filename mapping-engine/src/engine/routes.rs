@@ -36,7 +36,8 @@ pub(super) struct Route {
 #[derive(Debug, Default)]
 pub(super) struct Routes {
     routes: HashMap<InputKey, Route, RandomState>,
-    /// The keys under which a variable is monitored, by its source and node: one way of monitoring is the rule.
+    /// The keys under which a variable is monitored, by its source and node: one way of monitoring
+    /// is the rule.
     variables: HashTable<InputKey>,
     last_key: u64,
 }
@@ -55,13 +56,22 @@ impl Routes {
     pub fn like<'r>(&'r self, input: &'r MappingInput) -> Option<&'r Route> {
         let of_variable = || self.of_variable(&input.source_id, &input.node_id);
         let same = of_variable().find(|route| route.request.options == input.monitor);
-        same.or_else(|| of_variable().find(|route| route.request.options.index_range == input.monitor.index_range))
+        same.or_else(|| {
+            of_variable()
+                .find(|route| route.request.options.index_range == input.monitor.index_range)
+        })
     }
 
-    fn of_variable<'r>(&'r self, source: &'r SourceId, node_id: &'r NodeId) -> impl Iterator<Item = &'r Route> {
+    fn of_variable<'r>(
+        &'r self,
+        source: &'r SourceId,
+        node_id: &'r NodeId,
+    ) -> impl Iterator<Item = &'r Route> {
         let keys = self.variables.iter_hash(self.hash_of(source, node_id));
         let routes = keys.filter_map(|key| self.routes.get(key));
-        routes.filter(move |route| route.request.source == *source && route.request.node_id == *node_id)
+        routes.filter(move |route| {
+            route.request.source == *source && route.request.node_id == *node_id
+        })
     }
 
     fn hash_of(&self, source: &SourceId, node_id: &NodeId) -> u64 {
@@ -75,7 +85,8 @@ impl Routes {
         subscriber: Subscriber,
     ) -> (InputKey, Option<Arc<MonitorRequest>>) {
         let known = self.of_variable(&input.source_id, &input.node_id);
-        let known = known.map(|route| &route.request).find(|request| request.options == input.monitor);
+        let known =
+            known.map(|route| &route.request).find(|request| request.options == input.monitor);
         if let Some(key) = known.map(|request| request.input) {
             if let Some(route) = self.routes.get_mut(&key) {
                 route.subscribers.push(subscriber);
@@ -91,14 +102,18 @@ impl Routes {
             node_id: input.node_id.clone(),
             options: input.monitor.clone(),
         });
-        let (hash, hasher) = (self.hash_of(&request.source, &request.node_id), self.routes.hasher());
+        let (hash, hasher) =
+            (self.hash_of(&request.source, &request.node_id), self.routes.hasher());
         let rehash = |key: &InputKey| {
             let request = self.routes.get(key).map(|route| &route.request);
             request.map_or(0, |request| hasher.hash_one((&request.source, &request.node_id)))
         };
         self.variables.insert_unique(hash, key, rehash);
         let subscribers = SmallVec::from_iter([subscriber]);
-        self.routes.insert(key, Route { subscribers, history: History::default(), request: Arc::clone(&request) });
+        self.routes.insert(
+            key,
+            Route { subscribers, history: History::default(), request: Arc::clone(&request) },
+        );
         (key, Some(request))
     }
 
@@ -109,8 +124,13 @@ impl Routes {
         if !route.subscribers.is_empty() {
             return false;
         }
-        let hash = self.routes.get(&key).map(|route| self.hash_of(&route.request.source, &route.request.node_id));
-        if let Some(Ok(found)) = hash.map(|hash| self.variables.find_entry(hash, |other| *other == key)) {
+        let hash = self
+            .routes
+            .get(&key)
+            .map(|route| self.hash_of(&route.request.source, &route.request.node_id));
+        if let Some(Ok(found)) =
+            hash.map(|hash| self.variables.find_entry(hash, |other| *other == key))
+        {
             found.remove();
         }
         self.routes.remove(&key);

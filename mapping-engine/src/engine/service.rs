@@ -43,8 +43,8 @@ impl MappingEngine {
         Self { config, inputs, changes, commands, trials, candidates }
     }
 
-    /// Runs until told to stop, or until nobody takes candidates any more. Then what was made is handed over and the
-    /// workers are ended.
+    /// Runs until told to stop, or until nobody takes candidates any more. Then what was made is
+    /// handed over and the workers are ended.
     pub async fn run(self, shutdown: CancellationToken) {
         let Self { config, inputs, mut changes, mut commands, trials, candidates } = self;
         let workers_stop = CancellationToken::new();
@@ -54,7 +54,8 @@ impl MappingEngine {
         let (report, mut reports) = mpsc::channel(workers);
         let mut lanes = Vec::with_capacity(workers);
         for index in 0..workers {
-            let (lane, serving) = Lane::new(index, Arc::clone(&script), report.clone(), workers_stop.clone());
+            let (lane, serving) =
+                Lane::new(index, Arc::clone(&script), report.clone(), workers_stop.clone());
             lanes.push(lane);
             tasks.spawn(serving);
         }
@@ -97,7 +98,10 @@ impl MappingEngine {
         workers_stop.cancel();
         while let Some(ended) = tasks.join_next().await {
             if let Err(error) = ended {
-                tracing::error!(error = &error as &dyn std::error::Error, "A task of the mapping engine failed.");
+                tracing::error!(
+                    error = &error as &dyn std::error::Error,
+                    "A task of the mapping engine failed."
+                );
             }
         }
     }

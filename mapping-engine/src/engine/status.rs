@@ -68,7 +68,8 @@ pub struct InputStatus {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
     pub received_at: Option<DateTime>,
-    /// How far the source's clock is ahead of ours, in milliseconds, as seen at that value (transport included).
+    /// How far the source's clock is ahead of ours, in milliseconds, as seen at that value
+    /// (transport included).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock_ahead_ms: Option<i64>,
 }
@@ -115,7 +116,11 @@ impl MappingStatus {
             last_fault: entry.last_fault.as_deref().cloned(),
             spent_us: micros(entry.spent),
             last_yielded_at: entry.last_yielded_at,
-            last_candidate: entry.last_yielded_at.and_then(|_| transform.shown()).as_ref().map(TracedValue::of),
+            last_candidate: entry
+                .last_yielded_at
+                .and_then(|_| transform.shown())
+                .as_ref()
+                .map(TracedValue::of),
             inputs: inputs.collect(),
             circuit: entry.circuit(),
         }
@@ -137,7 +142,9 @@ impl Entry {
         let resting = self.scripts.iter().filter_map(|script| script.breaker.resting_until()).max();
         match resting {
             Some(until) => CircuitState::Resting { until },
-            None if self.scripts.iter().all(|script| script.breaker.is_closed()) => CircuitState::Closed,
+            None if self.scripts.iter().all(|script| script.breaker.is_closed()) => {
+                CircuitState::Closed
+            }
             None => CircuitState::Trying,
         }
     }

@@ -11,14 +11,18 @@ use super::{
     status::{CircuitState, MappingStatus, clock_ahead_ms},
 };
 
-/// A source's clock that is further ahead of ours is worth a word: no value is measured after it has come.
+/// A source's clock that is further ahead of ours is worth a word: no value is measured after it
+/// has come.
 const CLOCK_AHEAD_MS_MAX: i64 = 60_000;
 
 /// How a mapping is doing, in a word; the worst first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema,
+)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingHealth {
-    /// A script of it did not keep to its budget: it rests, or was let run again and has yet to prove itself.
+    /// A script of it did not keep to its budget: it rests, or was let run again and has yet to
+    /// prove itself.
     Resting,
     /// What came last of it was a fault.
     Failing,
@@ -66,7 +70,8 @@ pub struct SurveyedMapping {
 pub struct MappingSurvey {
     /// How many are doing how, of all.
     pub counts: HealthCounts,
-    /// The worst of those that were asked for; of two that are doing alike, the one with more faults first.
+    /// The worst of those that were asked for; of two that are doing alike, the one with more
+    /// faults first.
     pub items: Vec<SurveyedMapping>,
 }
 
@@ -77,10 +82,12 @@ impl MappingHealth {
         if entry.circuit() != CircuitState::Closed {
             return Self::Resting;
         }
-        // Values of one batch have one time: of a fault and a candidate at the same time the status says which was last.
+        // Values of one batch have one time: of a fault and a candidate at the same time the status
+        // says which was last.
         let is_good = transform.shown_status().is_none_or(StatusCode::is_good);
-        let has_come_last =
-            |at: DateTime| entry.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good);
+        let has_come_last = |at: DateTime| {
+            entry.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good)
+        };
         if entry.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
             return Self::Failing;
         }
@@ -90,7 +97,8 @@ impl MappingHealth {
         if !is_good {
             return Self::Doubtful;
         }
-        let is_ahead = |(value, at)| clock_ahead_ms(value, at).is_some_and(|ahead| ahead > CLOCK_AHEAD_MS_MAX);
+        let is_ahead =
+            |(value, at)| clock_ahead_ms(value, at).is_some_and(|ahead| ahead > CLOCK_AHEAD_MS_MAX);
         if inputs().flatten().any(is_ahead) { Self::ClockAhead } else { Self::Well }
     }
 }

@@ -1,4 +1,5 @@
-//! Checks and dry runs, in a worker of their own: a script that is only tried cannot disturb one that is published.
+//! Checks and dry runs, in a worker of their own: a script that is only tried cannot disturb one
+//! that is published.
 
 use std::{sync::Arc, time::Duration};
 
@@ -38,7 +39,11 @@ pub(super) struct Trial {
 }
 
 /// Serves trials, one after the other.
-pub(super) async fn serve(config: Arc<ScriptConfig>, mut trials: mpsc::Receiver<Trial>, shutdown: CancellationToken) {
+pub(super) async fn serve(
+    config: Arc<ScriptConfig>,
+    mut trials: mpsc::Receiver<Trial>,
+    shutdown: CancellationToken,
+) {
     let mut worker = ScriptWorker::new(config);
     loop {
         let next = tokio::select! {
@@ -54,7 +59,8 @@ pub(super) async fn serve(config: Arc<ScriptConfig>, mut trials: mpsc::Receiver<
             Ok(Some(trial)) => trial,
         };
         let mut transform = Transform::new(Arc::clone(&plan), state, None);
-        let mut running = Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
+        let mut running =
+            Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
         tokio::select! {
             () = shutdown.cancelled() => break,
             () = reply.closed() => {}
@@ -124,7 +130,11 @@ impl Running<'_> {
             let Some(input) = self.plan.made_for.input_index(&sample.input) else {
                 let message = format!("there is no input \"{}\"", sample.input);
                 let pointer = format!("/samples/{index}/input");
-                self.trace.diagnostics.push(MappingDiagnostic::error(pointer, DiagnosticCode::UnknownName, message));
+                self.trace.diagnostics.push(MappingDiagnostic::error(
+                    pointer,
+                    DiagnosticCode::UnknownName,
+                    message,
+                ));
                 continue;
             };
             self.pass_time(transform, Some(sample.at), &mut timer_runs).await;
@@ -136,8 +146,14 @@ impl Running<'_> {
     }
 
     /// Runs the timers that are due until a time; all there are where there is none.
-    async fn pass_time(&mut self, transform: &mut Transform, until: Option<DateTime>, runs: &mut usize) {
-        while let Some(due) = transform.due().filter(|due| until.is_none_or(|until| *due <= until)) {
+    async fn pass_time(
+        &mut self,
+        transform: &mut Transform,
+        until: Option<DateTime>,
+        runs: &mut usize,
+    ) {
+        while let Some(due) = transform.due().filter(|due| until.is_none_or(|until| *due <= until))
+        {
             *runs += 1;
             if *runs > TIMER_RUNS_MAX {
                 return;
@@ -161,16 +177,19 @@ impl Running<'_> {
             let called = call_of(&call);
             let outcome = self.worker.run(vec![called]).await.pop();
             let result = match outcome {
-                Some(outcome) => {
-                    outcome.result.and_then(yielded_of).map(|value| ScriptYield { value, state: outcome.state })
-                }
+                Some(outcome) => outcome
+                    .result
+                    .and_then(yielded_of)
+                    .map(|value| ScriptYield { value, state: outcome.state }),
                 None => return,
             };
             reaction = transform.resume(at, call, result, Some(&mut steps));
         }
         let (candidate, fault) = match &reaction {
             Reaction::Candidate(value) => (Some(TracedValue::of(value)), None),
-            Reaction::Failed(value, failed) => (Some(TracedValue::of(value)), Some(TracedFault::from(&failed.fault))),
+            Reaction::Failed(value, failed) => {
+                (Some(TracedValue::of(value)), Some(TracedFault::from(&failed.fault)))
+            }
             _ => (None, None),
         };
         self.trace.runs.push(TraceRun {

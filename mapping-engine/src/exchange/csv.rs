@@ -1,4 +1,5 @@
-//! Comma-separated values as RFC 4180 has them, and as spreadsheets write them where the comma is the decimal sign.
+//! Comma-separated values as RFC 4180 has them, and as spreadsheets write them where the comma is
+//! the decimal sign.
 
 /// Why a text is not a table.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -13,8 +14,8 @@ pub struct CsvError {
 /// A row and the line it begins at.
 pub(super) type Row = (usize, Vec<String>);
 
-/// The rows of a text. The separator is the one that the first line has: `,` or `;` or a tabulator. Empty lines are
-/// left out.
+/// The rows of a text. The separator is the one that the first line has: `,` or `;` or a tabulator.
+/// Empty lines are left out.
 pub(super) fn read(text: &str) -> Result<Vec<Row>, CsvError> {
     // Spreadsheets begin with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -51,7 +52,9 @@ pub(super) fn read(text: &str) -> Result<Vec<Row>, CsvError> {
                 row.push(std::mem::take(&mut field));
                 is_quoted = false;
             }
-            Some(_) if is_quoted => return Err(CsvError { line, message: "text follows a closing quote" }),
+            Some(_) if is_quoted => {
+                return Err(CsvError { line, message: "text follows a closing quote" });
+            }
             Some(c) => field.push(c),
         }
     }
@@ -106,16 +109,25 @@ mod tests {
 
     #[test]
     fn tables_as_spreadsheets_write_them() {
-        let fields =
-            |text: &str| read(text).map(|rows| rows.into_iter().map(|(_, row)| row.join("|")).collect::<Vec<_>>());
-        assert_eq!(fields("\u{feff}a;b\r\n1,5;\"x;y\"\r\n"), Ok(vec!["a|b".into(), "1,5|x;y".into()]));
+        let fields = |text: &str| {
+            read(text)
+                .map(|rows| rows.into_iter().map(|(_, row)| row.join("|")).collect::<Vec<_>>())
+        };
+        assert_eq!(
+            fields("\u{feff}a;b\r\n1,5;\"x;y\"\r\n"),
+            Ok(vec!["a|b".into(), "1,5|x;y".into()])
+        );
         assert_eq!(
             fields("a,b\n\n\"he said \"\"hi\"\"\",\"two\nlines\""),
             Ok(vec!["a|b".into(), "he said \"hi\"|two\nlines".into()])
         );
         assert_eq!(read("a\n\"b").map_err(|e| e.line), Err(2));
         assert_eq!(read("a\n\"b\"c").map_err(|e| e.line), Err(2));
-        assert_eq!(read("a,b\n\"x\ny\",1\n2,3").expect("a table")[2].0, 4, "lines are counted within quotes");
+        assert_eq!(
+            read("a,b\n\"x\ny\",1\n2,3").expect("a table")[2].0,
+            4,
+            "lines are counted within quotes"
+        );
     }
 
     proptest! {

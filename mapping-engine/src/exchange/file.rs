@@ -47,7 +47,8 @@ pub enum ExchangeError {
 }
 
 impl MappingFile {
-    /// A file of these, each kind sorted by its id, so that two exports differ only where something changed.
+    /// A file of these, each kind sorted by its id, so that two exports differ only where something
+    /// changed.
     #[must_use]
     pub fn new(mut templates: Vec<MappingTemplate>, mut mappings: Vec<Mapping>) -> Self {
         templates.sort_by(|a, b| a.template_id.cmp(&b.template_id));

@@ -1,7 +1,7 @@
 //! Mappings as a table: one line each, for spreadsheets.
 //!
-//! The common mapping - one variable, perhaps a few functions - is a line of plain cells; what does not fit a cell is
-//! JSON within it. Nothing is lost on the way out and back.
+//! The common mapping - one variable, perhaps a few functions - is a line of plain cells; what does
+//! not fit a cell is JSON within it. Nothing is lost on the way out and back.
 
 use asi_model::{FieldKey, NodeId};
 use schemars::JsonSchema;
@@ -12,8 +12,8 @@ use utoipa::ToSchema;
 use super::csv;
 use crate::mapping::{LateValues, Mapping, MappingId, MappingInput, Step};
 
-/// The columns, in the order they are written. They may stand in any order when read, and all after `targetType` may
-/// be left out.
+/// The columns, in the order they are written. They may stand in any order when read, and all after
+/// `targetType` may be left out.
 const COLUMNS: [&str; 13] = [
     "mappingId",
     "operationNetworkId",
@@ -64,11 +64,19 @@ pub fn write_table(mappings: &[Mapping]) -> String {
             mapping.target.field_name.to_string(),
             mapping.target_type.to_string(),
             mapping.target_unit.clone().unwrap_or_default(),
-            if mapping.target_value_rank == -1 { String::new() } else { mapping.target_value_rank.to_string() },
+            if mapping.target_value_rank == -1 {
+                String::new()
+            } else {
+                mapping.target_value_rank.to_string()
+            },
             if mapping.late_values == LateValues::Use { "use".to_owned() } else { String::new() },
             plain.map(|input| input.source_id.to_string()).unwrap_or_default(),
             plain.map(|input| input.node_id.to_string()).unwrap_or_default(),
-            if plain.is_some() || mapping.inputs.is_empty() { String::new() } else { json(&mapping.inputs) },
+            if plain.is_some() || mapping.inputs.is_empty() {
+                String::new()
+            } else {
+                json(&mapping.inputs)
+            },
             if mapping.steps.is_empty() { String::new() } else { json(&mapping.steps) },
         ];
         csv::write(&mut text, &cells.each_ref().map(String::as_str));
@@ -81,7 +89,9 @@ pub fn write_table(mappings: &[Mapping]) -> String {
 /// # Errors
 /// One [`RowFault`] for each thing that is wrong, in the order of the lines.
 pub fn read_table(text: &str) -> Result<Vec<Mapping>, Vec<RowFault>> {
-    let fault = |line, message: &str| vec![RowFault { line, column: String::new(), message: message.to_owned() }];
+    let fault = |line, message: &str| {
+        vec![RowFault { line, column: String::new(), message: message.to_owned() }]
+    };
     let rows = csv::read(text).map_err(|error| fault(error.line, error.message))?;
     if rows.len() > ROWS_MAX {
         return Err(fault(ROWS_MAX + 1, "a table has at most 200000 lines"));
@@ -151,39 +161,47 @@ struct Line<'a> {
 
 impl Line<'_> {
     fn mapping(mut self) -> Result<Mapping, Vec<RowFault>> {
-        let mapping_id = self.parsed("mappingId", |text| MappingId::new(text).map_err(|e| e.to_string()));
+        let mapping_id =
+            self.parsed("mappingId", |text| MappingId::new(text).map_err(|e| e.to_string()));
         let target = self.target();
         let target_type = self.parsed("targetType", |text| {
-            serde_json::from_value(text.into()).map_err(|_| "there is no such built-in type".to_owned())
+            serde_json::from_value(text.into())
+                .map_err(|_| "there is no such built-in type".to_owned())
         });
-        let target_value_rank =
-            self.or("targetValueRank", -1, |text| text.parse().map_err(|_| "a ValueRank is a whole number".to_owned()));
+        let target_value_rank = self.or("targetValueRank", -1, |text| {
+            text.parse().map_err(|_| "a ValueRank is a whole number".to_owned())
+        });
         let late_values = self.or("lateValues", LateValues::Ignore, |text| {
-            serde_json::from_value(text.into()).map_err(|_| "it is \"ignore\" or \"use\"".to_owned())
+            serde_json::from_value(text.into())
+                .map_err(|_| "it is \"ignore\" or \"use\"".to_owned())
         });
         let inputs = self.inputs();
         let steps = self.or("steps", Vec::new(), from_json::<Vec<Step>>);
         let target_unit = self.cell("targetUnit").map(str::to_owned);
         match (mapping_id, target, target_type) {
-            (Some(mapping_id), Some(target), Some(target_type)) if self.faults.is_empty() => Ok(Mapping {
-                mapping_id,
-                target,
-                target_type,
-                target_unit,
-                target_value_rank,
-                inputs,
-                steps,
-                late_values,
-            }),
+            (Some(mapping_id), Some(target), Some(target_type)) if self.faults.is_empty() => {
+                Ok(Mapping {
+                    mapping_id,
+                    target,
+                    target_type,
+                    target_unit,
+                    target_value_rank,
+                    inputs,
+                    steps,
+                    late_values,
+                })
+            }
             _ => Err(self.faults),
         }
     }
 
     fn target(&mut self) -> Option<FieldKey> {
-        let key = ["operationNetworkId", "operationId", "dynamicDataRequestId", "fieldName"].map(|column| {
-            let text = self.parsed(column, |text| Ok::<_, String>(text.to_owned()));
-            (column.to_owned(), text.unwrap_or_default().into())
-        });
+        let key = ["operationNetworkId", "operationId", "dynamicDataRequestId", "fieldName"].map(
+            |column| {
+                let text = self.parsed(column, |text| Ok::<_, String>(text.to_owned()));
+                (column.to_owned(), text.unwrap_or_default().into())
+            },
+        );
         match serde_json::from_value(serde_json::Value::Object(key.into_iter().collect())) {
             Ok(key) => Some(key),
             Err(error) => {
@@ -203,8 +221,10 @@ impl Line<'_> {
         if self.cell("nodeId").is_none() && self.cell("sourceId").is_none() {
             return Vec::new();
         }
-        let source = self.parsed("sourceId", |text| SourceId::new(text).map_err(|error| error.to_string()));
-        let node = self.parsed("nodeId", |text| text.parse::<NodeId>().map_err(|error| error.to_string()));
+        let source =
+            self.parsed("sourceId", |text| SourceId::new(text).map_err(|error| error.to_string()));
+        let node =
+            self.parsed("nodeId", |text| text.parse::<NodeId>().map_err(|error| error.to_string()));
         source.zip(node).map(|(source, node)| plain_input(source, node)).into_iter().collect()
     }
 
@@ -215,7 +235,11 @@ impl Line<'_> {
         (!text.is_empty()).then_some(text)
     }
 
-    fn parsed<T>(&mut self, column: &str, parse: impl FnOnce(&str) -> Result<T, String>) -> Option<T> {
+    fn parsed<T>(
+        &mut self,
+        column: &str,
+        parse: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Option<T> {
         let parsed = match self.cell(column) {
             Some(text) => parse(text),
             None => Err("the cell is empty".to_owned()),
@@ -223,7 +247,12 @@ impl Line<'_> {
         parsed.map_err(|message| self.fault(column, message)).ok()
     }
 
-    fn or<T>(&mut self, column: &str, default: T, parse: impl FnOnce(&str) -> Result<T, String>) -> T {
+    fn or<T>(
+        &mut self,
+        column: &str,
+        default: T,
+        parse: impl FnOnce(&str) -> Result<T, String>,
+    ) -> T {
         match self.cell(column).map(parse) {
             None => default,
             Some(Ok(value)) => value,

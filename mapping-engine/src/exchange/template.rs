@@ -1,8 +1,8 @@
 //! Templates: a mapping with gaps, filled once per machine of a series.
 //!
-//! A template is the JSON of a mapping in which texts contain placeholders: `${machine}` is replaced by the parameter,
-//! `${n:3}` by the number padded with zeros to three digits, `$${` is `${`. A text that is nothing but a placeholder
-//! may stand where a number belongs.
+//! A template is the JSON of a mapping in which texts contain placeholders: `${machine}` is
+//! replaced by the parameter, `${n:3}` by the number padded with zeros to three digits, `$${` is
+//! `${`. A text that is nothing but a placeholder may stand where a number belongs.
 
 use std::collections::BTreeMap;
 
@@ -86,20 +86,30 @@ pub enum TemplateFault {
 }
 
 impl MappingTemplate {
-    /// Makes a template of a mapping: every text equal to a parameter's value becomes its placeholder, within texts
-    /// too. `values` are tried longest first.
+    /// Makes a template of a mapping: every text equal to a parameter's value becomes its
+    /// placeholder, within texts too. `values` are tried longest first.
     #[must_use]
-    pub fn from_mapping(template_id: &str, mapping: &Mapping, values: &BTreeMap<String, String>) -> Self {
-        let mut sorted: Vec<(&String, &String)> = values.iter().filter(|(_, value)| !value.is_empty()).collect();
+    pub fn from_mapping(
+        template_id: &str,
+        mapping: &Mapping,
+        values: &BTreeMap<String, String>,
+    ) -> Self {
+        let mut sorted: Vec<(&String, &String)> =
+            values.iter().filter(|(_, value)| !value.is_empty()).collect();
         sorted.sort_by_key(|(_, value)| std::cmp::Reverse(value.len()));
         let json = serde_json::to_value(mapping).expect("mappings have text keys only");
         let json = each_text(json, &|text| {
             let escaped = text.replace("${", "$${");
-            sorted.iter().fold(escaped, |text, (name, value)| text.replace(value.as_str(), &format!("${{{name}}}")))
+            sorted.iter().fold(escaped, |text, (name, value)| {
+                text.replace(value.as_str(), &format!("${{{name}}}"))
+            })
         });
         let parameters = values.keys();
-        let parameters =
-            parameters.map(|name| TemplateParameter { name: name.clone(), description: None, default: None });
+        let parameters = parameters.map(|name| TemplateParameter {
+            name: name.clone(),
+            description: None,
+            default: None,
+        });
         Self {
             template_id: template_id.to_owned(),
             name: None,
@@ -112,27 +122,38 @@ impl MappingTemplate {
     /// Fills the gaps.
     ///
     /// # Errors
-    /// [`TemplateFault`]. That a mapping comes out does not mean that it is a good one: it is to be checked.
+    /// [`TemplateFault`]. That a mapping comes out does not mean that it is a good one: it is to be
+    /// checked.
     pub fn fill(&self, values: &BTreeMap<String, String>) -> Result<Mapping, TemplateFault> {
-        if let Some(unused) = values.keys().find(|name| self.parameters.iter().all(|p| p.name != **name)) {
+        if let Some(unused) =
+            values.keys().find(|name| self.parameters.iter().all(|p| p.name != **name))
+        {
             return Err(TemplateFault::UnusedValue(unused.clone()));
         }
         let mut given = BTreeMap::new();
         for parameter in &self.parameters {
             let value = values.get(&parameter.name).or(parameter.default.as_ref());
-            let value = value.ok_or_else(|| TemplateFault::MissingParameter(parameter.name.clone()))?;
+            let value =
+                value.ok_or_else(|| TemplateFault::MissingParameter(parameter.name.clone()))?;
             given.insert(parameter.name.as_str(), value.as_str());
         }
         let filled = fill(&self.mapping, &given, &mut String::new(), 0)?;
-        serde_json::from_value(filled).map_err(|error| TemplateFault::NotAMapping(error.to_string()))
+        serde_json::from_value(filled)
+            .map_err(|error| TemplateFault::NotAMapping(error.to_string()))
     }
 
     /// Fills the gaps once per set of values.
     ///
     /// # Errors
     /// The first set that does not fill, by its position, with the reason.
-    pub fn fill_all(&self, sets: &[BTreeMap<String, String>]) -> Result<Vec<Mapping>, (usize, TemplateFault)> {
-        sets.iter().enumerate().map(|(index, values)| self.fill(values).map_err(|fault| (index, fault))).collect()
+    pub fn fill_all(
+        &self,
+        sets: &[BTreeMap<String, String>],
+    ) -> Result<Vec<Mapping>, (usize, TemplateFault)> {
+        sets.iter()
+            .enumerate()
+            .map(|(index, values)| self.fill(values).map_err(|fault| (index, fault)))
+            .collect()
     }
 }
 
@@ -155,16 +176,24 @@ pub fn numbers(text: &str) -> Option<Vec<u32>> {
 fn each_text(json: Json, change: &dyn Fn(&str) -> String) -> Json {
     match json {
         Json::String(text) => Json::String(change(&text)),
-        Json::Array(elements) => Json::Array(elements.into_iter().map(|element| each_text(element, change)).collect()),
-        Json::Object(members) => {
-            Json::Object(members.into_iter().map(|(name, value)| (name, each_text(value, change))).collect())
+        Json::Array(elements) => {
+            Json::Array(elements.into_iter().map(|element| each_text(element, change)).collect())
         }
+        Json::Object(members) => Json::Object(
+            members.into_iter().map(|(name, value)| (name, each_text(value, change))).collect(),
+        ),
         other => other,
     }
 }
 
-fn fill(json: &Json, given: &BTreeMap<&str, &str>, pointer: &mut String, depth: usize) -> Result<Json, TemplateFault> {
-    let malformed = |pointer: &str, message| TemplateFault::Malformed { pointer: pointer.to_owned(), message };
+fn fill(
+    json: &Json,
+    given: &BTreeMap<&str, &str>,
+    pointer: &mut String,
+    depth: usize,
+) -> Result<Json, TemplateFault> {
+    let malformed =
+        |pointer: &str, message| TemplateFault::Malformed { pointer: pointer.to_owned(), message };
     if depth > DEPTH_MAX {
         return Err(malformed(pointer, "the template is nested too deep"));
     }
@@ -200,7 +229,11 @@ fn fill(json: &Json, given: &BTreeMap<&str, &str>, pointer: &mut String, depth: 
     Ok(filled)
 }
 
-fn fill_text(text: &str, given: &BTreeMap<&str, &str>, pointer: &str) -> Result<String, TemplateFault> {
+fn fill_text(
+    text: &str,
+    given: &BTreeMap<&str, &str>,
+    pointer: &str,
+) -> Result<String, TemplateFault> {
     let malformed = |message| TemplateFault::Malformed { pointer: pointer.to_owned(), message };
     let mut filled = String::with_capacity(text.len());
     let mut rest = text;
@@ -212,8 +245,11 @@ fn fill_text(text: &str, given: &BTreeMap<&str, &str>, pointer: &str) -> Result<
             continue;
         }
         filled.push_str(&rest[..at]);
-        let (inside, after) = rest[at + 2..].split_once('}').ok_or_else(|| malformed("a placeholder is not closed"))?;
-        let (name, width) = inside.split_once(':').map_or((inside, None), |(name, width)| (name, Some(width)));
+        let (inside, after) = rest[at + 2..]
+            .split_once('}')
+            .ok_or_else(|| malformed("a placeholder is not closed"))?;
+        let (name, width) =
+            inside.split_once(':').map_or((inside, None), |(name, width)| (name, Some(width)));
         let value = given.get(name.trim()).ok_or_else(|| TemplateFault::UnknownParameter {
             pointer: pointer.to_owned(),
             name: name.trim().to_owned(),
@@ -223,7 +259,8 @@ fn fill_text(text: &str, given: &BTreeMap<&str, &str>, pointer: &str) -> Result<
             Some(width) => {
                 let width = width.trim().parse().ok().filter(|width| *width <= WIDTH_MAX);
                 let width = width.ok_or_else(|| malformed("a width is a number up to 20"))?;
-                let number: u64 = value.parse().map_err(|_| malformed("only a whole number can be padded"))?;
+                let number: u64 =
+                    value.parse().map_err(|_| malformed("only a whole number can be padded"))?;
                 filled.push_str(&format!("{number:0width$}"));
             }
         }

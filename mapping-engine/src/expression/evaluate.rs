@@ -18,12 +18,20 @@ impl Expr {
             Self::Literal(value) => Ok(value.clone()),
             Self::Name(name) => lookup(*name),
             Self::Negate(operand) => match operand.evaluate(lookup)? {
-                Value::Number(number) => Number::ZERO.minus(number).map(Value::Number).ok_or_else(overflow),
-                other => Err(Fault::type_mismatch(format!("\"-\" takes a number, not {}", other.kind()))),
+                Value::Number(number) => {
+                    Number::ZERO.minus(number).map(Value::Number).ok_or_else(overflow)
+                }
+                other => {
+                    Err(Fault::type_mismatch(format!("\"-\" takes a number, not {}", other.kind())))
+                }
             },
             Self::Not(operand) => Ok(Value::Boolean(!boolean(operand, lookup, "!")?)),
-            Self::And(a, b) => Ok(Value::Boolean(boolean(a, lookup, "&&")? && boolean(b, lookup, "&&")?)),
-            Self::Or(a, b) => Ok(Value::Boolean(boolean(a, lookup, "||")? || boolean(b, lookup, "||")?)),
+            Self::And(a, b) => {
+                Ok(Value::Boolean(boolean(a, lookup, "&&")? && boolean(b, lookup, "&&")?))
+            }
+            Self::Or(a, b) => {
+                Ok(Value::Boolean(boolean(a, lookup, "||")? || boolean(b, lookup, "||")?))
+            }
             Self::Choice(condition, yes, no) => {
                 if boolean(condition, lookup, "?")? {
                     yes.evaluate(lookup)
@@ -32,15 +40,19 @@ impl Expr {
                 }
             }
             Self::Binary(operator, ..) if operator.is_chained() => self.chained(lookup),
-            Self::Binary(operator, a, b) => binary(*operator, a.evaluate(lookup)?, b.evaluate(lookup)?),
+            Self::Binary(operator, a, b) => {
+                binary(*operator, a.evaluate(lookup)?, b.evaluate(lookup)?)
+            }
             Self::Call(builtin, arguments) => {
-                let arguments: Vec<Value> = arguments.iter().map(|a| a.evaluate(lookup)).collect::<Result<_, _>>()?;
+                let arguments: Vec<Value> =
+                    arguments.iter().map(|a| a.evaluate(lookup)).collect::<Result<_, _>>()?;
                 builtin.call(&arguments)
             }
         }
     }
 
-    /// `a + b + c + ...` hangs to the left and may be as long as the text allows, so it is walked, not recursed into.
+    /// `a + b + c + ...` hangs to the left and may be as long as the text allows, so it is walked,
+    /// not recursed into.
     fn chained(&self, lookup: &dyn Fn(Name) -> Result<Value, Fault>) -> Result<Value, Fault> {
         let mut pending = Vec::new();
         let mut leftmost = self;
@@ -60,14 +72,28 @@ impl Expr {
 
 impl Operator {
     const fn is_chained(self) -> bool {
-        matches!(self, Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::FloorDivide | Self::Modulo)
+        matches!(
+            self,
+            Self::Add
+                | Self::Subtract
+                | Self::Multiply
+                | Self::Divide
+                | Self::FloorDivide
+                | Self::Modulo
+        )
     }
 }
 
-fn boolean(operand: &Expr, lookup: &dyn Fn(Name) -> Result<Value, Fault>, symbol: &str) -> Result<bool, Fault> {
+fn boolean(
+    operand: &Expr,
+    lookup: &dyn Fn(Name) -> Result<Value, Fault>,
+    symbol: &str,
+) -> Result<bool, Fault> {
     match operand.evaluate(lookup)? {
         Value::Boolean(v) => Ok(v),
-        other => Err(Fault::type_mismatch(format!("\"{symbol}\" takes a Boolean, not {}", other.kind()))),
+        other => {
+            Err(Fault::type_mismatch(format!("\"{symbol}\" takes a Boolean, not {}", other.kind())))
+        }
     }
 }
 
@@ -93,7 +119,9 @@ fn binary(operator: Operator, a: Value, b: Value) -> Result<Value, Fault> {
         }
         (O::Add, Value::Text(a), Value::Text(b)) => {
             if a.len() + b.len() > TEXT_BYTES_MAX {
-                return Err(Fault::out_of_range(format!("a text has at most {TEXT_BYTES_MAX} bytes")));
+                return Err(Fault::out_of_range(format!(
+                    "a text has at most {TEXT_BYTES_MAX} bytes"
+                )));
             }
             Ok(Value::Text(format!("{a}{b}").into()))
         }
@@ -106,7 +134,11 @@ fn binary(operator: Operator, a: Value, b: Value) -> Result<Value, Fault> {
 }
 
 fn different(a: &Value, b: &Value) -> Fault {
-    Fault::type_mismatch(format!("{} and {} do not go together: use text() or number()", a.kind(), b.kind()))
+    Fault::type_mismatch(format!(
+        "{} and {} do not go together: use text() or number()",
+        a.kind(),
+        b.kind()
+    ))
 }
 
 fn holds(operator: Operator, order: Ordering) -> bool {

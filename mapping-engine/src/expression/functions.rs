@@ -57,7 +57,11 @@ impl Builtin {
     pub(super) fn call(self, arguments: &[Value]) -> Result<Value, Fault> {
         let number = |index: usize| match arguments.get(index) {
             Some(Value::Number(number)) => Ok(*number),
-            Some(other) => Err(Fault::type_mismatch(format!("{} takes a number, not {}", self.name(), other.kind()))),
+            Some(other) => Err(Fault::type_mismatch(format!(
+                "{} takes a number, not {}",
+                self.name(),
+                other.kind()
+            ))),
             None => Err(Fault::type_mismatch(format!("{} lacks an argument", self.name()))),
         };
         let text = |index: usize| match arguments.get(index) {
@@ -66,7 +70,10 @@ impl Builtin {
         };
         let real = |value: f64| {
             if value.is_nan() {
-                return Err(Fault::out_of_range(format!("{} has no result for this number", self.name())));
+                return Err(Fault::out_of_range(format!(
+                    "{} has no result for this number",
+                    self.name()
+                )));
             }
             Ok(Value::Number(Number::Real(value)))
         };
@@ -91,7 +98,8 @@ impl Builtin {
             Self::Exp => real(number(0)?.as_f64().exp())?,
             Self::Ln => real(number(0)?.as_f64().ln())?,
             Self::Log10 => real(number(0)?.as_f64().log10())?,
-            Self::Pow => power(number(0)?, number(1)?).map_or_else(|| real(f64::NAN), |n| Ok(Value::Number(n)))?,
+            Self::Pow => power(number(0)?, number(1)?)
+                .map_or_else(|| real(f64::NAN), |n| Ok(Value::Number(n)))?,
             Self::Clamp => {
                 let (value, low, high) = (number(0)?, number(1)?, number(2)?);
                 Value::Number(if value < low {
@@ -104,26 +112,36 @@ impl Builtin {
             }
             Self::Mod => Value::Number(modulo(number(0)?, number(1)?)?),
             Self::Bit => match (number(0)?, number(1)?) {
-                (Number::Integer(value), Number::Integer(bit @ 0..=63)) => Value::Boolean(value >> bit & 1 == 1),
-                _ => return Err(Fault::type_mismatch("bit takes an integer and a position from 0 to 63")),
+                (Number::Integer(value), Number::Integer(bit @ 0..=63)) => {
+                    Value::Boolean(value >> bit & 1 == 1)
+                }
+                _ => {
+                    return Err(Fault::type_mismatch(
+                        "bit takes an integer and a position from 0 to 63",
+                    ));
+                }
             },
-            Self::Length => {
-                Value::Number(Number::Integer(i128::try_from(text(0)?.chars().count()).unwrap_or(i128::MAX)))
-            }
+            Self::Length => Value::Number(Number::Integer(
+                i128::try_from(text(0)?.chars().count()).unwrap_or(i128::MAX),
+            )),
             Self::Upper => Value::Text(text(0)?.to_uppercase().into()),
             Self::Lower => Value::Text(text(0)?.to_lowercase().into()),
             Self::Trim => Value::Text(text(0)?.trim().into()),
             Self::Text => match arguments.first().cloned().ok_or_else(overflow)? {
                 text @ Value::Text(_) => text,
-                other => match convert::to_text(other.into_variant().as_scalar().ok_or_else(overflow)?) {
-                    Some(text) => Value::Text(text.into()),
-                    None => return Err(Fault::type_mismatch("text takes a single value")),
-                },
+                other => {
+                    match convert::to_text(other.into_variant().as_scalar().ok_or_else(overflow)?) {
+                        Some(text) => Value::Text(text.into()),
+                        None => return Err(Fault::type_mismatch("text takes a single value")),
+                    }
+                }
             },
             Self::ToNumber => match arguments.first() {
-                Some(Value::Text(text)) => {
-                    Value::Number(text.trim().parse().map_err(|_| Fault::decoding("number: the text is not a number"))?)
-                }
+                Some(Value::Text(text)) => Value::Number(
+                    text.trim()
+                        .parse()
+                        .map_err(|_| Fault::decoding("number: the text is not a number"))?,
+                ),
                 Some(Value::Boolean(v)) => Value::Number(Number::Integer((*v).into())),
                 _ => Value::Number(number(0)?),
             },
@@ -139,7 +157,8 @@ fn whole(number: Number, rounding: Rounding) -> Result<Number, Fault> {
     }
 }
 
-/// Rounds to so many decimals as people do it: by the decimal digits that the double shows, halves away from zero.
+/// Rounds to so many decimals as people do it: by the decimal digits that the double shows, halves
+/// away from zero.
 fn round_to(number: Number, decimals: Number) -> Result<Number, Fault> {
     let Number::Integer(decimals @ 0..=15) = decimals else {
         return Err(Fault::out_of_range("round takes 0 to 15 decimals"));
@@ -148,7 +167,8 @@ fn round_to(number: Number, decimals: Number) -> Result<Number, Fault> {
         Number::Integer(_) => Ok(number),
         Number::Real(v) if v.is_finite() => {
             let factor = 10_f64.powi(i32::try_from(decimals).unwrap_or(0));
-            // 2.675 is stored as 2.67499...; multiplied it is 267.49999999999994. One ulp up gives what was written.
+            // 2.675 is stored as 2.67499...; multiplied it is 267.49999999999994. One ulp up gives
+            // what was written.
             let scaled = v * factor;
             let nudged = if scaled > 0.0 { scaled.next_up() } else { scaled.next_down() };
             let rounded = nudged.round();

@@ -29,8 +29,8 @@ impl Token {
 
 /// Longer ones first, so that `<=` is not read as `<`.
 const SYMBOLS: [&str; 24] = [
-    "**", "//", "==", "!=", "<=", ">=", "&&", "||", "+", "-", "*", "/", "%", "<", ">", "!", "?", ":", "(", ")", ",",
-    "=", "&", "|",
+    "**", "//", "==", "!=", "<=", ">=", "&&", "||", "+", "-", "*", "/", "%", "<", ">", "!", "?",
+    ":", "(", ")", ",", "=", "&", "|",
 ];
 
 /// The tokens of a text with their columns, closed by [`Token::End`].
@@ -49,10 +49,15 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, u32)>, SyntaxError> {
         let Some(first) = rest.chars().next() else { break };
         let error = |message: String| SyntaxError { message, column };
         let (token, length) = match first {
-            '0'..='9' | '.' => number(rest).ok_or_else(|| error("this is not a number".to_owned()))?,
-            '\'' | '"' => quoted(rest, first).ok_or_else(|| error("this text has no closing quote".to_owned()))?,
+            '0'..='9' | '.' => {
+                number(rest).ok_or_else(|| error("this is not a number".to_owned()))?
+            }
+            '\'' | '"' => quoted(rest, first)
+                .ok_or_else(|| error("this text has no closing quote".to_owned()))?,
             c if c.is_ascii_alphabetic() || c == '_' => {
-                let length = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
+                let length = rest
+                    .find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+                    .unwrap_or(rest.len());
                 (Token::Name(rest[..length].to_owned()), length)
             }
             other => SYMBOLS
@@ -80,7 +85,8 @@ fn number(text: &str) -> Option<(Token, usize)> {
         return Some((Token::Number(Number::Integer(value)), length + 2));
     }
     let bytes = text.as_bytes();
-    let digits = |from: usize| from + bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let digits =
+        |from: usize| from + bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
     let mut end = digits(0);
     if bytes.get(end) == Some(&b'.') {
         end = digits(end + 1);

@@ -10,7 +10,10 @@ use super::{
 ///
 /// # Errors
 /// [`SyntaxError`] at the first place that does not belong.
-pub(crate) fn parse(text: &str, input: &dyn Fn(&str) -> Option<usize>) -> Result<Expr, SyntaxError> {
+pub(crate) fn parse(
+    text: &str,
+    input: &dyn Fn(&str) -> Option<usize>,
+) -> Result<Expr, SyntaxError> {
     let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0, input };
     let expression = parser.choice()?;
     match parser.peek() {
@@ -64,7 +67,9 @@ impl Parser<'_> {
     /// Every way down passes here.
     fn nested(&mut self, parse: impl FnOnce(&mut Self) -> Parsed) -> Parsed {
         if self.depth >= EXPRESSION_DEPTH_MAX {
-            return Err(self.error(format!("an expression is nested at most {EXPRESSION_DEPTH_MAX} deep")));
+            return Err(
+                self.error(format!("an expression is nested at most {EXPRESSION_DEPTH_MAX} deep"))
+            );
         }
         self.depth += 1;
         let result = parse(self);
@@ -129,7 +134,8 @@ impl Parser<'_> {
 
     fn product(&mut self) -> Parsed {
         use Operator as O;
-        let operators = [("*", O::Multiply), ("/", O::Divide), ("//", O::FloorDivide), ("%", O::Modulo)];
+        let operators =
+            [("*", O::Multiply), ("/", O::Divide), ("//", O::FloorDivide), ("%", O::Modulo)];
         let mut left = self.unary()?;
         while let Some(operator) = self.one_of(&operators) {
             left = Expr::Binary(operator, left.into(), self.unary()?.into());
@@ -183,7 +189,9 @@ impl Parser<'_> {
                 self.at += 1;
                 if self.take("(") { self.call(start, &name) } else { self.name(start, &name) }
             }
-            other => Err(self.error(format!("a value is expected, but here is {}", other.describe()))),
+            other => {
+                Err(self.error(format!("a value is expected, but here is {}", other.describe())))
+            }
         }
     }
 
@@ -196,7 +204,8 @@ impl Parser<'_> {
                 Some(index) => Ok(Expr::Name(Name::Input(index))),
                 None => {
                     self.at = start;
-                    Err(self.error(format!("\"{name}\" is neither \"value\" nor the name of an input")))
+                    Err(self
+                        .error(format!("\"{name}\" is neither \"value\" nor the name of an input")))
                 }
             },
         }
@@ -215,7 +224,10 @@ impl Parser<'_> {
         }
         let Some(builtin) = Builtin::named(name) else {
             self.at = start;
-            return Err(self.error(format!("there is no function \"{name}\"; there are {}", Builtin::names())));
+            return Err(self.error(format!(
+                "there is no function \"{name}\"; there are {}",
+                Builtin::names()
+            )));
         };
         let (least, most) = builtin.arity();
         if arguments.len() < least || arguments.len() > most {

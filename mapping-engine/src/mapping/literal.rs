@@ -11,8 +11,8 @@ use utoipa::openapi::{OneOfBuilder, RefOr};
 use super::TypeName;
 use crate::{convert, number::Number};
 
-/// A single value. In JSON either plain - text is String, `true` Boolean, `3` Int64, `0.5` Double - or with its type:
-/// `{"type": "UInt64", "value": "18446744073709551615"}`.
+/// A single value. In JSON either plain - text is String, `true` Boolean, `3` Int64, `0.5` Double -
+/// or with its type: `{"type": "UInt64", "value": "18446744073709551615"}`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Literal(pub Scalar);
 
@@ -32,7 +32,9 @@ impl Literal {
             Scalar::Int64(v) => Json::from(*v),
             // A whole double reads back as an integer, so it carries its type.
             Scalar::Double(v) if v.is_finite() && v.fract() != 0.0 => Json::from(*v),
-            other => serde_json::json!({ "type": other.built_in_type().name(), "value": plain(other) }),
+            other => {
+                serde_json::json!({ "type": other.built_in_type().name(), "value": plain(other) })
+            }
         }
     }
 
@@ -43,9 +45,11 @@ impl Literal {
     pub fn from_json(json: &Json) -> Result<Self, String> {
         match json {
             Json::Object(members) => {
-                let wanted: TypeName = members.get("type").ok_or("a typed value needs \"type\"").and_then(|name| {
-                    TypeName::deserialize(name).map_err(|_| "\"type\" is not the name of a built-in type")
-                })?;
+                let wanted: TypeName =
+                    members.get("type").ok_or("a typed value needs \"type\"").and_then(|name| {
+                        TypeName::deserialize(name)
+                            .map_err(|_| "\"type\" is not the name of a built-in type")
+                    })?;
                 if members.keys().any(|key| key != "type" && key != "value") {
                     return Err("a typed value has \"type\" and \"value\" only".into());
                 }
@@ -99,11 +103,17 @@ fn typed(json: &Json, wanted: BuiltInType) -> Result<Scalar, String> {
             let real = text.parse::<f64>().map_err(|_| format!("\"value\" is not a {wanted}"))?;
             // Reads NaN and the infinities too.
             #[allow(clippy::cast_possible_truncation)]
-            return Ok(if wanted == BuiltInType::Float { Scalar::Float(real as f32) } else { Scalar::Double(real) });
+            return Ok(if wanted == BuiltInType::Float {
+                Scalar::Float(real as f32)
+            } else {
+                Scalar::Double(real)
+            });
         }
         Json::Bool(v) => Scalar::Boolean(*v),
         Json::String(text) => Scalar::String(Some(Arc::from(text.as_str()))),
-        Json::Number(_) => Number::deserialize(json).map_err(|_| "not a number".to_owned())?.to_scalar(),
+        Json::Number(_) => {
+            Number::deserialize(json).map_err(|_| "not a number".to_owned())?.to_scalar()
+        }
         _ => return Err(format!("\"value\" is not a {wanted}")),
     };
     convert::convert_exactly(&scalar, wanted).ok_or_else(|| format!("\"value\" is not a {wanted}"))
@@ -156,7 +166,9 @@ impl utoipa::PartialSchema for Literal {
             .item(bool::schema())
             .item(f64::schema())
             .item(TypedLiteral::schema())
-            .description(Some("A value: plain text, Boolean or number, or an object with its type."))
+            .description(Some(
+                "A value: plain text, Boolean or number, or an object with its type.",
+            ))
             .into()
     }
 }
@@ -193,7 +205,13 @@ mod tests {
             assert_eq!(literal.0, scalar);
             assert_eq!(serde_json::to_string(&literal).expect("serialisable"), json);
         }
-        for json in ["null", "[1]", r#"{"type":"Byte","value":300}"#, r#"{"type":"Byte","value":1,"x":1}"#, "{}"] {
+        for json in [
+            "null",
+            "[1]",
+            r#"{"type":"Byte","value":300}"#,
+            r#"{"type":"Byte","value":1,"x":1}"#,
+            "{}",
+        ] {
             assert!(serde_json::from_str::<Literal>(json).is_err(), "{json}");
         }
     }

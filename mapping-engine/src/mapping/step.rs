@@ -11,8 +11,8 @@ macro_rules! step {
     ($($(#[$doc:meta])* $variant:ident = $name:literal),* $(,)?) => {
         /// One function of a chain. In JSON an object with `function` and the parameters.
         ///
-        /// A function gets the value the one before it yielded, and may keep it to itself: then the chain ends there
-        /// until the next value.
+        /// A function gets the value the one before it yielded, and may keep it to itself: then the
+        /// chain ends there until the next value.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
         #[serde(tag = "function", rename_all = "camelCase")]
         pub enum Step { $($(#[$doc])* $variant($variant)),* }
@@ -95,8 +95,8 @@ pub struct Constant {
     pub value: Literal,
 }
 
-/// Converts to another built-in type: numbers, Boolean, String, DateTime and Guid among each other where it makes
-/// sense. Text that is no number is a fault, never zero.
+/// Converts to another built-in type: numbers, Boolean, String, DateTime and Guid among each other
+/// where it makes sense. Text that is no number is a fault, never zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Convert {
@@ -111,7 +111,9 @@ pub struct Convert {
 }
 
 /// How a fraction becomes an integer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum Rounding {
     /// To the nearest integer, halves away from zero.
@@ -130,7 +132,9 @@ pub enum Rounding {
 }
 
 /// What happens to a number outside the wanted type's range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum Overflow {
     /// It is a fault: the candidate is BadOutOfRange.
@@ -140,8 +144,8 @@ pub enum Overflow {
     Clamp,
 }
 
-/// `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor and offset are and the
-/// division comes out even.
+/// `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor
+/// and offset are and the division comes out even.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Scale {
@@ -172,8 +176,8 @@ pub struct UnitConversion {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Increment {
-    /// How many values the counter has before it starts again at zero (65536 for a UInt16); it does not wrap where
-    /// absent.
+    /// How many values the counter has before it starts again at zero (65536 for a UInt16); it does
+    /// not wrap where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modulus: Option<Number>,
     /// What a decrease means that is no wrap.
@@ -182,7 +186,9 @@ pub struct Increment {
 }
 
 /// What it means when a counter's value gets smaller and that is no wrap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 pub enum OnDecrease {
     /// The counter was reset to zero and has counted to its value since.
@@ -198,7 +204,8 @@ pub enum OnDecrease {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Counter {
-    /// What is counted; by the type of the value where absent: increments of numbers, rising edges of Booleans.
+    /// What is counted; by the type of the value where absent: increments of numbers, rising edges
+    /// of Booleans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<CounterInput>,
     /// Where it starts.
@@ -273,8 +280,9 @@ pub struct Debounce {
     pub quiet_ms: u64,
 }
 
-/// Holds changes back that are too small. Without parameters only repeats of the same value are held back; values that
-/// are no numbers pass when they differ. A change of the status always passes.
+/// Holds changes back that are too small. Without parameters only repeats of the same value are
+/// held back; values that are no numbers pass when they differ. A change of the status always
+/// passes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Deadband {
@@ -296,7 +304,9 @@ pub struct Rate {
 }
 
 /// The time that a rate refers to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
 #[serde(rename_all = "camelCase")]
 #[allow(missing_docs)]
 pub enum RatePeriod {
@@ -307,8 +317,9 @@ pub enum RatePeriod {
     Day,
 }
 
-/// An aggregate over the last values (`samples`) or the last span of time (`durationMs`); exactly one of the two. Over
-/// time it also changes when values leave the window. At most 4096 values are kept; beyond, the oldest leave early.
+/// An aggregate over the last values (`samples`) or the last span of time (`durationMs`); exactly
+/// one of the two. Over time it also changes when values leave the window. At most 4096 values are
+/// kept; beyond, the oldest leave early.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Window {
@@ -426,8 +437,8 @@ pub struct BitText {
 
 /// Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
 ///
-/// `{value}` is the chain's value, `{name}` an input. After a colon: an optional `0` and width (`{value:06}`), an
-/// optional number of decimals (`{value:.2}`). `{{` and `}}` are braces.
+/// `{value}` is the chain's value, `{name}` an input. After a colon: an optional `0` and width
+/// (`{value:06}`), an optional number of decimals (`{value:.2}`). `{{` and `}}` are braces.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Format {
@@ -442,7 +453,8 @@ pub struct Format {
 pub struct Parse {
     /// The type of the value.
     pub to: TypeName,
-    /// Where it stands: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The whole text where absent.
+    /// Where it stands: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The whole
+    /// text where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1024)]
     pub pattern: Option<String>,
@@ -457,9 +469,10 @@ pub struct Parse {
 
 /// An arithmetic expression over `value` and the inputs by name.
 ///
-/// Numbers, texts in quotes, `true` and `false`; `+ - * / // %`, comparisons, `&& || !`, `c ? a : b`; `min max abs
-/// round floor ceil trunc sqrt pow exp ln log10 clamp mod bit length upper lower trim text number`. `//` divides
-/// towards minus infinity; `/` of two integers is an integer where it comes out even. `+` joins texts.
+/// Numbers, texts in quotes, `true` and `false`; `+ - * / // %`, comparisons, `&& || !`, `c ? a :
+/// b`; `min max abs round floor ceil trunc sqrt pow exp ln log10 clamp mod bit length upper lower
+/// trim text number`. `//` divides towards minus infinity; `/` of two integers is an integer where
+/// it comes out even. `+` joins texts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Expression {
@@ -510,9 +523,10 @@ pub enum MergeRule {
 
 /// A JavaScript function `(value, ctx) => ...`, run in a worker process.
 ///
-/// `ctx.state` is kept between calls (at most 4 KiB as JSON) and survives restarts; variables outside the function do
-/// not. `ctx.inputs.<name>` has `value`, `status` and `sourceTimestamp`, `ctx.status` and `ctx.sourceTimestamp` are
-/// those of `value`. 64-bit integers are BigInt. `undefined` yields nothing, `null` no value.
+/// `ctx.state` is kept between calls (at most 4 KiB as JSON) and survives restarts; variables
+/// outside the function do not. `ctx.inputs.<name>` has `value`, `status` and `sourceTimestamp`,
+/// `ctx.status` and `ctx.sourceTimestamp` are those of `value`. 64-bit integers are BigInt.
+/// `undefined` yields nothing, `null` no value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Script {

@@ -47,16 +47,18 @@ pub struct ScriptConfig {
     pub workers: usize,
     /// Most scripts per worker.
     pub scripts_per_worker_max: usize,
-    /// Computing time of one call, in milliseconds. What cannot be stopped is taken down at one and a half times that.
+    /// Computing time of one call, in milliseconds. What cannot be stopped is taken down at one and
+    /// a half times that.
     pub call_budget_ms: u64,
     /// Memory of one script, in bytes.
     pub script_memory_bytes: u64,
     /// Address space of a worker, in bytes.
     pub address_space_bytes: u64,
-    /// After so many calls in a row that used up time or memory a script rests. One that took its worker down rests at
-    /// once.
+    /// After so many calls in a row that used up time or memory a script rests. One that took its
+    /// worker down rests at once.
     pub exhausted_in_a_row_max: u32,
-    /// How long a script rests at first, in seconds; each further rest is twice as long, up to an hour.
+    /// How long a script rests at first, in seconds; each further rest is twice as long, up to an
+    /// hour.
     pub rest_s: u64,
 }
 
@@ -88,7 +90,9 @@ impl ScriptConfig {
             call_budget,
             overrun_budget: call_budget + call_budget / 2,
             batch_budget: call_budget,
-            address_space_bytes: self.address_space_bytes.saturating_add(self.engine.reserved_bytes()),
+            address_space_bytes: self
+                .address_space_bytes
+                .saturating_add(self.engine.reserved_bytes()),
         }
     }
 
@@ -111,13 +115,14 @@ impl ScriptConfig {
             let found = path.is_file().then(|| path.clone());
             return found.ok_or_else(|| format!("there is no script worker at {}", path.display()));
         }
-        let program = std::env::current_exe().map_err(|error| format!("this program's place is unknown: {error}"))?;
+        let program = std::env::current_exe()
+            .map_err(|error| format!("this program's place is unknown: {error}"))?;
         let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-        // Beside the program; one level up for programs that cargo builds into a folder of their own (tests, examples).
+        // Beside the program; one level up for programs that cargo builds into a folder of their
+        // own (tests, examples).
         let places = program.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
-        places
-            .into_iter()
-            .find(|path| path.is_file())
-            .ok_or_else(|| format!("there is no {name} beside {}: set script.workerPath", program.display()))
+        places.into_iter().find(|path| path.is_file()).ok_or_else(|| {
+            format!("there is no {name} beside {}: set script.workerPath", program.display())
+        })
     }
 }

@@ -1,8 +1,8 @@
 //! The way from the engine to one worker: a fair, bounded queue, and one batch at a time.
 //!
-//! The worker asks for the next job when it is done with the last, so neither side ever waits for the other while the
-//! other waits for it. While a batch is under way calls gather; so batches grow with the load and an idle worker
-//! answers at once.
+//! The worker asks for the next job when it is done with the last, so neither side ever waits for
+//! the other while the other waits for it. While a batch is under way calls gather; so batches grow
+//! with the load and an idle worker answers at once.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -24,8 +24,9 @@ const BATCH_BYTES_MAX: usize = 1 << 20;
 const QUEUE_KEPT_MAX: usize = 8;
 /// Most calls of one script that wait; further ones supersede the newest.
 const WAITING_PER_SCRIPT_MAX: usize = 64;
-/// Once so many calls of all scripts wait, none gets more waiting than its share: what is asked of a worker beyond its
-/// power costs values, not memory. Of cheap calls a worker does as many in about half a second.
+/// Once so many calls of all scripts wait, none gets more waiting than its share: what is asked of
+/// a worker beyond its power costs values, not memory. Of cheap calls a worker does as many in
+/// about half a second.
 const WAITING_MAX: usize = 32_768;
 
 /// What a worker is to do.
@@ -158,7 +159,8 @@ impl Lane {
             None if self.turn.is_empty() => return,
             None => self.batch(),
         };
-        // An idle worker has taken everything, so there is room; a closed channel means the engine is shutting down.
+        // An idle worker has taken everything, so there is room; a closed channel means the engine
+        // is shutting down.
         self.is_busy = self.jobs.try_send(job).is_ok();
     }
 
@@ -195,10 +197,20 @@ impl Lane {
 fn size(call: &Call) -> usize {
     use script_protocol::{CallValue, ScriptValue};
     let is_long = |value: &ScriptValue| {
-        matches!(value, ScriptValue::Text(_) | ScriptValue::Bytes(_) | ScriptValue::List(_) | ScriptValue::Record(_))
+        matches!(
+            value,
+            ScriptValue::Text(_)
+                | ScriptValue::Bytes(_)
+                | ScriptValue::List(_)
+                | ScriptValue::Record(_)
+        )
     };
     let own = matches!(&call.value, CallValue::Own(spoken) if is_long(&spoken.value));
-    if own || call.inputs.iter().any(|input| is_long(&input.spoken.value)) { call.size() } else { 64 }
+    if own || call.inputs.iter().any(|input| is_long(&input.spoken.value)) {
+        call.size()
+    } else {
+        64
+    }
 }
 
 async fn serve(
@@ -247,7 +259,8 @@ mod tests {
     use super::*;
 
     fn waiting(script: u32) -> Waiting {
-        let call = Call { script: ScriptId(script), value: CallValue::Input(0), inputs: Vec::new() };
+        let call =
+            Call { script: ScriptId(script), value: CallValue::Input(0), inputs: Vec::new() };
         Waiting { call, resume: ScriptCall::without_value(0) }
     }
 
@@ -274,9 +287,16 @@ mod tests {
 
         let mut many = lane(2000);
         assert_eq!(offer(&mut many, 2000, 16), 0, "a burst of each finds room");
-        assert_eq!(offer(&mut many, 2000, 48), 2000 * 64 - WAITING_MAX, "further ones do where all is taken");
+        assert_eq!(
+            offer(&mut many, 2000, 48),
+            2000 * 64 - WAITING_MAX,
+            "further ones do where all is taken"
+        );
         assert_eq!(many.waiting_calls, WAITING_MAX);
-        assert!(many.waiting.values().all(|queue| queue.len() >= WAITING_MAX / 2000), "none has less than its share");
+        assert!(
+            many.waiting.values().all(|queue| queue.len() >= WAITING_MAX / 2000),
+            "none has less than its share"
+        );
     }
 
     #[test]

@@ -91,14 +91,21 @@ impl Process {
     }
 
     /// Sends a message, as encoded, and waits for the answer.
-    pub async fn ask(&mut self, message: &[u8], budget: Duration) -> Result<WorkerMessage, ProcessError> {
+    pub async fn ask(
+        &mut self,
+        message: &[u8],
+        budget: Duration,
+    ) -> Result<WorkerMessage, ProcessError> {
         let bytes = frame::framed(message).map_err(ProcessError::TooLong)?;
         let Self { input, output, .. } = self;
         let exchange = async {
-            // A worker that overran still says so, though it no longer reads: so both at once, and the answer counts.
+            // A worker that overran still says so, though it no longer reads: so both at once, and
+            // the answer counts.
             let (sent, answer) = tokio::join!(input.write_all(&bytes), receive(output));
             match answer {
-                Err(ProcessError::Ended(error)) => Err(ProcessError::Ended(sent.err().unwrap_or(error))),
+                Err(ProcessError::Ended(error)) => {
+                    Err(ProcessError::Ended(sent.err().unwrap_or(error)))
+                }
                 answer => answer,
             }
         };

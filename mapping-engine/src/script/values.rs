@@ -33,9 +33,9 @@ fn to_script(value: &Variant, depth: usize) -> ScriptValue {
     match value {
         Variant::Null => ScriptValue::Null,
         Variant::Scalar(scalar) => scalar_to_script(scalar, depth),
-        Variant::Array(array) if depth < DEPTH_MAX => {
-            ScriptValue::List(array.elements.iter().map(|element| scalar_to_script(element, depth + 1)).collect())
-        }
+        Variant::Array(array) if depth < DEPTH_MAX => ScriptValue::List(
+            array.elements.iter().map(|element| scalar_to_script(element, depth + 1)).collect(),
+        ),
         Variant::Array(_) => ScriptValue::Null,
     }
 }
@@ -58,14 +58,16 @@ fn scalar_to_script(scalar: &Scalar, depth: usize) -> ScriptValue {
         Scalar::ExtensionObject(object) if depth < DEPTH_MAX => match &object.body {
             ExtensionBody::Structure(structure) => {
                 let members = structure.fields.iter();
-                let members = members.map(|(name, value)| (Arc::clone(name), to_script(value, depth + 1)));
+                let members =
+                    members.map(|(name, value)| (Arc::clone(name), to_script(value, depth + 1)));
                 ScriptValue::Record(members.collect())
             }
             _ => ScriptValue::Null,
         },
         other => match other.as_f64() {
             Some(number) => ScriptValue::Number(number),
-            None => convert::to_text(other).map_or(ScriptValue::Null, |text| ScriptValue::Text(text.into())),
+            None => convert::to_text(other)
+                .map_or(ScriptValue::Null, |text| ScriptValue::Text(text.into())),
         },
     }
 }
@@ -78,7 +80,9 @@ pub(crate) fn from_script(value: ScriptValue) -> Result<Variant, Fault> {
     let ScriptValue::List(list) = value else {
         return scalar_from_script(value).map(|s| s.map_or(Variant::Null, Into::into));
     };
-    let wrong = || wrong("an array must have elements of one kind: numbers, BigInts, texts, Booleans or Dates");
+    let wrong = || {
+        wrong("an array must have elements of one kind: numbers, BigInts, texts, Booleans or Dates")
+    };
     let mut elements = Vec::with_capacity(list.len());
     for element in list {
         elements.push(scalar_from_script(element)?.ok_or_else(wrong)?);
@@ -90,7 +94,8 @@ pub(crate) fn from_script(value: ScriptValue) -> Result<Variant, Fault> {
             if elements.iter().any(|element| matches!(element, Scalar::UInt64(_))) =>
         {
             for element in &mut elements {
-                *element = convert::convert_exactly(element, BuiltInType::UInt64).ok_or_else(wrong)?;
+                *element =
+                    convert::convert_exactly(element, BuiltInType::UInt64).ok_or_else(wrong)?;
             }
             BuiltInType::UInt64
         }
@@ -115,11 +120,15 @@ fn scalar_from_script(value: ScriptValue) -> Result<Option<Scalar>, Fault> {
         ScriptValue::Unsigned(v) => Scalar::UInt64(v),
         ScriptValue::Text(v) => Scalar::String(Some(v)),
         #[allow(clippy::cast_possible_truncation)]
-        ScriptValue::Time(v) => Scalar::DateTime(DateTime::from_unix_micros((v * 1000.0).round() as i64)),
+        ScriptValue::Time(v) => {
+            Scalar::DateTime(DateTime::from_unix_micros((v * 1000.0).round() as i64))
+        }
         ScriptValue::Bytes(v) => Scalar::ByteString(Some(v)),
         ScriptValue::List(_) => return Err(wrong("an array must not contain arrays")),
         ScriptValue::Record(_) => {
-            return Err(wrong("an object is not a value: return a number, text, Boolean, BigInt, Date or array"));
+            return Err(wrong(
+                "an object is not a value: return a number, text, Boolean, BigInt, Date or array",
+            ));
         }
     }))
 }
@@ -132,7 +141,8 @@ mod tests {
     #[test]
     fn arrays_of_one_kind_return() {
         let list = |values: Vec<ScriptValue>| from_script(ScriptValue::List(values));
-        let mixed = list(vec![ScriptValue::Signed(1), ScriptValue::Unsigned(u64::MAX)]).expect("one kind");
+        let mixed =
+            list(vec![ScriptValue::Signed(1), ScriptValue::Unsigned(u64::MAX)]).expect("one kind");
         assert_eq!(mixed.built_in_type(), Some(BuiltInType::UInt64));
         assert!(list(vec![ScriptValue::Signed(-1), ScriptValue::Unsigned(u64::MAX)]).is_err());
         assert!(list(vec![ScriptValue::Number(1.0), ScriptValue::Text("x".into())]).is_err());

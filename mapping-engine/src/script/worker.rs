@@ -1,4 +1,5 @@
-//! A worker that is always there: started when needed, started anew when lost, loaded with its scripts again.
+//! A worker that is always there: started when needed, started anew when lost, loaded with its
+//! scripts again.
 
 use std::{
     collections::HashMap,
@@ -71,7 +72,9 @@ impl ScriptWorker {
             }
             let batch = if singly { &rest[..1] } else { rest };
             match self.ask(&HostMessage::encode_batch(batch), self.config.answer_budget()).await {
-                Ok(WorkerMessage::Results(results)) if !results.is_empty() && results.len() <= batch.len() => {
+                Ok(WorkerMessage::Results(results))
+                    if !results.is_empty() && results.len() <= batch.len() =>
+                {
                     self.finish(batch, &mut outcomes, results);
                 }
                 Ok(WorkerMessage::Overrun(results)) if results.len() < batch.len() => {
@@ -80,15 +83,27 @@ impl ScriptWorker {
                     self.finish(batch, &mut outcomes, results);
                     self.note(culprit, None);
                     let message = "the script computed longer than it may and could not be stopped";
-                    outcomes.push(fatal(FaultKind::ScriptTimeout, StatusCode::BAD_TIMEOUT, message));
+                    outcomes.push(fatal(
+                        FaultKind::ScriptTimeout,
+                        StatusCode::BAD_TIMEOUT,
+                        message,
+                    ));
                 }
                 other => {
                     let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
-                    tracing::warn!(error = &error as &dyn std::error::Error, "A script worker was lost.");
+                    tracing::warn!(
+                        error = &error as &dyn std::error::Error,
+                        "A script worker was lost."
+                    );
                     self.take_down().await;
                     if batch.len() == 1 {
-                        let (kind, status) = (FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR);
-                        outcomes.push(fatal(kind, status, "the script took its worker process down"));
+                        let (kind, status) =
+                            (FaultKind::ScriptCrash, StatusCode::BAD_UNEXPECTED_ERROR);
+                        outcomes.push(fatal(
+                            kind,
+                            status,
+                            "the script took its worker process down",
+                        ));
                     } else {
                         singly = true;
                     }
@@ -106,10 +121,20 @@ impl ScriptWorker {
     }
 
     /// Takes the results of the first of these calls.
-    fn finish(&mut self, calls: &[Call], outcomes: &mut Vec<CallOutcome>, results: Vec<CallResult>) {
+    fn finish(
+        &mut self,
+        calls: &[Call],
+        outcomes: &mut Vec<CallOutcome>,
+        results: Vec<CallResult>,
+    ) {
         for (call, CallResult { outcome, state, spent }) in calls.iter().zip(results) {
             self.note(call, state.clone());
-            outcomes.push(CallOutcome { result: outcome.map_err(fault_of), state, spent, is_fatal: false });
+            outcomes.push(CallOutcome {
+                result: outcome.map_err(fault_of),
+                state,
+                spent,
+                is_fatal: false,
+            });
         }
     }
 
@@ -141,7 +166,10 @@ impl ScriptWorker {
                     self.broken = None;
                 }
                 Err(error) => {
-                    tracing::error!(error = &error as &dyn std::error::Error, "A script worker does not start.");
+                    tracing::error!(
+                        error = &error as &dyn std::error::Error,
+                        "A script worker does not start."
+                    );
                     let message = Arc::<str>::from(chain(&error));
                     self.broken = Some((Instant::now(), Arc::clone(&message)));
                     return Err(unavailable(message));
@@ -151,8 +179,13 @@ impl ScriptWorker {
             for script in scripts {
                 let Some(load) = self.scripts.get(&script).cloned() else { continue };
                 if let Err(fault) = self.load_now(&load).await {
-                    // It loaded before, but does not from its present state: calls say that it is not there.
-                    tracing::warn!(script.name = &*load.name, fault = &*fault.message, "A script does not load again.");
+                    // It loaded before, but does not from its present state: calls say that it is
+                    // not there.
+                    tracing::warn!(
+                        script.name = &*load.name,
+                        fault = &*fault.message,
+                        "A script does not load again."
+                    );
                     self.scripts.remove(&script);
                 }
                 if self.process.is_none() {
@@ -164,7 +197,8 @@ impl ScriptWorker {
     }
 
     async fn load_now(&mut self, load: &Load) -> Result<(), Fault> {
-        match self.ask(&HostMessage::Load(load.clone()).encode(), self.config.answer_budget()).await {
+        match self.ask(&HostMessage::Load(load.clone()).encode(), self.config.answer_budget()).await
+        {
             Ok(WorkerMessage::Loaded { script, fault }) if script == load.script => {
                 fault.map_or(Ok(()), |f| Err(fault_of(f)))
             }
@@ -175,15 +209,26 @@ impl ScriptWorker {
             }
             other => {
                 let error = other.map_or_else(|error| error, |_| ProcessError::Unexpected);
-                tracing::warn!(error = &error as &dyn std::error::Error, "A script worker was lost while loading.");
+                tracing::warn!(
+                    error = &error as &dyn std::error::Error,
+                    "A script worker was lost while loading."
+                );
                 self.take_down().await;
                 let status = StatusCode::BAD_UNEXPECTED_ERROR;
-                Err(Fault::new(FaultKind::ScriptCrash, status, "loading the script took its worker process down"))
+                Err(Fault::new(
+                    FaultKind::ScriptCrash,
+                    status,
+                    "loading the script took its worker process down",
+                ))
             }
         }
     }
 
-    async fn ask(&mut self, message: &[u8], budget: Duration) -> Result<WorkerMessage, ProcessError> {
+    async fn ask(
+        &mut self,
+        message: &[u8],
+        budget: Duration,
+    ) -> Result<WorkerMessage, ProcessError> {
         match &mut self.process {
             Some(process) => process.ask(message, budget).await,
             None => Err(ProcessError::Silent),

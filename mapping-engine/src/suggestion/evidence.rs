@@ -13,7 +13,9 @@ use crate::mapping::Step;
 /// Words that a variable of this meaning has in its name, and words that speak against it.
 fn meaning_words(semantic: &Semantic) -> (&'static str, &'static str) {
     match semantic {
-        Semantic::ProducedQuantity => ("count part produced", "scrap good target planned temperature"),
+        Semantic::ProducedQuantity => {
+            ("count part produced", "scrap good target planned temperature")
+        }
         Semantic::GoodQuantity => ("good count part", "scrap target planned"),
         Semantic::ScrapQuantity => ("scrap count part", "good target planned"),
         Semantic::PercentComplete => ("progress", "scrap temperature"),
@@ -25,8 +27,9 @@ fn meaning_words(semantic: &Semantic) -> (&'static str, &'static str) {
     }
 }
 
-/// Types of companion specifications and the words that their variables carry: robots (OPC 40010), machine tools
-/// (OPC 40501), machinery (OPC 40001), plastics (OPC 40083), ISA-95 jobs (OPC 10031-4).
+/// Types of companion specifications and the words that their variables carry: robots (OPC 40010),
+/// machine tools (OPC 40501), machinery (OPC 40001), plastics (OPC 40083), ISA-95 jobs (OPC
+/// 10031-4).
 const COMPANION_TYPES: &[(&str, &str)] = &[
     ("AxisType", "axis position speed"),
     ("PowerTrainType", "motor temperature"),
@@ -70,7 +73,11 @@ impl Evidence {
 
     pub fn names(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let points = share(likeness(&words(&wanted.name), &words(&variable.name)), 35);
-        self.add(ReasonKind::Name, points, format!("its name \"{}\" is like \"{}\"", variable.name, wanted.name));
+        self.add(
+            ReasonKind::Name,
+            points,
+            format!("its name \"{}\" is like \"{}\"", variable.name, wanted.name),
+        );
     }
 
     pub fn meaning(&mut self, wanted: &WantedField, variable: &KnownVariable) {
@@ -80,12 +87,18 @@ impl Evidence {
         let count = |text: &str| words(text).intersection(&have).count();
         match (count(likely), count(unlikely)) {
             (0, 0) => {}
-            (_, 1..) => {
-                self.add(ReasonKind::Semantic, -20, format!("its name says something else than {}", semantic.as_str()))
-            }
+            (_, 1..) => self.add(
+                ReasonKind::Semantic,
+                -20,
+                format!("its name says something else than {}", semantic.as_str()),
+            ),
             (hits, _) => {
                 let points = if hits > 1 { 25 } else { 15 };
-                self.add(ReasonKind::Semantic, points, format!("its name has words of {}", semantic.as_str()));
+                self.add(
+                    ReasonKind::Semantic,
+                    points,
+                    format!("its name has words of {}", semantic.as_str()),
+                );
             }
         }
     }
@@ -103,12 +116,17 @@ impl Evidence {
     }
 
     pub fn descriptions(&mut self, wanted: &WantedField, variable: &KnownVariable) {
-        let of_wanted: BTreeSet<String> = wanted.descriptions.iter().flat_map(|text| words(text)).collect();
+        let of_wanted: BTreeSet<String> =
+            wanted.descriptions.iter().flat_map(|text| words(text)).collect();
         let mut of_variable = variable.description.as_deref().map(words).unwrap_or_default();
         of_variable.extend(words(&variable.name));
         let common: Vec<&str> = of_wanted.intersection(&of_variable).map(String::as_str).collect();
         let points = i8::try_from(common.len() * 4).unwrap_or(12).min(12);
-        self.add(ReasonKind::Description, points, format!("the descriptions share: {}", common.join(", ")));
+        self.add(
+            ReasonKind::Description,
+            points,
+            format!("the descriptions share: {}", common.join(", ")),
+        );
     }
 
     pub fn types(&mut self, wanted: &WantedField, variable: &KnownVariable, steps: &[Step]) {
@@ -119,9 +137,17 @@ impl Evidence {
         } else if !needs_convert {
             self.add(ReasonKind::Type, 9, format!("a {have} fits a {}", wanted.value_type));
         } else if have.is_numeric() && wanted.value_type.is_numeric() {
-            self.add(ReasonKind::Type, 4, format!("a {have} can be rounded to a {}", wanted.value_type));
+            self.add(
+                ReasonKind::Type,
+                4,
+                format!("a {have} can be rounded to a {}", wanted.value_type),
+            );
         } else {
-            self.add(ReasonKind::Type, -10, format!("a {have} must be converted to a {}", wanted.value_type));
+            self.add(
+                ReasonKind::Type,
+                -10,
+                format!("a {have} must be converted to a {}", wanted.value_type),
+            );
         }
     }
 
@@ -135,7 +161,11 @@ impl Evidence {
                 self.add(ReasonKind::Unit, 10, text);
             }
             (Some(have), None) if wanted.value_type.is_numeric() => {
-                self.add(ReasonKind::Unit, -5, format!("it is in {}, but no unit is asked for", have.description));
+                self.add(
+                    ReasonKind::Unit,
+                    -5,
+                    format!("it is in {}, but no unit is asked for", have.description),
+                );
             }
             _ => {}
         }
@@ -151,7 +181,11 @@ impl Evidence {
             if let Some((type_name, carried)) = known
                 && words(carried).intersection(&of_wanted).next().is_some()
             {
-                return self.add(ReasonKind::CompanionType, 8, format!("it is part of a {type_name}"));
+                return self.add(
+                    ReasonKind::CompanionType,
+                    8,
+                    format!("it is part of a {type_name}"),
+                );
             }
         }
     }
@@ -169,13 +203,23 @@ impl Evidence {
         if is_plausible {
             self.add(ReasonKind::Value, 5, format!("its value may be a {}", semantic.as_str()));
         } else {
-            self.add(ReasonKind::Value, -25, format!("its value cannot be a {}", semantic.as_str()));
+            self.add(
+                ReasonKind::Value,
+                -25,
+                format!("its value cannot be a {}", semantic.as_str()),
+            );
         }
     }
 
-    pub fn decisions(&mut self, wanted: &WantedField, variable: &KnownVariable, decisions: &[PastDecision]) {
-        let of_variable =
-            decisions.iter().filter(|past| past.source_id == variable.source_id && past.node_id == variable.node_id);
+    pub fn decisions(
+        &mut self,
+        wanted: &WantedField,
+        variable: &KnownVariable,
+        decisions: &[PastDecision],
+    ) {
+        let of_variable = decisions.iter().filter(|past| {
+            past.source_id == variable.source_id && past.node_id == variable.node_id
+        });
         let mut best = 0;
         for past in of_variable {
             let same_meaning = wanted.semantic.is_some() && past.semantic == wanted.semantic;

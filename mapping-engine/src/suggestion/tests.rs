@@ -1,6 +1,11 @@
 use super::*;
 
-fn wanted(name: &str, value_type: BuiltInType, unit: Option<&str>, semantic: Option<Semantic>) -> WantedField {
+fn wanted(
+    name: &str,
+    value_type: BuiltInType,
+    unit: Option<&str>,
+    semantic: Option<Semantic>,
+) -> WantedField {
     WantedField {
         name: name.to_owned(),
         value_type,
@@ -52,10 +57,22 @@ fn best(field: &WantedField, past: &[PastDecision]) -> Vec<String> {
 fn the_right_variable_comes_first() {
     use BuiltInType as T;
     for (field, expected) in [
-        (wanted("progressStatus", T::UInt64, Some("PIECE"), Some(Semantic::ProducedQuantity)), "Press2/PartCounter"),
-        (wanted("rejects", T::UInt64, Some("PIECE"), Some(Semantic::ScrapQuantity)), "Press2/ScrapCounter"),
-        (wanted("progress", T::Double, Some("P1"), Some(Semantic::PercentComplete)), "Press2/JobProgress"),
-        (wanted("operationState", T::Int32, None, Some(Semantic::OperationState)), "Press2/MachineState"),
+        (
+            wanted("progressStatus", T::UInt64, Some("PIECE"), Some(Semantic::ProducedQuantity)),
+            "Press2/PartCounter",
+        ),
+        (
+            wanted("rejects", T::UInt64, Some("PIECE"), Some(Semantic::ScrapQuantity)),
+            "Press2/ScrapCounter",
+        ),
+        (
+            wanted("progress", T::Double, Some("P1"), Some(Semantic::PercentComplete)),
+            "Press2/JobProgress",
+        ),
+        (
+            wanted("operationState", T::Int32, None, Some(Semantic::OperationState)),
+            "Press2/MachineState",
+        ),
         (wanted("oilTemp", T::Double, Some("FAH"), None), "Press2/OilTemperature"),
     ] {
         assert_eq!(best(&field, &[]).first().map(String::as_str), Some(expected), "{}", field.name);
@@ -74,7 +91,12 @@ fn what_cannot_be_is_not_suggested() {
 
 #[test]
 fn earlier_decisions_weigh_and_reasons_are_given() {
-    let field = wanted("progressStatus", BuiltInType::UInt64, Some("PIECE"), Some(Semantic::ProducedQuantity));
+    let field = wanted(
+        "progressStatus",
+        BuiltInType::UInt64,
+        Some("PIECE"),
+        Some(Semantic::ProducedQuantity),
+    );
     let first = &plant()[0];
     let past = PastDecision {
         field_name: "progressStatus".to_owned(),
@@ -83,10 +105,13 @@ fn earlier_decisions_weigh_and_reasons_are_given() {
         node_id: first.node_id.clone(),
     };
     assert_eq!(best(&field, &[past]).first().map(String::as_str), Some("Press1/PartCounter"));
-    let suggestions = suggest(&wanted("oilTemp", BuiltInType::Int32, Some("FAH"), None), &plant(), &[], 1);
+    let suggestions =
+        suggest(&wanted("oilTemp", BuiltInType::Int32, Some("FAH"), None), &plant(), &[], 1);
     let kinds: Vec<ReasonKind> = suggestions[0].reasons.iter().map(|reason| reason.kind).collect();
     assert!(kinds.contains(&ReasonKind::Name) && kinds.contains(&ReasonKind::Unit), "{kinds:?}");
     let functions: Vec<&str> = suggestions[0].steps.iter().map(Step::function).collect();
     assert_eq!(functions, ["unitConversion", "convert"]);
-    assert!(suggestions[0].reasons.windows(2).all(|pair| pair[0].points.abs() >= pair[1].points.abs()));
+    assert!(
+        suggestions[0].reasons.windows(2).all(|pair| pair[0].points.abs() >= pair[1].points.abs())
+    );
 }

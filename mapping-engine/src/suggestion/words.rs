@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 /// Words that mean the same on a shop floor, in English and German; the first stands for all.
 const SYNONYMS: &[&[&str]] = &[
     &[
-        "count", "counter", "cnt", "counts", "quantity", "qty", "number", "anzahl", "zaehler", "zähler", "stueck",
-        "stück", "menge",
+        "count", "counter", "cnt", "counts", "quantity", "qty", "number", "anzahl", "zaehler",
+        "zähler", "stueck", "stück", "menge",
     ],
     &[
         "part",
@@ -24,9 +24,31 @@ const SYNONYMS: &[&[&str]] = &[
         "werkstueck",
         "werkstück",
     ],
-    &["produced", "production", "made", "output", "finished", "completed", "done", "gefertigt", "fertig", "produziert"],
+    &[
+        "produced",
+        "production",
+        "made",
+        "output",
+        "finished",
+        "completed",
+        "done",
+        "gefertigt",
+        "fertig",
+        "produziert",
+    ],
     &["good", "ok", "io", "passed", "accepted", "gut"],
-    &["scrap", "bad", "nok", "reject", "rejected", "rejects", "waste", "failed", "ausschuss", "nio"],
+    &[
+        "scrap",
+        "bad",
+        "nok",
+        "reject",
+        "rejected",
+        "rejects",
+        "waste",
+        "failed",
+        "ausschuss",
+        "nio",
+    ],
     &["state", "status", "mode", "zustand", "betriebsart"],
     &["progress", "percent", "percentage", "fortschritt", "completion", "complete"],
     &["temperature", "temp", "temperatur"],
@@ -46,8 +68,8 @@ const SYNONYMS: &[&[&str]] = &[
 
 /// Words that say nothing.
 const EMPTY: &[&str] = &[
-    "the", "a", "an", "of", "in", "and", "or", "to", "is", "for", "with", "der", "die", "das", "von", "value", "var",
-    "variable", "data", "tag", "update", "this", "that", "per", "wert",
+    "the", "a", "an", "of", "in", "and", "or", "to", "is", "for", "with", "der", "die", "das",
+    "von", "value", "var", "variable", "data", "tag", "update", "this", "that", "per", "wert",
 ];
 
 /// The words of a name or text, synonyms made one.
@@ -79,14 +101,17 @@ fn take(word: &mut String, words: &mut BTreeSet<String>) {
     words.insert(group.and_then(|group| group.first()).map_or(taken, |first| (*first).to_owned()));
 }
 
-/// How alike two sets of words are: 0 to 1. Each word of the smaller set counts for its best partner; what is left over
-/// in the larger weighs little.
+/// How alike two sets of words are: 0 to 1. Each word of the smaller set counts for its best
+/// partner; what is left over in the larger weighs little.
 pub(super) fn likeness(a: &BTreeSet<String>, b: &BTreeSet<String>) -> f64 {
     let (small, large) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     if small.is_empty() {
         return 0.0;
     }
-    let matched: f64 = small.iter().map(|word| large.iter().map(|other| alike(word, other)).fold(0.0, f64::max)).sum();
+    let matched: f64 = small
+        .iter()
+        .map(|word| large.iter().map(|other| alike(word, other)).fold(0.0, f64::max))
+        .sum();
     #[allow(clippy::cast_precision_loss)]
     let (small, large) = (small.len() as f64, large.len() as f64);
     matched / (0.75 * small + 0.25 * large)

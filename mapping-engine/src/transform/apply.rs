@@ -44,8 +44,12 @@ impl Function {
                 debounce(shown.as_deref(), pending, flow, due)
             }
             (Self::Deadband(band), StepState::Deadband { passed }) => band.apply(passed, flow),
-            (Self::Edge(direction), StepState::Edge { level }) => super::counting::edge(*direction, level, flow),
-            (Self::Increment(rule), StepState::Increment { last }) => super::counting::increment(rule, last, flow),
+            (Self::Edge(direction), StepState::Edge { level }) => {
+                super::counting::edge(*direction, level, flow)
+            }
+            (Self::Increment(rule), StepState::Increment { last }) => {
+                super::counting::increment(rule, last, flow)
+            }
             (Self::Counter(rule), StepState::Counter { total, last, level }) => {
                 super::counting::count(rule, (total, last, level), flow, trigger, slots)
             }
@@ -73,7 +77,9 @@ impl Function {
         match self {
             Self::Select(parts) => path::select(&value, parts),
             Self::Constant(constant) => Ok((**constant).clone()),
-            Self::Convert(to, rounding, overflow) => convert::convert(&value, *to, *rounding, *overflow),
+            Self::Convert(to, rounding, overflow) => {
+                convert::convert(&value, *to, *rounding, *overflow)
+            }
             Self::Scale(by) => each_number(&value, |number| by.apply(number)),
             Self::Unit(factor) => each_number(&value, |number| factor.apply(number)),
             Self::Lookup(table) => table.find(&value),
@@ -85,7 +91,9 @@ impl Function {
                     Some(Scalar::LocalizedText(localized)) => localized.text.as_deref(),
                     other => other.and_then(Scalar::as_str),
                 };
-                pattern.read(text.ok_or_else(|| Fault::type_mismatch("parse takes a text"))?).map(Variant::Scalar)
+                pattern
+                    .read(text.ok_or_else(|| Fault::type_mismatch("parse takes a text"))?)
+                    .map(Variant::Scalar)
             }
             _ => Ok(value),
         }
@@ -94,8 +102,12 @@ impl Function {
     /// When time alone makes the function say something.
     pub(super) fn due(&self, state: &StepState) -> Option<DateTime> {
         match (self, state) {
-            (Self::Debounce(_), StepState::Debounce { pending: Some(pending), .. }) => Some(pending.due),
-            (Self::Window(aggregate, span), StepState::Window(window)) => windows::due(*aggregate, *span, window),
+            (Self::Debounce(_), StepState::Debounce { pending: Some(pending), .. }) => {
+                Some(pending.due)
+            }
+            (Self::Window(aggregate, span), StepState::Window(window)) => {
+                windows::due(*aggregate, *span, window)
+            }
             _ => None,
         }
     }
@@ -122,18 +134,28 @@ impl Function {
 
 /// The number that a function needs.
 pub(super) fn number(value: &Variant) -> Result<Number, Fault> {
-    value.as_scalar().and_then(Number::of).ok_or_else(|| Fault::type_mismatch("a number is needed here"))
+    value
+        .as_scalar()
+        .and_then(Number::of)
+        .ok_or_else(|| Fault::type_mismatch("a number is needed here"))
 }
 
 fn integer(value: &Variant) -> Result<i128, Fault> {
-    value.as_scalar().and_then(Scalar::as_i128).ok_or_else(|| Fault::type_mismatch("an integer is needed here"))
+    value
+        .as_scalar()
+        .and_then(Scalar::as_i128)
+        .ok_or_else(|| Fault::type_mismatch("an integer is needed here"))
 }
 
 /// A scalar's or every element's number through a function.
-fn each_number(value: &Variant, f: impl Fn(Number) -> Result<Number, Fault>) -> Result<Variant, Fault> {
+fn each_number(
+    value: &Variant,
+    f: impl Fn(Number) -> Result<Number, Fault>,
+) -> Result<Variant, Fault> {
     let Variant::Array(array) = value else { return Ok(f(number(value)?)?.to_scalar().into()) };
     let numbers = array.elements.iter().map(|element| {
-        f(Number::of(element).ok_or_else(|| Fault::type_mismatch("an array of numbers is needed here"))?)
+        f(Number::of(element)
+            .ok_or_else(|| Fault::type_mismatch("an array of numbers is needed here"))?)
     });
     Ok(array_of(numbers.collect::<Result<Vec<_>, _>>()?, array.dimensions.clone()))
 }
@@ -163,7 +185,8 @@ impl UnitFactor {
     fn apply(&self, number: Number) -> Result<Number, Fault> {
         if let (Number::Integer(value), Some((multiply, divide))) = (number, self.exact) {
             let product = value.checked_mul(multiply);
-            let product = product.ok_or_else(|| Fault::out_of_range("the number is beyond all integer types"))?;
+            let product = product
+                .ok_or_else(|| Fault::out_of_range("the number is beyond all integer types"))?;
             if product % divide == 0 {
                 return Ok(Number::Integer(product / divide));
             }
@@ -174,7 +197,12 @@ impl UnitFactor {
     }
 }
 
-fn debounce(shown: Option<&Kept>, pending: &mut Option<Box<Pending>>, flow: Flow, due: DateTime) -> Applied {
+fn debounce(
+    shown: Option<&Kept>,
+    pending: &mut Option<Box<Pending>>,
+    flow: Flow,
+    due: DateTime,
+) -> Applied {
     let Flow { value, meta } = flow;
     match pending {
         Some(waiting) if waiting.kept.value == value => waiting.kept.meta = meta,
@@ -203,7 +231,8 @@ impl Band {
             (None, None) => change.is_zero(),
             (absolute, percent) => {
                 absolute.is_none_or(|limit| change <= limit)
-                    && percent.is_none_or(|share| change.as_f64() <= a.as_f64().abs() * share / 100.0)
+                    && percent
+                        .is_none_or(|share| change.as_f64() <= a.as_f64().abs() * share / 100.0)
             }
         }
     }
@@ -246,7 +275,9 @@ fn rate(period_s: f64, last: &mut Option<RatePoint>, flow: Flow, now: DateTime) 
 
 impl Texts {
     fn of(&self, number: i128) -> Result<Variant, Fault> {
-        let found = i64::try_from(number).ok().and_then(|n| self.texts.binary_search_by_key(&n, |(n, _)| *n).ok());
+        let found = i64::try_from(number)
+            .ok()
+            .and_then(|n| self.texts.binary_search_by_key(&n, |(n, _)| *n).ok());
         let text = match found.and_then(|index| self.texts.get(index)) {
             Some((_, text)) => text.clone(),
             None => self.otherwise.clone().unwrap_or_else(|| number.to_string().into()),
@@ -257,8 +288,12 @@ impl Texts {
 
 impl BitWords {
     fn of(&self, number: i128) -> Variant {
-        let words: Vec<&str> =
-            self.bits.iter().filter(|(bit, _)| number >> bit & 1 == 1).map(|(_, text)| &**text).collect();
+        let words: Vec<&str> = self
+            .bits
+            .iter()
+            .filter(|(bit, _)| number >> bit & 1 == 1)
+            .map(|(_, text)| &**text)
+            .collect();
         if words.is_empty() { (&*self.none).into() } else { words.join(&self.separator).into() }
     }
 }
@@ -274,7 +309,9 @@ impl Expression {
         }
         let lookup = |name| match name {
             Name::Value => Value::of(&flow.value),
-            Name::Input(index) => Value::of(slots.get(index).and_then(Slot::variant).unwrap_or(&Variant::Null)),
+            Name::Input(index) => {
+                Value::of(slots.get(index).and_then(Slot::variant).unwrap_or(&Variant::Null))
+            }
         };
         match self.expression.evaluate(&lookup) {
             Ok(value) => Applied::Pass(Flow { value: value.into_variant(), meta }),
@@ -294,7 +331,9 @@ fn format(template: &Template, flow: Flow, slots: &[Slot]) -> Applied {
     }
     let lookup = |source| match source {
         Source::Value => flow.value.as_scalar(),
-        Source::Input(index) => slots.get(index).and_then(Slot::variant).and_then(Variant::as_scalar),
+        Source::Input(index) => {
+            slots.get(index).and_then(Slot::variant).and_then(Variant::as_scalar)
+        }
     };
     match template.fill(&lookup) {
         Ok(text) => Applied::Pass(Flow { value: text.into(), meta }),

@@ -20,7 +20,11 @@ pub(crate) fn compile(mapping: &Arc<Mapping>) -> (Option<Plan>, Vec<MappingDiagn
     let mut compiler = Compiler { mapping, diagnostics: Vec::new() };
     compiler.inputs();
     if mapping.steps.len() > STEPS_MAX {
-        compiler.error("/steps".to_owned(), Code::TooMany, format!("a mapping has at most {STEPS_MAX} functions"));
+        compiler.error(
+            "/steps".to_owned(),
+            Code::TooMany,
+            format!("a mapping has at most {STEPS_MAX} functions"),
+        );
     }
     let mut chain = Chain {
         value: mapping.inputs.first().and_then(|input| input.value_type).map(|t| t.0),
@@ -69,7 +73,11 @@ impl Compiler<'_> {
     fn inputs(&mut self) {
         let mapping = self.mapping;
         if mapping.inputs.len() > INPUTS_MAX {
-            self.error("/inputs".to_owned(), Code::TooMany, format!("a mapping has at most {INPUTS_MAX} inputs"));
+            self.error(
+                "/inputs".to_owned(),
+                Code::TooMany,
+                format!("a mapping has at most {INPUTS_MAX} inputs"),
+            );
         }
         let mut names = HashSet::new();
         for (index, input) in mapping.inputs.iter().enumerate() {
@@ -80,19 +88,25 @@ impl Compiler<'_> {
                 self.error(pointer.clone(), Code::InvalidName, rule);
             }
             if !names.insert(input.name.as_str()) {
-                self.error(pointer, Code::InvalidName, format!("another input is named \"{}\" too", input.name));
+                self.error(
+                    pointer,
+                    Code::InvalidName,
+                    format!("another input is named \"{}\" too", input.name),
+                );
             }
             if let Some(unit) = &input.unit
                 && unece::lookup(unit).is_none()
             {
-                let message = format!("the unit \"{unit}\" of the input is not a known UNECE code or name");
+                let message =
+                    format!("the unit \"{unit}\" of the input is not a known UNECE code or name");
                 self.warn(format!("/inputs/{index}/unit"), Code::UnknownUnit, message);
             }
         }
         if let Some(unit) = &mapping.target_unit
             && unece::lookup(unit).is_none()
         {
-            let message = format!("the unit \"{unit}\" asked for is not a known UNECE code or name");
+            let message =
+                format!("the unit \"{unit}\" asked for is not a known UNECE code or name");
             self.warn("/targetUnit".to_owned(), Code::UnknownUnit, message);
         }
         if !mapping.inputs.is_empty() && !mapping.inputs.iter().any(|input| input.triggers) {
@@ -100,7 +114,11 @@ impl Compiler<'_> {
             self.error("/inputs".to_owned(), Code::Missing, message);
         }
         if mapping.inputs.is_empty() && mapping.steps.is_empty() {
-            self.error("/inputs".to_owned(), Code::Missing, "the mapping has neither inputs nor functions");
+            self.error(
+                "/inputs".to_owned(),
+                Code::Missing,
+                "the mapping has neither inputs nor functions",
+            );
         }
     }
 
@@ -110,16 +128,23 @@ impl Compiler<'_> {
         if let Some(from) = chain.value {
             let pointer = "/targetType".to_owned();
             if !convert::coerces(from, target) {
-                let message = format!("the chain yields a {from} but the field is a {target}: add a convert");
+                let message =
+                    format!("the chain yields a {from} but the field is a {target}: add a convert");
                 self.error(pointer, Code::TypeMismatch, message);
-            } else if matches!(from, BuiltInType::Float | BuiltInType::Double) && target.is_integer() {
+            } else if matches!(from, BuiltInType::Float | BuiltInType::Double)
+                && target.is_integer()
+            {
                 let message = format!(
                     "the chain yields a {from} but the field is a {target}: a value with a fraction is a fault; add a \
                      convert with a rounding"
                 );
                 self.warn(pointer, Code::LossyConversion, message);
             } else if from == BuiltInType::Double && target == BuiltInType::Float {
-                self.warn(pointer, Code::LossyConversion, "a Double becomes a Float: digits beyond the 7th get lost");
+                self.warn(
+                    pointer,
+                    Code::LossyConversion,
+                    "a Double becomes a Float: digits beyond the 7th get lost",
+                );
             }
         }
         let known = |unit: &Option<String>| unit.as_deref().and_then(unece::lookup);
@@ -138,12 +163,14 @@ impl Compiler<'_> {
         let mapping = self.mapping;
         let head_uses_value = functions.first().is_none_or(Function::uses_value);
         let count = mapping.inputs.len();
-        let uses: Vec<Vec<usize>> = functions.iter().map(|function| function.inputs(count)).collect();
+        let uses: Vec<Vec<usize>> =
+            functions.iter().map(|function| function.inputs(count)).collect();
         let picks = |step: usize| matches!(functions.get(step), Some(Function::Merge(merge)) if merge.picks());
         let mut carried = Vec::new();
         let inputs = mapping.inputs.iter().enumerate().map(|(index, input)| {
             let through_chain = index == 0 && head_uses_value;
-            let mut users = (0..functions.len()).filter(|step| uses.get(*step).is_some_and(|u| u.contains(&index)));
+            let mut users = (0..functions.len())
+                .filter(|step| uses.get(*step).is_some_and(|u| u.contains(&index)));
             let entry = if through_chain { Some(0) } else { users.clone().next() };
             if let Some(step) = entry.filter(|step| *step > 0) {
                 carried.push(step);
@@ -177,10 +204,23 @@ impl Compiler<'_> {
     }
 
     /// Only a constant or a script makes something of nothing.
-    fn step(&mut self, pointer: &str, index: usize, step: &Step, chain: &mut Chain) -> Option<Function> {
-        let makes_itself = matches!(step, Step::Constant(_) | Step::Merge(_) | Step::Expression(_) | Step::Format(_));
+    fn step(
+        &mut self,
+        pointer: &str,
+        index: usize,
+        step: &Step,
+        chain: &mut Chain,
+    ) -> Option<Function> {
+        let makes_itself = matches!(
+            step,
+            Step::Constant(_) | Step::Merge(_) | Step::Expression(_) | Step::Format(_)
+        );
         if index == 0 && self.mapping.inputs.is_empty() && !makes_itself {
-            self.error(pointer.to_owned(), Code::Missing, format!("{} needs an input", step.function()));
+            self.error(
+                pointer.to_owned(),
+                Code::Missing,
+                format!("{} needs an input", step.function()),
+            );
         }
         if matches!(step, Step::Script(_)) {
             chain.scripts += 1;

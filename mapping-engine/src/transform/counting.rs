@@ -27,7 +27,8 @@ fn level_of(value: &Variant) -> Result<bool, Fault> {
 impl CountRule {
     /// How much the counter went on from one value to the next.
     ///
-    /// A decrease is a wrap where the way over the top is the shorter one, that is less than half of the modulus.
+    /// A decrease is a wrap where the way over the top is the shorter one, that is less than half
+    /// of the modulus.
     pub fn increment(&self, before: Number, now: Number) -> Option<Number> {
         let change = now.minus(before)?;
         if change >= Number::ZERO {

@@ -21,10 +21,9 @@ impl MergeOf {
         let slots: Vec<&Slot> = self.inputs.iter().filter_map(|index| slots.get(*index)).collect();
         match self.rule {
             MergeRule::Newest => {
-                let newest = slots
-                    .iter()
-                    .filter_map(|slot| slot.flow())
-                    .reduce(|a, b| if b.meta.source_timestamp > a.meta.source_timestamp { b } else { a });
+                let newest = slots.iter().filter_map(|slot| slot.flow()).reduce(|a, b| {
+                    if b.meta.source_timestamp > a.meta.source_timestamp { b } else { a }
+                });
                 pick(newest, &slots)
             }
             MergeRule::FirstGood => {
@@ -38,7 +37,8 @@ impl MergeOf {
                 for (index, of_input) in slots.iter().filter_map(|slot| slot.meta()).enumerate() {
                     if index == 0 { meta = of_input } else { meta.combine(&of_input) }
                 }
-                let values: Vec<&Variant> = slots.iter().filter_map(|slot| slot.variant()).collect();
+                let values: Vec<&Variant> =
+                    slots.iter().filter_map(|slot| slot.variant()).collect();
                 match join(rule, &values, &self.separator) {
                     Ok(value) => Applied::Pass(Flow { value, meta }),
                     Err(fault) => Applied::Fail(fault, meta),
@@ -64,7 +64,8 @@ fn pick(picked: Option<Flow>, slots: &[&Slot]) -> Applied {
 }
 
 fn join(rule: MergeRule, values: &[&Variant], separator: &str) -> Result<Variant, Fault> {
-    let numbers = || values.iter().map(|value| number(value)).collect::<Result<Vec<Number>, Fault>>();
+    let numbers =
+        || values.iter().map(|value| number(value)).collect::<Result<Vec<Number>, Fault>>();
     let overflow = || Fault::out_of_range("the sum is beyond all integer types");
     let none = || Fault::type_mismatch("there is no input to merge");
     match rule {
@@ -77,7 +78,10 @@ fn join(rule: MergeRule, values: &[&Variant], separator: &str) -> Result<Variant
         }
         MergeRule::Sum | MergeRule::Mean => {
             let numbers = numbers()?;
-            let sum = numbers.iter().try_fold(Number::ZERO, |sum, n| sum.plus(*n)).ok_or_else(overflow)?;
+            let sum = numbers
+                .iter()
+                .try_fold(Number::ZERO, |sum, n| sum.plus(*n))
+                .ok_or_else(overflow)?;
             if rule == MergeRule::Sum {
                 return Ok(sum.to_scalar().into());
             }
@@ -90,7 +94,12 @@ fn join(rule: MergeRule, values: &[&Variant], separator: &str) -> Result<Variant
                 level.ok_or_else(|| Fault::type_mismatch("a Boolean or a number is needed here"))
             });
             let levels = levels.collect::<Result<Vec<bool>, Fault>>()?;
-            Ok(if rule == MergeRule::All { levels.iter().all(|l| *l) } else { levels.iter().any(|l| *l) }.into())
+            Ok(if rule == MergeRule::All {
+                levels.iter().all(|l| *l)
+            } else {
+                levels.iter().any(|l| *l)
+            }
+            .into())
         }
         MergeRule::Join => {
             let texts = values.iter().map(|value| {
@@ -104,11 +113,15 @@ fn join(rule: MergeRule, values: &[&Variant], separator: &str) -> Result<Variant
 }
 
 fn array(values: &[&Variant]) -> Result<Variant, Fault> {
-    let scalars: Option<Vec<Scalar>> = values.iter().map(|value| value.as_scalar().cloned()).collect();
-    let scalars = scalars.ok_or_else(|| Fault::type_mismatch("an array is made of single values"))?;
+    let scalars: Option<Vec<Scalar>> =
+        values.iter().map(|value| value.as_scalar().cloned()).collect();
+    let scalars =
+        scalars.ok_or_else(|| Fault::type_mismatch("an array is made of single values"))?;
     let first = scalars.first().map_or(BuiltInType::Double, Scalar::built_in_type);
     if scalars.iter().all(|scalar| scalar.built_in_type() == first) {
-        return Ok(Variant::Array(Array { element_type: first, elements: scalars, dimensions: None }.into()));
+        return Ok(Variant::Array(
+            Array { element_type: first, elements: scalars, dimensions: None }.into(),
+        ));
     }
     let numbers: Option<Vec<Number>> = scalars.iter().map(Number::of).collect();
     numbers

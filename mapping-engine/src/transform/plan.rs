@@ -7,7 +7,10 @@ use asi_model::{BuiltInType, Variant, units::EngineeringUnit};
 use super::table::Table;
 use crate::{
     expression::Expr,
-    mapping::{Aggregate, CounterInput, EdgeDirection, LateValues, Mapping, MergeRule, OnDecrease, Overflow, Rounding},
+    mapping::{
+        Aggregate, CounterInput, EdgeDirection, LateValues, Mapping, MergeRule, OnDecrease,
+        Overflow, Rounding,
+    },
     number::Number,
     path::Part,
     state::{StepState, WindowState},
@@ -164,7 +167,11 @@ impl Plan {
 
     /// The steps that are scripts.
     pub fn script_steps(&self) -> impl Iterator<Item = usize> + '_ {
-        self.functions.iter().enumerate().filter(|(_, f)| matches!(f, Function::Script)).map(|(step, _)| step)
+        self.functions
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| matches!(f, Function::Script))
+            .map(|(step, _)| step)
     }
 
     /// The function's name, as in JSON.
@@ -205,7 +212,9 @@ impl Function {
     fn fresh_state(&self) -> StepState {
         match self {
             Self::Increment(_) => StepState::Increment { last: None },
-            Self::Counter(rule) => StepState::Counter { total: rule.start, last: None, level: None },
+            Self::Counter(rule) => {
+                StepState::Counter { total: rule.start, last: None, level: None }
+            }
             Self::Edge(_) => StepState::Edge { level: None },
             Self::Threshold(_) => StepState::Threshold { above: false },
             Self::Debounce(_) => StepState::Debounce { shown: None, pending: None },

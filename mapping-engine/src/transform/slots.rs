@@ -50,7 +50,8 @@ impl Slot {
         }
         self.away = None;
         if let Some(last) = &self.value {
-            let same_time = value.source_timestamp.is_some() && value.source_timestamp == last.source_timestamp;
+            let same_time =
+                value.source_timestamp.is_some() && value.source_timestamp == last.source_timestamp;
             if same_time && value.status == last.status && value.value == last.value {
                 counters.repeated += 1;
                 return Arrival::Repeated;
@@ -110,12 +111,14 @@ impl Slot {
         self.away.is_some() && self.value.is_none()
     }
 
-    /// The status that holds now, once anything came. `has_last`: there is a last candidate, from a former run perhaps,
-    /// that stands while the source is away.
+    /// The status that holds now, once anything came. `has_last`: there is a last candidate, from a
+    /// former run perhaps, that stands while the source is away.
     pub fn status(&self, has_last: bool) -> Option<StatusCode> {
         let is_usable = self.value.as_ref().map_or(has_last, |value| severity(value.status) < 2);
         match (&self.value, self.away) {
-            (_, Some(_)) if is_usable => Some(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
+            (_, Some(_)) if is_usable => {
+                Some(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE)
+            }
             (_, Some(away)) => Some(away),
             (value, None) => value.as_ref().map(|value| value.status),
         }

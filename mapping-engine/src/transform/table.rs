@@ -63,13 +63,17 @@ impl Table {
                 return Err((index, "this value stands in the table already".to_owned()));
             }
         }
-        Ok(Self::Exact { entries, otherwise: lookup.otherwise.as_ref().map(crate::mapping::Literal::to_variant) })
+        Ok(Self::Exact {
+            entries,
+            otherwise: lookup.otherwise.as_ref().map(crate::mapping::Literal::to_variant),
+        })
     }
 
     fn interpolated(entries: &[LookupEntry]) -> Result<Self, (usize, String)> {
         let mut points = Vec::with_capacity(entries.len());
         for (index, LookupEntry { from, to }) in entries.iter().enumerate() {
-            let number = |scalar: &Scalar| Number::of(scalar).map(Number::as_f64).filter(|v| v.is_finite());
+            let number =
+                |scalar: &Scalar| Number::of(scalar).map(Number::as_f64).filter(|v| v.is_finite());
             let (Some(from), Some(to)) = (number(&from.0), number(&to.0)) else {
                 return Err((index, "a table that interpolates has numbers only".to_owned()));
             };
@@ -90,18 +94,23 @@ impl Table {
     /// # Errors
     /// A [`Fault`] where the table has nothing for it.
     pub fn find(&self, value: &Variant) -> Result<Variant, Fault> {
-        let scalar = value.as_scalar().ok_or_else(|| Fault::type_mismatch("a lookup takes a single value"))?;
+        let scalar = value
+            .as_scalar()
+            .ok_or_else(|| Fault::type_mismatch("a lookup takes a single value"))?;
         match self {
             Self::Exact { entries, otherwise } => {
                 let found = Key::of(scalar).and_then(|key| entries.get(&key));
-                found
-                    .or(otherwise.as_ref())
-                    .cloned()
-                    .ok_or_else(|| Fault::out_of_range("the value is not in the table, and there is no \"otherwise\""))
+                found.or(otherwise.as_ref()).cloned().ok_or_else(|| {
+                    Fault::out_of_range(
+                        "the value is not in the table, and there is no \"otherwise\"",
+                    )
+                })
             }
             Self::Interpolated(points) => {
                 let number = Number::of(scalar).map(Number::as_f64).filter(|v| !v.is_nan());
-                let x = number.ok_or_else(|| Fault::type_mismatch("a table that interpolates takes a number"))?;
+                let x = number.ok_or_else(|| {
+                    Fault::type_mismatch("a table that interpolates takes a number")
+                })?;
                 Ok(interpolate(points, x).into())
             }
         }

@@ -34,7 +34,8 @@ fn literal(json: &Json) -> Variant {
     Literal::from_json(json).expect("a literal").to_variant()
 }
 
-/// What a reaction says: the value in JSON with 64-bit integers as text, `null` for silence, `!Status` for Bad.
+/// What a reaction says: the value in JSON with 64-bit integers as text, `null` for silence,
+/// `!Status` for Bad.
 fn said(reaction: Reaction) -> Json {
     match reaction {
         Reaction::Quiet => Json::Null,
@@ -87,15 +88,30 @@ fn single_functions() {
         json!([typed("UInt64", json!(max))]),
         json!(["18446744073709551614"]),
     );
-    check("Double", json!([{"function": "scale", "factor": 0.1, "offset": 5}]), json!([15]), json!([6.5]));
-    check("Int64", json!([{"function": "scale", "divisor": 4}]), json!([8, 9]), json!(["2", "!BadOutOfRange"]));
+    check(
+        "Double",
+        json!([{"function": "scale", "factor": 0.1, "offset": 5}]),
+        json!([15]),
+        json!([6.5]),
+    );
+    check(
+        "Int64",
+        json!([{"function": "scale", "divisor": 4}]),
+        json!([8, 9]),
+        json!(["2", "!BadOutOfRange"]),
+    );
     check(
         "Int64",
         json!([{"function": "unitConversion", "from": "MTR", "to": "MMT"}]),
         json!([9007199254740993_i64]),
         json!(["9007199254740993000"]),
     );
-    check("Double", json!([{"function": "unitConversion", "from": "MIN", "to": "SEC"}]), json!([1.5]), json!([90.0]));
+    check(
+        "Double",
+        json!([{"function": "unitConversion", "from": "MIN", "to": "SEC"}]),
+        json!([1.5]),
+        json!([90.0]),
+    );
     check(
         "Boolean",
         json!([{"function": "threshold", "limit": 80, "release": 70}]),
@@ -120,7 +136,12 @@ fn single_functions() {
         json!([1, 0, 0, 5]),
         json!([null, false, null, true]),
     );
-    check("Int32", json!([{"function": "deadband"}]), json!([1, 1, 2, 2]), json!([1, null, 2, null]));
+    check(
+        "Int32",
+        json!([{"function": "deadband"}]),
+        json!([1, 1, 2, 2]),
+        json!([1, null, 2, null]),
+    );
     check(
         "Int32",
         json!([{"function": "deadband", "absolute": 2}]),
@@ -145,7 +166,12 @@ fn single_functions() {
         json!([3, 0, 7]),
         json!(["run", "idle", "7"]),
     );
-    check("Boolean", json!([{"function": "bit", "bit": 3}]), json!([8, 7, -1]), json!([true, false, true]));
+    check(
+        "Boolean",
+        json!([{"function": "bit", "bit": 3}]),
+        json!([8, 7, -1]),
+        json!([true, false, true]),
+    );
     check(
         "String",
         json!([{"function": "bitTexts", "bits": [{"bit": 2, "text": "door"}, {"bit": 0, "text": "stop"}], "none": "ok"}]),
@@ -164,7 +190,12 @@ fn single_functions() {
         json!([5, -3, 12, 10]),
         json!([50.0, 0.0, 100.0, 100.0]),
     );
-    check("String", json!([{"function": "format", "template": "{value:04} of {a}"}]), json!([7]), json!(["0007 of 7"]));
+    check(
+        "String",
+        json!([{"function": "format", "template": "{value:04} of {a}"}]),
+        json!([7]),
+        json!(["0007 of 7"]),
+    );
     check(
         "Int32",
         json!([{"function": "parse", "to": "Int32", "pattern": "n={};"}]),
@@ -184,7 +215,12 @@ fn single_functions() {
         json!(["fixed"]),
     );
     check("Double", json!([{"function": "merge", "rule": "mean"}]), json!([4]), json!([4.0]));
-    check("Double", json!([{"function": "script", "source": "(v) => v"}]), json!([4]), json!(["call"]));
+    check(
+        "Double",
+        json!([{"function": "script", "source": "(v) => v"}]),
+        json!([4]),
+        json!(["call"]),
+    );
 }
 
 #[test]
@@ -197,8 +233,18 @@ fn a_constant_speaks_once() {
 fn counters_go_on_across_wraps_and_resets() {
     let wrap = json!([{"function": "increment", "modulus": 65536}]);
     check("Int64", wrap, json!([65530, 65535, 4, 4, 3]), json!([null, "5", "5", "0", "3"]));
-    check("Int64", json!([{"function": "increment", "onDecrease": "set"}]), json!([5, 3, 7]), json!([null, "0", "4"]));
-    check("Int64", json!([{"function": "increment", "onDecrease": "subtract"}]), json!([5, 3]), json!([null, "-2"]));
+    check(
+        "Int64",
+        json!([{"function": "increment", "onDecrease": "set"}]),
+        json!([5, 3, 7]),
+        json!([null, "0", "4"]),
+    );
+    check(
+        "Int64",
+        json!([{"function": "increment", "onDecrease": "subtract"}]),
+        json!([5, 3]),
+        json!([null, "-2"]),
+    );
     check(
         "UInt64",
         json!([{"function": "counter", "start": 100}]),
@@ -211,15 +257,21 @@ fn counters_go_on_across_wraps_and_resets() {
         json!([true, false, true, true, false, true]),
         json!([0, 0, 1, 1, 1, 2]),
     );
-    check("Int32", json!([{"function": "counter", "counts": "values"}]), json!(["x", "x"]), json!([1, 2]));
+    check(
+        "Int32",
+        json!([{"function": "counter", "counts": "values"}]),
+        json!(["x", "x"]),
+        json!([1, 2]),
+    );
 }
 
 #[test]
 fn a_counter_is_reset_by_an_input() {
     let steps = json!([{"function": "counter", "resetBy": "b"}]);
     let mut transform = transform(2, "Int64", &steps);
-    let mut feed =
-        |input, value: Variant, millis| said(transform.on(at(millis), input, DataValue::good(value, at(millis)), None));
+    let mut feed = |input, value: Variant, millis| {
+        said(transform.on(at(millis), input, DataValue::good(value, at(millis)), None))
+    };
     assert_eq!(feed(0, 5_i32.into(), 0), Json::Null, "b has not come yet");
     assert_eq!(feed(1, false.into(), 1), Json::Null);
     assert_eq!(feed(0, 8_i32.into(), 2), json!("0"));
@@ -235,12 +287,20 @@ fn debounce_waits_for_quiet() {
     assert_eq!(transform.on(at(0), 0, good(1, 0), None), Reaction::Quiet);
     assert_eq!(transform.due(), Some(at(100)));
     assert_eq!(transform.on(at(50), 0, good(2, 50), None), Reaction::Quiet);
-    assert_eq!(transform.on(at(90), 0, good(2, 90), None), Reaction::Quiet, "the same value does not start anew");
+    assert_eq!(
+        transform.on(at(90), 0, good(2, 90), None),
+        Reaction::Quiet,
+        "the same value does not start anew"
+    );
     assert_eq!(transform.on_timer(at(149), None), Reaction::Quiet);
     assert_eq!(transform.on_timer(at(150), None), Reaction::Candidate(good(2, 90)));
     assert_eq!(transform.due(), None);
     assert_eq!(transform.on(at(200), 0, good(3, 200), None), Reaction::Quiet);
-    assert_eq!(transform.on(at(210), 0, good(2, 210), None), Reaction::Quiet, "back to what is shown");
+    assert_eq!(
+        transform.on(at(210), 0, good(2, 210), None),
+        Reaction::Quiet,
+        "back to what is shown"
+    );
     assert_eq!(transform.due(), None);
 }
 
@@ -294,21 +354,34 @@ fn status_follows_the_rules() {
     assert_eq!(on(5, bad), Reaction::Candidate(said_bad));
     assert_eq!(on(6, good(12, 6)), Reaction::Candidate(good(10, 1)));
     // Rule 4: Uncertain is evaluated, and a change of status passes the deadband.
-    assert_eq!(on(7, with(StatusCode::UNCERTAIN, 13, 7)), Reaction::Candidate(with(StatusCode::UNCERTAIN, 13, 7)));
+    assert_eq!(
+        on(7, with(StatusCode::UNCERTAIN, 13, 7)),
+        Reaction::Candidate(with(StatusCode::UNCERTAIN, 13, 7))
+    );
 }
 
 #[test]
 fn merges_pick_or_combine() {
     let good = |value: i32, millis| DataValue::good(value, at(millis));
     let mut first = transform(2, "Int32", &json!([{"function": "merge", "rule": "firstGood"}]));
-    assert_eq!(first.on(at(0), 1, good(20, 0), None), Reaction::Candidate(good(20, 0)), "one of them is enough");
+    assert_eq!(
+        first.on(at(0), 1, good(20, 0), None),
+        Reaction::Candidate(good(20, 0)),
+        "one of them is enough"
+    );
     assert_eq!(first.on(at(1), 0, good(10, 1), None), Reaction::Candidate(good(10, 1)));
     let away = DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None);
-    assert_eq!(first.on(at(2), 0, away.clone(), None), Reaction::Candidate(good(20, 0)), "the other one takes over");
+    assert_eq!(
+        first.on(at(2), 0, away.clone(), None),
+        Reaction::Candidate(good(20, 0)),
+        "the other one takes over"
+    );
     let mut sum = transform(2, "Int64", &json!([{"function": "merge", "rule": "sum"}]));
     assert_eq!(sum.on(at(0), 0, good(10, 0), None), Reaction::Quiet, "all are needed");
     assert_eq!(said(sum.on(at(1), 1, good(20, 1), None)), json!("30"));
-    let Reaction::Candidate(value) = sum.on(at(2), 1, away, None) else { panic!("the status is worse") };
+    let Reaction::Candidate(value) = sum.on(at(2), 1, away, None) else {
+        panic!("the status is worse")
+    };
     assert_eq!(value.status, StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE);
     assert_eq!(value.source_timestamp, Some(at(1)));
 }
@@ -320,8 +393,9 @@ fn a_side_input_enters_where_it_is_used() {
         {"function": "expression", "expression": "value * b"},
     ]);
     let mut transform = transform(2, "Int64", &steps);
-    let mut on =
-        |input, value: i32, millis| said(transform.on(at(millis), input, DataValue::good(value, at(millis)), None));
+    let mut on = |input, value: i32, millis| {
+        said(transform.on(at(millis), input, DataValue::good(value, at(millis)), None))
+    };
     on(1, 10, 0);
     assert_eq!(on(0, 5, 1), json!("10"));
     assert_eq!(on(0, 6, 2), json!("20"));
@@ -331,8 +405,9 @@ fn a_side_input_enters_where_it_is_used() {
 #[test]
 fn late_and_repeated_values_are_told_apart() {
     let mut transform = transform(1, "Int32", &json!([]));
-    let mut on =
-        |value: i32, millis| transform.on(at(0), 0, DataValue::good(value, at(millis)), None) != Reaction::Quiet;
+    let mut on = |value: i32, millis| {
+        transform.on(at(0), 0, DataValue::good(value, at(millis)), None) != Reaction::Quiet
+    };
     assert!(on(1, 20_000));
     assert!(!on(1, 20_000), "a repeat");
     assert!(!on(2, 19_000), "late");
@@ -351,7 +426,12 @@ fn state_is_restored_through_json() {
     let feed = |transform: &mut Transform, range: std::ops::Range<i64>| -> Vec<Json> {
         let mut said_all = Vec::new();
         for index in range {
-            said_all.push(said(transform.on(at(index * 20), 0, DataValue::good(index * index, at(index * 20)), None)));
+            said_all.push(said(transform.on(
+                at(index * 20),
+                0,
+                DataValue::good(index * index, at(index * 20)),
+                None,
+            )));
             said_all.push(said(transform.on_timer(at(index * 20 + 10), None)));
         }
         said_all
@@ -377,7 +457,10 @@ fn arrays_pass_and_are_selected() {
     let mut element = transform(1, "Int32", &json!([{"function": "select", "path": "[1]"}]));
     assert_eq!(said(element.on(at(0), 0, DataValue::good(array.clone(), at(0)), None)), json!(2));
     let mut whole = transform(1, "Int32", &json!([]));
-    assert_eq!(said(whole.on(at(0), 0, DataValue::good(array, at(0)), None)), json!("!BadTypeMismatch"));
+    assert_eq!(
+        said(whole.on(at(0), 0, DataValue::good(array, at(0)), None)),
+        json!("!BadTypeMismatch")
+    );
 }
 
 #[test]
@@ -429,8 +512,13 @@ fn types_are_followed_through_the_chain() {
         let mut mapping = mapping(1, target, &steps);
         mapping.inputs[0].value_type = serde_json::from_value(json!(input)).expect("a type");
         let (_, diagnostics) = compile(&Arc::new(mapping));
-        let errors: Vec<&str> = diagnostics.iter().filter(|d| d.is_error()).map(|d| d.pointer.as_str()).collect();
-        assert_eq!(errors.first().copied(), pointer, "{input} through {steps} to {target}: {diagnostics:?}");
+        let errors: Vec<&str> =
+            diagnostics.iter().filter(|d| d.is_error()).map(|d| d.pointer.as_str()).collect();
+        assert_eq!(
+            errors.first().copied(),
+            pointer,
+            "{input} through {steps} to {target}: {diagnostics:?}"
+        );
     }
 }
 
@@ -441,7 +529,9 @@ fn a_window_over_time_is_fed_by_its_own_clock() {
     mapping.late_values = crate::mapping::LateValues::Use;
     let (plan, _) = compile(&Arc::new(mapping));
     let mut summing = Transform::new(Arc::new(plan.expect("compiles")), None, None);
-    let mut on = |value: i32, millis| said(summing.on(at(5000), 0, DataValue::good(value, at(millis)), None));
+    let mut on = |value: i32, millis| {
+        said(summing.on(at(5000), 0, DataValue::good(value, at(millis)), None))
+    };
     assert_eq!(on(1, 2000), json!("1"));
     assert_eq!(on(10, 2900), json!("11"));
     assert_eq!(on(100, 2500), json!("111"), "a late value takes its place");

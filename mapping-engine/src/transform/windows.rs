@@ -1,8 +1,8 @@
 //! Aggregates over the last values or the last span of time.
 //!
-//! Samples are ordered by the source's time. What leaves a window of time is judged by the source's clock when a value
-//! comes, and by ours counted from the arrival of the newest sample when none comes, so that a source whose clock is
-//! off by hours has the same window as any other.
+//! Samples are ordered by the source's time. What leaves a window of time is judged by the source's
+//! clock when a value comes, and by ours counted from the arrival of the newest sample when none
+//! comes, so that a source whose clock is off by hours has the same window as any other.
 
 use std::time::Duration;
 
@@ -31,7 +31,13 @@ impl Aggregate {
 }
 
 /// Adds a value and yields the aggregate.
-pub(super) fn push(aggregate: Aggregate, span: Span, window: &mut WindowState, flow: Flow, now: DateTime) -> Applied {
+pub(super) fn push(
+    aggregate: Aggregate,
+    span: Span,
+    window: &mut WindowState,
+    flow: Flow,
+    now: DateTime,
+) -> Applied {
     let Flow { value, meta } = flow;
     // `count` counts whatever comes.
     let value = match number(&value) {
@@ -40,7 +46,11 @@ pub(super) fn push(aggregate: Aggregate, span: Span, window: &mut WindowState, f
         Err(fault) => return Applied::Fail(fault, meta),
     };
     let sample = Sample { at: meta.source_timestamp.unwrap_or(now), value, status: meta.status };
-    let place = window.samples.iter().rposition(|other| other.at <= sample.at).map_or(0, |before| before + 1);
+    let place = window
+        .samples
+        .iter()
+        .rposition(|other| other.at <= sample.at)
+        .map_or(0, |before| before + 1);
     if place == window.samples.len() {
         window.received_at = now;
     }
@@ -52,7 +62,9 @@ pub(super) fn push(aggregate: Aggregate, span: Span, window: &mut WindowState, f
     while window.samples.len() > keep {
         window.samples.pop_front();
     }
-    if let (Span::Time(duration), Some(newest)) = (span, window.samples.back().map(|sample| sample.at)) {
+    if let (Span::Time(duration), Some(newest)) =
+        (span, window.samples.back().map(|sample| sample.at))
+    {
         drop_older(aggregate, window, newest, duration);
     }
     yielded(aggregate, window, meta)
@@ -65,21 +77,34 @@ pub(super) fn due(aggregate: Aggregate, span: Span, window: &WindowState) -> Opt
     if aggregate.keeps_newest() && window.samples.len() == 1 {
         return None;
     }
-    // The oldest is younger than the duration against the newest, so this lies after the newest's arrival.
+    // The oldest is younger than the duration against the newest, so this lies after the newest's
+    // arrival.
     let age_at_arrival = newest.at.since(oldest.at);
     Some(window.received_at.after(duration.saturating_sub(age_at_arrival)))
 }
 
 /// Time passed without a value.
-pub(super) fn expire(aggregate: Aggregate, span: Span, window: &mut WindowState, now: DateTime) -> Applied {
-    let (Span::Time(duration), Some(newest)) = (span, window.samples.back().copied()) else { return Applied::Hold };
+pub(super) fn expire(
+    aggregate: Aggregate,
+    span: Span,
+    window: &mut WindowState,
+    now: DateTime,
+) -> Applied {
+    let (Span::Time(duration), Some(newest)) = (span, window.samples.back().copied()) else {
+        return Applied::Hold;
+    };
     let source_now = newest.at.after(now.since(window.received_at));
     drop_older(aggregate, window, source_now, duration);
     let meta = Meta { status: newest.status, source_timestamp: Some(newest.at), ..Meta::default() };
     yielded(aggregate, window, meta)
 }
 
-fn drop_older(aggregate: Aggregate, window: &mut WindowState, newest: DateTime, duration: Duration) {
+fn drop_older(
+    aggregate: Aggregate,
+    window: &mut WindowState,
+    newest: DateTime,
+    duration: Duration,
+) {
     let least = usize::from(aggregate.keeps_newest());
     while window.samples.len() > least
         && window.samples.front().is_some_and(|oldest| newest.since(oldest.at) >= duration)
@@ -89,7 +114,8 @@ fn drop_older(aggregate: Aggregate, window: &mut WindowState, newest: DateTime, 
 }
 
 fn yielded(aggregate: Aggregate, window: &WindowState, mut meta: Meta) -> Applied {
-    meta.status = window.samples.iter().fold(meta.status, |status, sample| worst(status, sample.status));
+    meta.status =
+        window.samples.iter().fold(meta.status, |status, sample| worst(status, sample.status));
     if let Some(newest) = window.samples.back()
         && meta.source_timestamp.is_some_and(|at| at < newest.at)
     {
@@ -118,7 +144,10 @@ fn compute(aggregate: Aggregate, window: &WindowState) -> Option<Variant> {
     Some(number.to_scalar().into())
 }
 
-/// 4096 integers of 64 bits stay within 128; should a chain have made larger ones, the sum goes on as double.
+/// 4096 integers of 64 bits stay within 128; should a chain have made larger ones, the sum goes on
+/// as double.
 fn sum(values: impl Iterator<Item = Number>) -> Number {
-    values.fold(Number::ZERO, |sum, value| sum.plus(value).unwrap_or(Number::Real(sum.as_f64() + value.as_f64())))
+    values.fold(Number::ZERO, |sum, value| {
+        sum.plus(value).unwrap_or(Number::Real(sum.as_f64() + value.as_f64()))
+    })
 }

@@ -10,8 +10,8 @@ use std::{
 
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingId,
-    MappingStatus, Published, ScriptConfig, ScriptEngine, TargetKey,
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
+    MappingHealth, MappingId, MappingStatus, Published, ScriptConfig, ScriptEngine, TargetKey,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -34,12 +34,17 @@ struct PlayedInputs(Arc<Mutex<HashMap<String, InputKey>>>);
 impl Inputs for PlayedInputs {
     fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError> {
         let mut keys = self.0.lock().expect("no test panics while holding it");
-        keys.extend(requests.into_iter().map(|request| (request.node_id.to_string(), request.input)));
+        keys.extend(
+            requests.into_iter().map(|request| (request.node_id.to_string(), request.input)),
+        );
         Ok(())
     }
 
     fn unmonitor(&self, inputs: &[InputKey]) {
-        self.0.lock().expect("no test panics while holding it").retain(|_, key| !inputs.contains(key));
+        self.0
+            .lock()
+            .expect("no test panics while holding it")
+            .retain(|_, key| !inputs.contains(key));
     }
 }
 
@@ -71,7 +76,16 @@ impl Bench {
         let shutdown = CancellationToken::new();
         let running = tokio::spawn(engine.run(shutdown.clone()));
         let arrived = VecDeque::new();
-        Self { handle, inputs, changes, candidates, arrived, shutdown, running, time: 1_600_000_000_000_000 }
+        Self {
+            handle,
+            inputs,
+            changes,
+            candidates,
+            arrived,
+            shutdown,
+            running,
+            time: 1_600_000_000_000_000,
+        }
     }
 
     /// Publishes a mapping that has no faults.
@@ -85,7 +99,10 @@ impl Bench {
     }
 
     pub async fn remove(&self, id: &str) {
-        assert!(self.handle.remove(&mapping_id(id)).await.expect("the engine runs"), "{id} was there");
+        assert!(
+            self.handle.remove(&mapping_id(id)).await.expect("the engine runs"),
+            "{id} was there"
+        );
     }
 
     /// Gives an input of a mapping a value.
@@ -93,7 +110,12 @@ impl Bench {
         self.feed_all(id, input, [value.into()]).await;
     }
 
-    pub async fn feed_all(&mut self, id: &str, input: &str, values: impl IntoIterator<Item = Variant>) {
+    pub async fn feed_all(
+        &mut self,
+        id: &str,
+        input: &str,
+        values: impl IntoIterator<Item = Variant>,
+    ) {
         let values = values.into_iter().map(|value| {
             self.time += 1000;
             DataValue::good(value, DateTime::from_unix_micros(self.time))
@@ -110,7 +132,13 @@ impl Bench {
 
     /// The key that an input is monitored under.
     pub fn key(&self, id: &str, input: &str) -> InputKey {
-        *self.inputs.0.lock().expect("no panic").get(&node(id, input)).expect("the input is monitored")
+        *self
+            .inputs
+            .0
+            .lock()
+            .expect("no panic")
+            .get(&node(id, input))
+            .expect("the input is monitored")
     }
 
     /// Where changes go in.
@@ -128,7 +156,9 @@ impl Bench {
             loop {
                 let batch = self.candidates.recv().await.expect("the engine runs");
                 self.arrived.extend(batch);
-                if let Some(at) = self.arrived.iter().position(|candidate| candidate.target == target) {
+                if let Some(at) =
+                    self.arrived.iter().position(|candidate| candidate.target == target)
+                {
                     return self.arrived.remove(at).expect("just found");
                 }
             }
@@ -143,7 +173,11 @@ impl Bench {
     }
 
     pub async fn status(&self, id: &str) -> MappingStatus {
-        self.handle.status(&mapping_id(id)).await.expect("the engine runs").expect("the mapping is there")
+        self.handle
+            .status(&mapping_id(id))
+            .await
+            .expect("the engine runs")
+            .expect("the mapping is there")
     }
 
     pub async fn health(&self, id: &str) -> MappingHealth {

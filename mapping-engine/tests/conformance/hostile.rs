@@ -16,7 +16,8 @@ use super::bench::{Bench, Worker};
 
 /// The budget of a call in these tests.
 const BUDGET_MS: u64 = 300;
-/// So often is it tried whether a script ends in time, because a busy machine does not share its time evenly.
+/// So often is it tried whether a script ends in time, because a busy machine does not share its
+/// time evenly.
 const ATTEMPTS: u32 = 3;
 
 const TIME: &[K] = &[K::ScriptTimeout];
@@ -28,19 +29,47 @@ const ANY: &[K] = &[K::ScriptTimeout, K::ScriptOutOfMemory, K::ScriptError, K::S
 /// Each with the kinds of fault it may end as.
 const TABLE: &[(&str, &str, &[K])] = &[
     ("endless loop", "(v) => { for (;;) {} }", TIME),
-    ("loop that catches", "(v) => { for (;;) { try { for (;;) {} } catch {} finally { continue } } }", TIME),
+    (
+        "loop that catches",
+        "(v) => { for (;;) { try { for (;;) {} } catch {} finally { continue } } }",
+        TIME,
+    ),
     ("generator", "(v) => { function* g() { for (;;) yield 1 } for (const x of g()); }", TIME),
     ("getter", "(v) => { const o = { get x() { for (;;) {} } }; return o.x }", TIME),
     ("getter of the result", "(v) => ({ get value() { for (;;) {} } })", TIME),
     ("proxy", "(v) => { const p = new Proxy({}, { get() { for (;;) {} } }); return p.x }", TIME),
     ("sort callback", "(v) => { [3, 1, 2].sort(() => { for (;;) {} }) }", TIME),
     ("promise executor", "(v) => { new Promise((r) => { for (;;) r() }); return 1 }", TIME),
-    ("state with a getter", "(v, ctx) => { ctx.state = { get x() { for (;;) {} } }; return 1 }", TIME),
-    ("state with toJSON", "(v, ctx) => { ctx.state = { toJSON() { for (;;) {} } }; return 1 }", TIME),
-    ("arrays without end", "(v) => { const a = []; for (;;) a.push(new Array(1e6).fill(1)) }", MEMORY),
-    ("objects without end", "(v) => { const a = []; for (;;) a.push({ x: a.length, y: [1, 2, 3] }) }", MEMORY),
-    ("map without end", "(v) => { const m = new Map(); for (let i = 0; ; i++) m.set(i, String(i)) }", MEMORY),
-    ("buffers without end", "(v) => { const a = []; for (;;) a.push(new ArrayBuffer(1 << 20)) }", ERROR),
+    (
+        "state with a getter",
+        "(v, ctx) => { ctx.state = { get x() { for (;;) {} } }; return 1 }",
+        TIME,
+    ),
+    (
+        "state with toJSON",
+        "(v, ctx) => { ctx.state = { toJSON() { for (;;) {} } }; return 1 }",
+        TIME,
+    ),
+    (
+        "arrays without end",
+        "(v) => { const a = []; for (;;) a.push(new Array(1e6).fill(1)) }",
+        MEMORY,
+    ),
+    (
+        "objects without end",
+        "(v) => { const a = []; for (;;) a.push({ x: a.length, y: [1, 2, 3] }) }",
+        MEMORY,
+    ),
+    (
+        "map without end",
+        "(v) => { const m = new Map(); for (let i = 0; ; i++) m.set(i, String(i)) }",
+        MEMORY,
+    ),
+    (
+        "buffers without end",
+        "(v) => { const a = []; for (;;) a.push(new ArrayBuffer(1 << 20)) }",
+        ERROR,
+    ),
     (
         "allocation that catches",
         "(v) => { const a = []; for (;;) { try { a.push(new Array(1e5).fill(1)) } catch {} } }",
@@ -77,29 +106,38 @@ pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
             bench.feed("neighbour", "a", 7_i32).await;
             let value = bench.next(&id).await.value;
             fastest = fastest.min(begun.elapsed().mul_f64(share.end()));
-            let fault = bench.status(&id).await.last_fault.unwrap_or_else(|| panic!("{name}: {value:?}"));
-            // V8 ends its process at the memory limit; that is the design, and what workers are for.
+            let fault =
+                bench.status(&id).await.last_fault.unwrap_or_else(|| panic!("{name}: {value:?}"));
+            // V8 ends its process at the memory limit; that is the design, and what workers are
+            // for.
             let is_v8_limit = worker.engine == ScriptEngine::Deno && fault.kind == K::ScriptCrash;
             assert!(kinds.contains(&fault.kind) || is_v8_limit, "{name}: {fault:?}");
             assert!(value.status.0 >> 30 == 2 && value.value.is_null(), "{name}: {value:?}");
             // The neighbour was asked meanwhile: it answered, in order, and remembers every call.
             calls += 1.0;
-            assert_eq!(bench.next("neighbour").await.value.value, (calls * 1000.0 + 7.0).into(), "{name}");
+            assert_eq!(
+                bench.next("neighbour").await.value.value,
+                (calls * 1000.0 + 7.0).into(),
+                "{name}"
+            );
             bench.remove(&id).await;
             if fastest <= 2 * budget {
                 break;
             }
         }
         report.push_str(&format!("{name}: {fastest:?}\n"));
-        assert!(fastest <= 2 * budget, "{name} ended after {fastest:?}, more than twice its budget\n{report}");
+        assert!(
+            fastest <= 2 * budget,
+            "{name} ended after {fastest:?}, more than twice its budget\n{report}"
+        );
     }
     let neighbour = bench.status("neighbour").await;
     assert_eq!(neighbour.faults, 0, "{neighbour:?}");
     bench.stop().await;
 }
 
-/// How much of a processor a thread gets while a script runs. Budgets are computing time, so on a machine with other
-/// work the clock on the wall is to be read with that.
+/// How much of a processor a thread gets while a script runs. Budgets are computing time, so on a
+/// machine with other work the clock on the wall is to be read with that.
 struct Share {
     stop: Arc<AtomicBool>,
     thread: thread::JoinHandle<f64>,

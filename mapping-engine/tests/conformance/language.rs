@@ -33,7 +33,12 @@ pub async fn results_are_typed(worker: &Worker) {
         ("(v) => v - 1n", i64::MAX.into(), "Int64", (i64::MAX - 1).into()),
         ("(v) => -v", (1_i64 << 62).into(), "Int64", (-1_i64 << 62).into()),
         ("(v) => BigInt(v)", 300_i32.into(), "UInt16", 300_u16.into()),
-        ("(v) => v.toUpperCase() + '\u{e4}\u{1f600}'", "grün".into(), "String", "GRÜN\u{e4}\u{1f600}".into()),
+        (
+            "(v) => v.toUpperCase() + '\u{e4}\u{1f600}'",
+            "grün".into(),
+            "String",
+            "GRÜN\u{e4}\u{1f600}".into(),
+        ),
         ("(v) => v", "00123".into(), "String", "00123".into()),
         ("(v) => !v", true.into(), "Boolean", false.into()),
         (
@@ -51,7 +56,12 @@ pub async fn results_are_typed(worker: &Worker) {
         ),
         ("(v) => v.Watts", structure(), "Double", 7.5.into()),
         ("(v) => v.Count", structure(), "UInt64", u64::MAX.into()),
-        ("(v) => v[1]", Variant::Scalar(Scalar::ByteString(Some(Arc::from([1_u8, 200])))), "Byte", 200_u8.into()),
+        (
+            "(v) => v[1]",
+            Variant::Scalar(Scalar::ByteString(Some(Arc::from([1_u8, 200])))),
+            "Byte",
+            200_u8.into(),
+        ),
         ("(v, ctx) => ctx.status", 1_i32.into(), "UInt32", 0_u32.into()),
         (
             "(v, ctx) => ctx.sourceTimestamp",
@@ -59,7 +69,12 @@ pub async fn results_are_typed(worker: &Worker) {
             "DateTime",
             DateTime::from_unix_micros(1_600_000_000_001_000).into(),
         ),
-        ("(v, ctx) => ctx.inputs.a.value + ctx.inputs.a.status", 5_i32.into(), "Double", 5.0.into()),
+        (
+            "(v, ctx) => ctx.inputs.a.value + ctx.inputs.a.status",
+            5_i32.into(),
+            "Double",
+            5.0.into(),
+        ),
         ("const k = 10; (v) => v * k", 5_i32.into(), "Double", 50.0.into()),
         ("(function (v) { return { value: v, status: 0 } })", 5_i32.into(), "Double", 5.0.into()),
     ];
@@ -74,7 +89,11 @@ pub async fn results_are_typed(worker: &Worker) {
         bench.put(mapping).await;
         let value = bench.ask(&id, input).await;
         let fault = bench.status(&id).await.last_fault;
-        assert_eq!((value.value, value.status), (expected, StatusCode::GOOD), "{source}: {fault:?}");
+        assert_eq!(
+            (value.value, value.status),
+            (expected, StatusCode::GOOD),
+            "{source}: {fault:?}"
+        );
         bench.stop().await;
     }
     side_inputs_and_silence(worker).await;
@@ -171,20 +190,25 @@ pub async fn the_sandbox_has_no_way_out(worker: &Worker) {
     .enumerate()
     {
         let id = format!("global{index}");
-        bench.put_script(&id, &["a"], "String", &format!("(v) => typeof globalThis[{name:?}]")).await;
+        bench
+            .put_script(&id, &["a"], "String", &format!("(v) => typeof globalThis[{name:?}]"))
+            .await;
         assert_eq!(bench.ask(&id, 1_i32).await.value, "undefined".into(), "{name}");
     }
     // No way from text to code, and nothing that one script does to its world reaches another.
     bench.put_script("code", &["a"], "String", "(v) => typeof (() => {}).constructor").await;
     assert_eq!(bench.ask("code", 1_i32).await.value, "undefined".into());
-    let pollute =
-        "Object.prototype.x = 1; Array.prototype.map = () => 'gone'; globalThis.y = 2; JSON.stringify = 1; (v) => v";
+    let pollute = "Object.prototype.x = 1; Array.prototype.map = () => 'gone'; globalThis.y = 2; JSON.stringify = 1; (v) => v";
     bench.put_script("polluter", &["a"], "Double", pollute).await;
     assert_eq!(bench.ask("polluter", 1_i32).await.value, 1.0.into());
     let look = "(v) => `${({}).x} ${typeof globalThis.y} ${[1].map((n) => n + 1)}`";
     bench.put_script("neighbour", &["a"], "String", look).await;
     assert_eq!(bench.ask("neighbour", 1_i32).await.value, "undefined undefined 2".into());
-    assert_eq!(bench.ask("polluter", 2_i32).await.value, 2.0.into(), "its own world still serves it");
+    assert_eq!(
+        bench.ask("polluter", 2_i32).await.value,
+        2.0.into(),
+        "its own world still serves it"
+    );
     // Modules are asked for in vain.
     bench.put_script("import", &["a"], "String", "(v) => { import('fs'); return 'asked' }").await;
     assert_eq!(bench.ask("import", 1_i32).await.value, "asked".into());

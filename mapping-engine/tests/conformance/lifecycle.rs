@@ -4,8 +4,8 @@ use std::{os::unix::fs::PermissionsExt as _, time::Duration};
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingHealth, MappingStatus, Published, Severity,
-    TransformState,
+    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingHealth, MappingStatus, Published,
+    Severity, TransformState,
 };
 
 use super::bench::{Bench, Worker, mapping_id, published, script_mapping};
@@ -30,7 +30,8 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     };
     assert_eq!(candidate.value.value, 7.0.into());
     // The state that came with the candidate is what a restarted connector gives back.
-    let stored = serde_json::to_string(&candidate.state.expect("the script has state")).expect("serialises");
+    let stored =
+        serde_json::to_string(&candidate.state.expect("the script has state")).expect("serialises");
     bench.stop().await;
 
     let state: TransformState = serde_json::from_str(&stored).expect("reads back");
@@ -39,7 +40,9 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     let last = Some(candidate.value);
     bench.publish(Published { state: Some(state), last: last.clone(), ..published(mapping) }).await;
     // Until the source speaks, the last value stands.
-    bench.feed_value("count", "a", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None)).await;
+    bench
+        .feed_value("count", "a", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None))
+        .await;
     let shown = bench.next("count").await.value;
     assert_eq!(shown.status, StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE);
     assert_eq!(shown.source_timestamp, last.and_then(|last| last.source_timestamp));
@@ -84,9 +87,20 @@ pub async fn checks_and_dry_runs_show_everything(worker: &Worker) {
         ("for (;;) {}", DiagnosticCode::ScriptFault, None),
         ("new Array(1e9) + ''; (v) => v", DiagnosticCode::ScriptFault, None),
     ] {
-        let found = bench.handle.check(script_mapping("m", &["a"], "Double", source)).await.expect("the engine runs");
-        let error = found.iter().find(|d| d.severity == Severity::Error).unwrap_or_else(|| panic!("{source}"));
-        assert_eq!((error.code, error.pointer.as_str()), (code, "/steps/0/source"), "{source}: {error:?}");
+        let found = bench
+            .handle
+            .check(script_mapping("m", &["a"], "Double", source))
+            .await
+            .expect("the engine runs");
+        let error = found
+            .iter()
+            .find(|d| d.severity == Severity::Error)
+            .unwrap_or_else(|| panic!("{source}"));
+        assert_eq!(
+            (error.code, error.pointer.as_str()),
+            (code, "/steps/0/source"),
+            "{source}: {error:?}"
+        );
         assert!(line.is_none() || error.line == line, "{source}: {error:?}");
     }
     let closure = script_mapping("m", &["a"], "Double", "let n = 0;\n(v) => n += v");
@@ -112,10 +126,14 @@ pub async fn checks_and_dry_runs_show_everything(worker: &Worker) {
         at: at(index),
         value: DataValue::good(value, at(index)),
     });
-    let trace = bench.handle.dry_run(mapping, samples.collect(), None).await.expect("the engine runs");
+    let trace =
+        bench.handle.dry_run(mapping, samples.collect(), None).await.expect("the engine runs");
     assert!(trace.diagnostics.iter().all(|d| !d.is_error()), "{trace:?}");
     let plain = |run: &mapping_engine::TraceRun| {
-        let values = run.steps.iter().map(|step| step.value.as_ref().map_or("-".into(), |v| v.value.to_string()));
+        let values = run
+            .steps
+            .iter()
+            .map(|step| step.value.as_ref().map_or("-".into(), |v| v.value.to_string()));
         let values: Vec<String> = values.collect();
         let outcome = match (&run.candidate, &run.fault) {
             (_, Some(fault)) => format!("{:?}", fault.kind),
@@ -145,7 +163,9 @@ pub async fn values_keep_their_order_under_load(worker: &Worker) {
     let values = 50_i32;
     for index in 0..scripts {
         let id = format!("m{index}");
-        bench.put_script(&id, &["a"], "Double", "(v, ctx) => { ctx.state = v; return v + 0.5 }").await;
+        bench
+            .put_script(&id, &["a"], "Double", "(v, ctx) => { ctx.state = v; return v + 0.5 }")
+            .await;
     }
     for index in 0..scripts {
         bench.feed_all(&format!("m{index}"), "a", (0..values).map(Variant::from)).await;
@@ -182,7 +202,8 @@ pub async fn a_broken_worker_is_a_diagnostic(worker: &Worker) {
     for (name, program) in programs {
         let path = folder.join(name);
         std::fs::write(&path, program).expect("a file");
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("executable");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755))
+            .expect("executable");
         let broken = Worker { path, ..worker.clone() };
         diagnosed(&broken).await;
     }
@@ -197,8 +218,15 @@ async fn diagnosed(worker: &Worker) {
     assert_eq!(value.status, StatusCode::BAD_OUT_OF_SERVICE, "{worker:?}");
     let fault = bench.status("m").await.last_fault.expect("a fault");
     assert_eq!(fault.kind, FaultKind::WorkerUnavailable, "{fault:?}");
-    let found = bench.handle.check(script_mapping("m", &["a"], "Double", "(v) => v")).await.expect("the engine runs");
-    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), [DiagnosticCode::WorkerUnavailable]);
+    let found = bench
+        .handle
+        .check(script_mapping("m", &["a"], "Double", "(v) => v"))
+        .await
+        .expect("the engine runs");
+    assert_eq!(
+        found.iter().map(|d| d.code).collect::<Vec<_>>(),
+        [DiagnosticCode::WorkerUnavailable]
+    );
     bench.stop().await;
 }
 

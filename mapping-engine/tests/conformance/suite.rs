@@ -1,5 +1,5 @@
-//! What every script worker must do, whatever its engine: one suite, run against each worker binary through the whole
-//! mapping engine.
+//! What every script worker must do, whatever its engine: one suite, run against each worker binary
+//! through the whole mapping engine.
 
 mod bench;
 mod hostile;
@@ -10,8 +10,9 @@ pub use bench::Worker;
 pub use hostile::hostile_scripts_end_in_time_and_disturb_nobody;
 pub use language::{faults_have_kind_and_place, results_are_typed, the_sandbox_has_no_way_out};
 pub use lifecycle::{
-    a_broken_worker_is_a_diagnostic, checks_and_dry_runs_show_everything, scripts_rest_and_are_reset_by_hand,
-    state_survives_the_worker, values_keep_their_order_under_load,
+    a_broken_worker_is_a_diagnostic, checks_and_dry_runs_show_everything,
+    scripts_rest_and_are_reset_by_hand, state_survives_the_worker,
+    values_keep_their_order_under_load,
 };
 
 impl bench::Bench {

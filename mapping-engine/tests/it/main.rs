@@ -1,4 +1,5 @@
-//! The engine as its callers see it: built-in functions, routing, restarts, back-pressure, and a real shop floor.
+//! The engine as its callers see it: built-in functions, routing, restarts, back-pressure, and a
+//! real shop floor.
 
 #[path = "../conformance/bench.rs"]
 mod bench;

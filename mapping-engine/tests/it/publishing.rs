@@ -1,7 +1,9 @@
 //! Publishing, replacing, withdrawing, and what comes back with candidates.
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
-use mapping_engine::{EngineError, Mapping, MappingId, Published, ScriptEngine, Step, TransformState};
+use mapping_engine::{
+    EngineError, Mapping, MappingId, Published, ScriptEngine, Step, TransformState,
+};
 use serde_json::json;
 
 use crate::bench::{Bench, Worker, mapping_id, published, script_mapping, target_of};
@@ -24,9 +26,14 @@ async fn values_become_candidates_with_status_and_time() {
     bench.put(chain("half", &["a"], "Double", steps)).await;
     let time = DateTime::from_unix_micros(1_700_000_000_000_000);
     let value = DataValue { status: StatusCode::UNCERTAIN, ..DataValue::good(7_i32, time) };
-    bench.send("half", "a", vec![DataValue { server_timestamp: Some(time), ..value.clone() }]).await;
+    bench
+        .send("half", "a", vec![DataValue { server_timestamp: Some(time), ..value.clone() }])
+        .await;
     let candidate = bench.next("half").await;
-    assert_eq!(candidate.value, DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value });
+    assert_eq!(
+        candidate.value,
+        DataValue { value: 3.5.into(), server_timestamp: Some(time), ..value }
+    );
     assert_eq!(candidate.target, target_of(&mapping_id("half")));
     assert_eq!(candidate.state, None, "nothing is remembered");
     let status = bench.status("half").await;
@@ -61,7 +68,8 @@ async fn state_comes_with_the_last_candidate_of_a_batch_and_goes_back_in() {
 #[tokio::test]
 async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_same() {
     let mut bench = Bench::start(&no_worker(), |_| {});
-    let wrong = chain("wrong", &["a", "a"], "Int32", json!([{ "function": "scale", "divisor": 0 }]));
+    let wrong =
+        chain("wrong", &["a", "a"], "Int32", json!([{ "function": "scale", "divisor": 0 }]));
     let right = chain("right", &["a"], "Int32", json!([]));
     let put = bench.handle.put_many(vec![published(wrong), published(right)]).await.expect("runs");
     let Err(EngineError::Rejected(found)) = &put[0] else { panic!("{put:?}") };
@@ -79,7 +87,12 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
 async fn a_shadow_runs_on_live_values_and_yields_nothing() {
     let mut bench = Bench::start(&no_worker(), |_| {});
     bench.put(chain("m", &["a"], "Int32", json!([]))).await;
-    let mut shadow = chain("m", &["a"], "Int32", json!([{ "function": "expression", "expression": "value * 2" }]));
+    let mut shadow = chain(
+        "m",
+        &["a"],
+        "Int32",
+        json!([{ "function": "expression", "expression": "value * 2" }]),
+    );
     shadow.mapping_id = MappingId::new("m.shadow").expect("an id");
     bench.publish(Published { is_shadow: true, ..published(shadow) }).await;
     assert_eq!(bench.ask("m", 5_i32).await.value, 5_i32.into());
@@ -100,19 +113,33 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
     }
     let recorded = bench.handle.recorded(counter().inputs).await.expect("runs");
     assert_eq!(recorded.len(), 3);
-    let last = |trace: mapping_engine::Trace| trace.runs.last().and_then(|run| run.candidate.clone()).expect("a value");
+    let last = |trace: mapping_engine::Trace| {
+        trace.runs.last().and_then(|run| run.candidate.clone()).expect("a value")
+    };
     let trace = bench.handle.dry_run(counter(), recorded.clone(), None).await.expect("runs");
     assert_eq!(trace.runs.len(), 3);
     assert_eq!(last(trace).value, json!("5"));
     // As if it had run before: it goes on counting from there.
     let state: TransformState =
-        serde_json::from_str(r#"[{"function":"counter","total":40,"last":14,"level":null}]"#).expect("a state");
-    let trace = bench.handle.dry_run(counter(), vec![recorded[2].clone()], Some(state)).await.expect("runs");
+        serde_json::from_str(r#"[{"function":"counter","total":40,"last":14,"level":null}]"#)
+            .expect("a state");
+    let trace = bench
+        .handle
+        .dry_run(counter(), vec![recorded[2].clone()], Some(state))
+        .await
+        .expect("runs");
     assert_eq!(last(trace).value, json!("41"));
     // Another version goes on with what was recorded.
     bench.put(chain("count", &["a"], "UInt64", json!([]))).await;
     assert_eq!(bench.handle.recorded(counter().inputs).await.expect("runs").len(), 3);
-    assert!(bench.handle.recorded(chain("x", &["b"], "UInt64", json!([])).inputs).await.expect("runs").is_empty());
+    assert!(
+        bench
+            .handle
+            .recorded(chain("x", &["b"], "UInt64", json!([])).inputs)
+            .await
+            .expect("runs")
+            .is_empty()
+    );
     bench.stop().await;
 }
 
@@ -123,7 +150,11 @@ async fn a_mapping_is_replaced_in_place() {
     assert_eq!(bench.ask("m", 4_i32).await.value, 4_i32.into());
     let doubled = json!([{ "function": "expression", "expression": "value * 2" }]);
     bench.put(chain("m", &["a"], "Int32", doubled)).await;
-    assert_eq!(bench.next("m").await.value.value, 8_i32.into(), "it speaks at once about what is known");
+    assert_eq!(
+        bench.next("m").await.value.value,
+        8_i32.into(),
+        "it speaks at once about what is known"
+    );
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
     assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 1);
     bench.stop().await;
@@ -132,7 +163,9 @@ async fn a_mapping_is_replaced_in_place() {
 #[tokio::test]
 async fn debounce_and_windows_wake_by_themselves() {
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench.put(chain("calm", &["a"], "Int32", json!([{ "function": "debounce", "quietMs": 20 }]))).await;
+    bench
+        .put(chain("calm", &["a"], "Int32", json!([{ "function": "debounce", "quietMs": 20 }])))
+        .await;
     let counting = json!([{ "function": "window", "aggregate": "count", "durationMs": 30 }]);
     bench.put(chain("count", &["a"], "Int64", counting)).await;
     assert_eq!(bench.ask("calm", 4_i32).await.value, 4_i32.into());

@@ -24,9 +24,16 @@ async fn seven() -> Bench {
         bench.put(chain(id, &["a"], "Double", parse.clone())).await;
     }
     bench
-        .put(chain("waiting", &["a", "b"], "Double", json!([{ "function": "expression", "expression": "a + b" }])))
+        .put(chain(
+            "waiting",
+            &["a", "b"],
+            "Double",
+            json!([{ "function": "expression", "expression": "a + b" }]),
+        ))
         .await;
-    for (id, texts) in [("well-1", vec!["1"]), ("well-2", vec!["x", "2"]), ("failing", vec!["3", "x"])] {
+    for (id, texts) in
+        [("well-1", vec!["1"]), ("well-2", vec!["x", "2"]), ("failing", vec!["3", "x"])]
+    {
         for text in texts {
             bench.ask(id, text).await;
         }
@@ -34,10 +41,14 @@ async fn seven() -> Bench {
     for text in ["x", "4", "x", "5", "y"] {
         bench.ask("often", text).await;
     }
-    let uncertain = DataValue { status: StatusCode::UNCERTAIN, ..DataValue::good("6", DateTime::from_unix_micros(1)) };
+    let uncertain = DataValue {
+        status: StatusCode::UNCERTAIN,
+        ..DataValue::good("6", DateTime::from_unix_micros(1))
+    };
     bench.send("doubtful", "a", vec![uncertain]).await;
     bench.next("doubtful").await;
-    let tomorrow = DateTime::from(std::time::SystemTime::now() + std::time::Duration::from_secs(86_400));
+    let tomorrow =
+        DateTime::from(std::time::SystemTime::now() + std::time::Duration::from_secs(86_400));
     bench.send("ahead", "a", vec![DataValue::good("7", tomorrow)]).await;
     bench.next("ahead").await;
     bench.feed("waiting", "a", 8.0).await;
@@ -48,8 +59,14 @@ async fn seven() -> Bench {
 async fn the_worst_come_first() {
     let bench = seven().await;
     let survey = bench.handle.survey(None, 100).await.expect("the engine runs");
-    let counts =
-        HealthCounts { failing: 2, waiting: 1, doubtful: 1, clock_ahead: 1, well: 2, ..HealthCounts::default() };
+    let counts = HealthCounts {
+        failing: 2,
+        waiting: 1,
+        doubtful: 1,
+        clock_ahead: 1,
+        well: 2,
+        ..HealthCounts::default()
+    };
     assert_eq!(survey.counts, counts);
     assert_eq!(
         bench.ids(None, 100).await,
@@ -58,7 +75,11 @@ async fn the_worst_come_first() {
     );
     assert_eq!(survey.items[0].status, bench.status("often").await);
     for id in ["often", "waiting", "ahead"] {
-        let known = survey.items.iter().find(|item| item.status.mapping_id.as_str() == id).expect("it is there");
+        let known = survey
+            .items
+            .iter()
+            .find(|item| item.status.mapping_id.as_str() == id)
+            .expect("it is there");
         assert_eq!(bench.health(id).await, known.health);
     }
     bench.stop().await;

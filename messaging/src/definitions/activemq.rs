@@ -1,20 +1,23 @@
-//! The parts of an ActiveMQ Artemis `broker.xml` that Verbund needs. Written after its documentation and not tried
-//! against the broker.
+//! The parts of an ActiveMQ Artemis `broker.xml` that Verbund needs. Written after its
+//! documentation and not tried against the broker.
 
 use std::fmt::Write;
 
 use super::Plan;
 use crate::address::LogicalAddress;
 
-/// `<security-settings>`, `<address-settings>` and `<addresses>`, to be put into `<core>`. Each user's role has the
-/// user's name; users and passwords belong into the broker's login module.
+/// `<security-settings>`, `<address-settings>` and `<addresses>`, to be put into `<core>`. Each
+/// user's role has the user's name; users and passwords belong into the broker's login module.
 #[must_use]
 pub fn artemis_broker_xml(plan: &Plan) -> String {
     let rights = plan.rights();
     let mut xml = String::from("<security-settings>\n");
     for queue in plan.queues().iter().chain([&LogicalAddress::DeadLetters]) {
         let roles = |list: for<'r> fn(&'r super::Rights<'_>) -> &'r Vec<LogicalAddress>| {
-            let names = rights.iter().filter(|r| list(r).contains(queue)).map(|r| escaped(&r.account.user_name));
+            let names = rights
+                .iter()
+                .filter(|r| list(r).contains(queue))
+                .map(|r| escaped(&r.account.user_name));
             names.collect::<Vec<_>>().join(",")
         };
         let (send, consume) = (roles(|r| &r.produce), roles(|r| &r.consume));
@@ -36,7 +39,10 @@ pub fn artemis_broker_xml(plan: &Plan) -> String {
         plan.limits.bytes_max
     );
     for queue in plan.queues().iter().chain([&LogicalAddress::DeadLetters]) {
-        let _ = writeln!(xml, "  <address name=\"{queue}\"><anycast><queue name=\"{queue}\"/></anycast></address>");
+        let _ = writeln!(
+            xml,
+            "  <address name=\"{queue}\"><anycast><queue name=\"{queue}\"/></anycast></address>"
+        );
     }
     xml.push_str("</addresses>\n");
     xml
@@ -53,7 +59,8 @@ mod tests {
 
     #[test]
     fn each_address_names_its_writers_and_readers() {
-        let account = |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
+        let account =
+            |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
         let plan = Plan {
             platform: account("platform"),
             factories: vec![("f1".parse().expect("an id"), account("f1"))],

@@ -1,4 +1,5 @@
-//! Access control for Mosquitto (`acl_file`). Passwords belong into its own password file (`mosquitto_passwd`).
+//! Access control for Mosquitto (`acl_file`). Passwords belong into its own password file
+//! (`mosquitto_passwd`).
 
 use std::fmt::Write;
 
@@ -7,8 +8,9 @@ use crate::profile::BrokerProfile;
 
 /// The access control list: each user reads and writes its own topics, and nothing else.
 ///
-/// Mosquitto stores its queue only now and then: `persistence true`, `autosave_interval 1`, `autosave_on_changes true`
-/// and `max_queued_messages 0` belong beside this, and the receipts make good for what a crash still loses.
+/// Mosquitto stores its queue only now and then: `persistence true`, `autosave_interval 1`,
+/// `autosave_on_changes true` and `max_queued_messages 0` belong beside this, and the receipts make
+/// good for what a crash still loses.
 #[must_use]
 pub fn mosquitto_acl(plan: &Plan) -> String {
     let profile = BrokerProfile::mqtt();
@@ -32,7 +34,8 @@ mod tests {
 
     #[test]
     fn a_factory_has_its_own_topics() {
-        let account = |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
+        let account =
+            |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
         let plan = Plan {
             platform: account("platform"),
             factories: vec![("f1".parse().expect("an id"), account("f1"))],

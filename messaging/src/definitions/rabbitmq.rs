@@ -1,4 +1,5 @@
-//! A definitions file for RabbitMQ 3.10 and later (`load_definitions`, or import by its management).
+//! A definitions file for RabbitMQ 3.10 and later (`load_definitions`, or import by its
+//! management).
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
@@ -9,26 +10,35 @@ use crate::address::LogicalAddress;
 
 /// The exchange that all messages are written to; the routing key is the logical address.
 const EXCHANGE: &str = "verbund";
-/// Where messages go that no queue is bound for: without it, the broker would accept and forget them.
+/// Where messages go that no queue is bound for: without it, the broker would accept and forget
+/// them.
 const UNROUTED: &str = "verbund.unrouted";
 /// Where rejected messages go.
 const DEAD: &str = "verbund.dead";
 
-/// The definitions for one virtual host. `salt` gives four fresh random bytes per call, for the password hashes.
+/// The definitions for one virtual host. `salt` gives four fresh random bytes per call, for the
+/// password hashes.
 ///
-/// Queues are quorum queues with a single active consumer. Who may write is decided by the routing key, so the users
-/// need no rights on any other exchange; in particular none on the default exchange, which reaches every queue.
+/// Queues are quorum queues with a single active consumer. Who may write is decided by the routing
+/// key, so the users need no rights on any other exchange; in particular none on the default
+/// exchange, which reaches every queue.
 #[must_use]
-pub fn rabbitmq_definitions(plan: &Plan, virtual_host: &str, mut salt: impl FnMut() -> [u8; 4]) -> Value {
+pub fn rabbitmq_definitions(
+    plan: &Plan,
+    virtual_host: &str,
+    mut salt: impl FnMut() -> [u8; 4],
+) -> Value {
     let addresses = plan.queues();
     let names: Vec<String> = addresses.iter().map(ToString::to_string).collect();
-    let mut queues: Vec<Value> = addresses.iter().map(|address| queue(plan, virtual_host, address)).collect();
+    let mut queues: Vec<Value> =
+        addresses.iter().map(|address| queue(plan, virtual_host, address)).collect();
     let dead_letters = LogicalAddress::DeadLetters.to_string();
     queues.push(json!({
         "name": dead_letters, "vhost": virtual_host, "durable": true, "auto_delete": false,
         "arguments": { "x-queue-type": "quorum", "x-max-length-bytes": plan.limits.bytes_max },
     }));
-    let mut bindings: Vec<Value> = names.iter().map(|name| binding(virtual_host, EXCHANGE, name, name)).collect();
+    let mut bindings: Vec<Value> =
+        names.iter().map(|name| binding(virtual_host, EXCHANGE, name, name)).collect();
     bindings.extend([UNROUTED, DEAD].map(|from| binding(virtual_host, from, &dead_letters, "")));
     let rights = plan.rights();
     json!({
@@ -83,7 +93,10 @@ fn binding(virtual_host: &str, source: &str, queue: &str, key: &str) -> Value {
 
 /// The hash that RabbitMQ keeps: the salt, then SHA-256 over salt and password.
 fn user(rights: &Rights<'_>, salt: [u8; 4]) -> Value {
-    let digest = Sha256::new().chain_update(salt).chain_update(rights.account.password.as_bytes()).finalize();
+    let digest = Sha256::new()
+        .chain_update(salt)
+        .chain_update(rights.account.password.as_bytes())
+        .finalize();
     let hash = STANDARD.encode([salt.as_slice(), digest.as_slice()].concat());
     json!({
         "name": rights.account.user_name, "password_hash": hash,
@@ -133,7 +146,10 @@ mod tests {
           "read": "^$"
         }
         "#);
-        assert_eq!(definitions["topic_permissions"][0]["write"], "^(factory\\.f1\\.requests|factory\\.f1\\.leases)$");
+        assert_eq!(
+            definitions["topic_permissions"][0]["write"],
+            "^(factory\\.f1\\.requests|factory\\.f1\\.leases)$"
+        );
         assert_eq!(definitions["queues"].as_array().map(Vec::len), Some(4));
         assert!(!definitions.to_string().contains("\"password\""));
     }

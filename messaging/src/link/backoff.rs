@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// Jittered exponential backoff with a cap. Reset only once data flowed: a broker that accepts connections and drops
-/// them must not be hammered.
+/// Jittered exponential backoff with a cap. Reset only once data flowed: a broker that accepts
+/// connections and drops them must not be hammered.
 #[derive(Debug, Clone)]
 pub(crate) struct Backoff {
     min: Duration,
@@ -17,7 +17,8 @@ impl Backoff {
         Self { min, max, permanent, failures: 0 }
     }
 
-    /// The pause after one more failure. `jitter` in [0, 1) spreads it between its half and its whole.
+    /// The pause after one more failure. `jitter` in [0, 1) spreads it between its half and its
+    /// whole.
     pub(crate) fn after_failure(&mut self, is_permanent: bool, jitter: f64) -> Duration {
         let whole = if is_permanent {
             self.permanent
@@ -47,7 +48,8 @@ mod tests {
     #[test]
     fn pauses_double_up_to_the_cap() {
         let mut backoff = Backoff::new(MIN, MAX, PERMANENT);
-        let pauses: Vec<_> = (0..10).map(|_| backoff.after_failure(false, 1.0).as_millis()).collect();
+        let pauses: Vec<_> =
+            (0..10).map(|_| backoff.after_failure(false, 1.0).as_millis()).collect();
         assert_eq!(pauses, [200, 400, 800, 1600, 3200, 6400, 12800, 25600, 30000, 30000]);
         assert_eq!(backoff.after_failure(true, 1.0), PERMANENT);
         backoff.reset();

@@ -6,14 +6,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Login;
 
-/// Where a broker listens: `amqps://host[:port]` or `mqtts://host[:port]`, and where nothing but HTTPS gets out
-/// `amqp+wss://host[:port][/path]` or `mqtt+wss://host[:port][/path]`, inside a WebSocket. Each without its last `s`: no
-/// TLS.
+/// Where a broker listens: `amqps://host[:port]` or `mqtts://host[:port]`, and where nothing but
+/// HTTPS gets out `amqp+wss://host[:port][/path]` or `mqtt+wss://host[:port][/path]`, inside a
+/// WebSocket. Each without its last `s`: no TLS.
 ///
 /// OPC 10000-14 writes `wss://` for both protocols, which a single address could not tell apart.
 ///
-/// Without a path a WebSocket is asked for at `/` for AMQP, as ActiveMQ, Artemis, Qpid and the embedded broker take it,
-/// and at `/mqtt` for MQTT, as EMQX, HiveMQ and VerneMQ do; Mosquitto takes any. RabbitMQ wants `/ws` for both.
+/// Without a path a WebSocket is asked for at `/` for AMQP, as ActiveMQ, Artemis, Qpid and the
+/// embedded broker take it, and at `/mqtt` for MQTT, as EMQX, HiveMQ and VerneMQ do; Mosquitto
+/// takes any. RabbitMQ wants `/ws` for both.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct BrokerUrl {
     scheme: Scheme,
@@ -36,8 +37,16 @@ enum Scheme {
 }
 
 impl Scheme {
-    const ALL: [Self; 8] =
-        [Self::Amqp, Self::Amqps, Self::AmqpWs, Self::AmqpWss, Self::Mqtt, Self::Mqtts, Self::MqttWs, Self::MqttWss];
+    const ALL: [Self; 8] = [
+        Self::Amqp,
+        Self::Amqps,
+        Self::AmqpWs,
+        Self::AmqpWss,
+        Self::Mqtt,
+        Self::Mqtts,
+        Self::MqttWs,
+        Self::MqttWss,
+    ];
 
     const fn as_str(self) -> &'static str {
         match self {
@@ -96,32 +105,41 @@ pub enum InvalidBrokerUrl {
         /// The text.
         found: String,
     },
-    /// A proxy is spoken to in plain HTTP; the tunnel through it is encrypted where the broker's address says so.
+    /// A proxy is spoken to in plain HTTP; the tunnel through it is encrypted where the broker's
+    /// address says so.
     #[error("a proxy's address begins with http://, but this is {found:?}")]
     ProxyScheme {
         /// The text.
         found: String,
     },
     /// Nobody to call.
-    #[error("the broker's address {found:?} has no host, or a port that is not a number up to 65535")]
+    #[error(
+        "the broker's address {found:?} has no host, or a port that is not a number up to 65535"
+    )]
     Authority {
         /// The text.
         found: String,
     },
     /// Only a WebSocket has a path.
-    #[error("the broker's address {found:?} has a path, but only amqp+wss:// and mqtt+wss:// have one; remove it")]
+    #[error(
+        "the broker's address {found:?} has a path, but only amqp+wss:// and mqtt+wss:// have one; remove it"
+    )]
     Path {
         /// The text.
         found: String,
     },
     /// No HTTP server could be asked for this.
-    #[error("the path of {found:?} must be written as in a URL, without blanks and #; write %20 for a blank")]
+    #[error(
+        "the path of {found:?} must be written as in a URL, without blanks and #; write %20 for a blank"
+    )]
     PathCharacters {
         /// The text.
         found: String,
     },
     /// Credentials belong into their own settings, where they are not logged.
-    #[error("the address of a broker or proxy must not contain a user or password; they have settings of their own")]
+    #[error(
+        "the address of a broker or proxy must not contain a user or password; they have settings of their own"
+    )]
     Credentials,
 }
 
@@ -144,10 +162,15 @@ impl BrokerUrl {
         self.scheme.is_websocket().then_some(self.path.as_str())
     }
 
-    /// Host and port as HTTP names them: the port only where it is not the usual one, IPv6 addresses in brackets.
+    /// Host and port as HTTP names them: the port only where it is not the usual one, IPv6
+    /// addresses in brackets.
     pub(crate) fn http_authority(&self) -> String {
         let host = Bracketed(&self.host);
-        if self.port == self.scheme.default_port() { host.to_string() } else { format!("{host}:{}", self.port) }
+        if self.port == self.scheme.default_port() {
+            host.to_string()
+        } else {
+            format!("{host}:{}", self.port)
+        }
     }
 
     /// The host name or address, without brackets.
@@ -165,7 +188,8 @@ impl BrokerUrl {
     /// Whether the host can only be this machine.
     #[must_use]
     pub fn is_loopback(&self) -> bool {
-        self.host == "localhost" || self.host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
+        self.host == "localhost"
+            || self.host.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
     }
 }
 
@@ -182,15 +206,22 @@ impl FromStr for BrokerUrl {
         if server.contains('@') {
             return Err(InvalidBrokerUrl::Credentials);
         }
-        let (host, port) = authority(server).ok_or_else(|| InvalidBrokerUrl::Authority { found: found() })?;
+        let (host, port) =
+            authority(server).ok_or_else(|| InvalidBrokerUrl::Authority { found: found() })?;
         if !scheme.is_websocket() && !matches!(path, "" | "/") {
             return Err(InvalidBrokerUrl::Path { found: found() });
         }
         if !path.bytes().all(|byte| byte.is_ascii_graphic() && !b"#\"<>\\^`{|}".contains(&byte)) {
             return Err(InvalidBrokerUrl::PathCharacters { found: found() });
         }
-        let path = if !scheme.is_websocket() || path.is_empty() { scheme.default_path() } else { path };
-        Ok(Self { scheme, host, port: port.unwrap_or_else(|| scheme.default_port()), path: path.to_owned() })
+        let path =
+            if !scheme.is_websocket() || path.is_empty() { scheme.default_path() } else { path };
+        Ok(Self {
+            scheme,
+            host,
+            port: port.unwrap_or_else(|| scheme.default_port()),
+            path: path.to_owned(),
+        })
     }
 }
 
@@ -223,15 +254,17 @@ impl HttpProxy {
     /// A proxy, with the credentials it asks for.
     ///
     /// # Errors
-    /// [`InvalidBrokerUrl::ProxyScheme`], [`InvalidBrokerUrl::Credentials`] or [`InvalidBrokerUrl::Authority`] when the
-    /// text is no such address.
+    /// [`InvalidBrokerUrl::ProxyScheme`], [`InvalidBrokerUrl::Credentials`] or
+    /// [`InvalidBrokerUrl::Authority`] when the text is no such address.
     pub fn new(url: &str, login: Option<Login>) -> Result<Self, InvalidBrokerUrl> {
-        let rest =
-            url.strip_prefix("http://").ok_or_else(|| InvalidBrokerUrl::ProxyScheme { found: url.to_owned() })?;
+        let rest = url
+            .strip_prefix("http://")
+            .ok_or_else(|| InvalidBrokerUrl::ProxyScheme { found: url.to_owned() })?;
         if rest.contains('@') {
             return Err(InvalidBrokerUrl::Credentials);
         }
-        let (host, port) = authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: url.to_owned() })?;
+        let (host, port) =
+            authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: url.to_owned() })?;
         Ok(Self { host, port: port.unwrap_or(8080), login })
     }
 }
@@ -337,8 +370,10 @@ mod tests {
 
     #[test]
     fn a_password_in_an_address_is_not_repeated() {
-        let broker = "amqp+wss://user:canary@h".parse::<BrokerUrl>().expect_err("credentials").to_string();
-        let proxy = HttpProxy::new("http://user:canary@h:3128", None).expect_err("credentials").to_string();
+        let broker =
+            "amqp+wss://user:canary@h".parse::<BrokerUrl>().expect_err("credentials").to_string();
+        let proxy =
+            HttpProxy::new("http://user:canary@h:3128", None).expect_err("credentials").to_string();
         assert!(!broker.contains("canary") && !proxy.contains("canary"), "{broker} {proxy}");
     }
 

@@ -9,7 +9,8 @@ use zeroize::Zeroizing;
 use super::broker_url::{BrokerUrl, HttpProxy};
 use crate::{address::LogicalAddress, profile::BrokerProfile, spool::ReplayShare};
 
-/// Everything a [`Link`](crate::Link) needs to know. `LinkConfig::new` has sensible values for all but three of it.
+/// Everything a [`Link`](crate::Link) needs to know. `LinkConfig::new` has sensible values for all
+/// but three of it.
 #[derive(Debug, Clone)]
 pub struct LinkConfig {
     /// The broker's addresses; the next one is tried when one fails. Never empty.
@@ -22,9 +23,11 @@ pub struct LinkConfig {
     pub tls: TlsConfig,
     /// The HTTP proxy on the way, if there is one.
     pub proxy: Option<HttpProxy>,
-    /// Names this process at an AMQP broker; unique per running instance. MQTT sessions go by the user's name.
+    /// Names this process at an AMQP broker; unique per running instance. MQTT sessions go by the
+    /// user's name.
     pub container_id: String,
-    /// What to receive from the start; see [`LinkHandle::set_consumed`](crate::LinkHandle::set_consumed).
+    /// What to receive from the start; see
+    /// [`LinkHandle::set_consumed`](crate::LinkHandle::set_consumed).
     pub consumed: Vec<LogicalAddress>,
     /// Bounds and times.
     pub limits: LinkLimits,
@@ -129,7 +132,8 @@ pub struct LinkLimits {
     /// Silence after which the connection counts as dead.
     #[serde(with = "millis")]
     pub idle_timeout: Duration,
-    /// Time that sent bytes may stay unacknowledged by the peer's kernel, so that a stall shows under load, too.
+    /// Time that sent bytes may stay unacknowledged by the peer's kernel, so that a stall shows
+    /// under load, too.
     #[serde(with = "millis")]
     pub stall_timeout: Duration,
     /// First pause before a new attempt; doubles up to `backoff_max`, with jitter.
@@ -193,8 +197,12 @@ mod tests {
 
     #[test]
     fn limits_have_defaults_and_no_other_keys() {
-        let limits: LinkLimits = serde_json::from_str(r#"{"window": 10, "backoff_max": 5000}"#).expect("limits");
-        assert_eq!((limits.window, limits.backoff_max, limits.credit), (10, Duration::from_secs(5), 500));
+        let limits: LinkLimits =
+            serde_json::from_str(r#"{"window": 10, "backoff_max": 5000}"#).expect("limits");
+        assert_eq!(
+            (limits.window, limits.backoff_max, limits.credit),
+            (10, Duration::from_secs(5), 500)
+        );
         assert!(serde_json::from_str::<LinkLimits>(r#"{"windows": 10}"#).is_err());
     }
 }

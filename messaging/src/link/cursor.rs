@@ -1,9 +1,9 @@
-//! Which rows of the spool to fetch next: pure positions, so that no row is sent twice while it is under way and none is
-//! forgotten.
+//! Which rows of the spool to fetch next: pure positions, so that no row is sent twice while it is
+//! under way and none is forgotten.
 //!
-//! At the start of a connection everything up to the *watermark* is backlog: the newest row of each writer first, then
-//! the rest in order as replay. What is written later is live. Rows whose outcome is not yet recorded are *open* and are
-//! passed over when they are met again.
+//! At the start of a connection everything up to the *watermark* is backlog: the newest row of each
+//! writer first, then the rest in order as replay. What is written later is live. Rows whose
+//! outcome is not yet recorded are *open* and are passed over when they are met again.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -65,10 +65,12 @@ impl Cursor {
         }
     }
 
-    /// Everything is looked for from the start; what is open stays so. `last` is the greatest row number at this moment.
+    /// Everything is looked for from the start; what is open stays so. `last` is the greatest row
+    /// number at this moment.
     ///
-    /// While reports are under way, none of those that wait goes first: the newest of a quiet writer may share its message
-    /// with older ones of a writer whose newer ones are among them, and would come after these.
+    /// While reports are under way, none of those that wait goes first: the newest of a quiet
+    /// writer may share its message with older ones of a writer whose newer ones are among them,
+    /// and would come after these.
     pub(crate) fn begin(&mut self, last: RowId) {
         let open = std::mem::take(&mut self.open);
         let lanes = self.lanes.clone();
@@ -90,7 +92,8 @@ impl Cursor {
         self.replay.restart(RowId(0));
     }
 
-    /// What to fetch before another row can be chosen; none when enough is at hand or nothing waits.
+    /// What to fetch before another row can be chosen; none when enough is at hand or nothing
+    /// waits.
     pub(crate) fn wanted(&self) -> Option<(Fetch, FetchFor)> {
         let (source, reader) = [
             (Source::Control, &self.control),
@@ -203,7 +206,10 @@ mod tests {
             let spool = MemorySpool::new(AcceptedReports::WaitForReceipt);
             let mut bench = Self { spool, cursor: Cursor::new(RowId(0), ReplayShare::default()) };
             bench.push(rows);
-            bench.cursor = Cursor::new(block_on(bench.spool.last_row()).expect("a row"), ReplayShare::default());
+            bench.cursor = Cursor::new(
+                block_on(bench.spool.last_row()).expect("a row"),
+                ReplayShare::default(),
+            );
             bench
         }
 
@@ -231,7 +237,11 @@ mod tests {
         }
 
         fn accept(&mut self, id: i64) {
-            let outcome = RowOutcome { id: RowId(id), outcome: SendOutcome::Accepted, at: OffsetDateTime::UNIX_EPOCH };
+            let outcome = RowOutcome {
+                id: RowId(id),
+                outcome: SendOutcome::Accepted,
+                at: OffsetDateTime::UNIX_EPOCH,
+            };
             block_on(self.spool.record(vec![outcome])).expect("recorded");
             self.cursor.close(RowId(id));
         }
@@ -265,7 +275,8 @@ mod tests {
         bench.cursor.on_wake();
         let order = bench.all();
         let live: Vec<_> = order.iter().filter(|(_, replay)| !replay).map(|(id, _)| *id).collect();
-        let replayed: Vec<_> = order.iter().filter(|(_, replay)| *replay).map(|(id, _)| *id).collect();
+        let replayed: Vec<_> =
+            order.iter().filter(|(_, replay)| *replay).map(|(id, _)| *id).collect();
         assert_eq!(live, (31..=40).collect::<Vec<_>>());
         assert_eq!(replayed, (1..=29).collect::<Vec<_>>());
         let both = &order[..10];
@@ -321,8 +332,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever happens in between, every row is sent, none twice without a rewind or while under way, and each
-        /// lane keeps its order.
+        /// Whatever happens in between, every row is sent, none twice without a rewind or while
+        /// under way, and each lane keeps its order.
         #[test]
         fn every_row_is_sent(
             first in proptest::collection::vec(proptest::option::of(0u16..3), 0..300),

@@ -66,7 +66,8 @@ impl Consumers {
         let terminus = self.profile.consume(&address);
         let what = format!("receiving from {address}");
         let rest = self.limits.address_rest;
-        let mut backoff = Backoff::new(rest, self.limits.backoff_permanent, self.limits.backoff_permanent);
+        let mut backoff =
+            Backoff::new(rest, self.limits.backoff_permanent, self.limits.backoff_permanent);
         while !stop.is_cancelled() {
             let opened = tokio::select! {
                 () = stop.cancelled() => break,
@@ -122,14 +123,17 @@ impl Consumers {
                 self.shared.received(last.received_at);
             }
             if self.store(address, lane.as_mut(), batch).await? {
-                // What is on its way already must not overtake what was given back: with the lane all of it goes back to
-                // its place, and comes again in its order after a rest.
-                return Err(LaneFault::Broken("messages could not be stored; they stay with the broker".to_owned()));
+                // What is on its way already must not overtake what was given back: with the lane
+                // all of it goes back to its place, and comes again in its order after a rest.
+                return Err(LaneFault::Broken(
+                    "messages could not be stored; they stay with the broker".to_owned(),
+                ));
             }
         }
     }
 
-    /// Hands a batch to the inbox, then settles what it answered. Returns whether something was released.
+    /// Hands a batch to the inbox, then settles what it answered. Returns whether something was
+    /// released.
     async fn store(
         &self,
         address: &LogicalAddress,
@@ -142,7 +146,8 @@ impl Consumers {
         let settlements: Vec<_> = tokens.into_iter().zip(answers).collect();
         let count = |name: &'static str, predicate: fn(&Settlement) -> bool| {
             let n = settlements.iter().filter(|(_, s)| predicate(s)).count();
-            metrics::counter!("link_messages_received_total", "settlement" => name).increment(n as u64);
+            metrics::counter!("link_messages_received_total", "settlement" => name)
+                .increment(n as u64);
             n
         };
         count("accepted", |s| *s == Settlement::Accept);

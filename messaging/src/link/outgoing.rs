@@ -1,4 +1,5 @@
-//! Sends from the spool: a bounded number of messages under way, one lane per address, outcomes recorded in batches.
+//! Sends from the spool: a bounded number of messages under way, one lane per address, outcomes
+//! recorded in batches.
 
 mod addresses;
 mod lane;
@@ -27,7 +28,10 @@ use super::{
 use crate::{
     address::LogicalAddress,
     profile::BrokerProfile,
-    spool::{RejectionVerdict, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError, after_rejection},
+    spool::{
+        RejectionVerdict, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+        after_rejection,
+    },
     transport::{Connection, Outcome},
 };
 use addresses::AddressState;
@@ -38,7 +42,8 @@ use recorder::Recorder;
 const POSTED_FROM: i64 = -1;
 /// How often the backlog is looked at while something changes, and rests are checked.
 const TICK: Duration = Duration::from_secs(1);
-/// How often the spool is looked through when nothing woke the link: a wake that was missed must not lose a message.
+/// How often the spool is looked through when nothing woke the link: a wake that was missed must
+/// not lose a message.
 const RECHECK: Duration = Duration::from_secs(15);
 /// Pause after the store failed.
 const STORE_RETRY: Duration = Duration::from_secs(1);
@@ -99,7 +104,8 @@ impl Pump {
     pub(super) async fn run(mut self, stop: CancellationToken) {
         let (events, mut arrived) = mpsc::channel(self.limits.window.max(1) * WINDOWS_MAX);
         self.events = events;
-        let (recorder, outcomes, mut recorded) = Recorder::new(Arc::clone(&self.store), Arc::clone(&self.shared));
+        let (recorder, outcomes, mut recorded) =
+            Recorder::new(Arc::clone(&self.store), Arc::clone(&self.shared));
         let recording = tokio::spawn(recorder.run());
         let mut tick = interval(TICK);
         tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -163,7 +169,10 @@ impl Pump {
                 continue;
             }
             self.last_posted -= 1;
-            self.send(SpoolRow { id: RowId(self.last_posted), address, envelope, attempts: 0 }, outcomes);
+            self.send(
+                SpoolRow { id: RowId(self.last_posted), address, envelope, attempts: 0 },
+                outcomes,
+            );
         }
     }
 
@@ -222,13 +231,15 @@ impl Pump {
         let is_posted = row.id.0 <= POSTED_FROM;
         if !is_posted && row.envelope.is_expired(now) {
             metrics::counter!("link_messages_sent_total", "outcome" => "expired").increment(1);
-            let _ = outcomes.send(RowOutcome { id: row.id, outcome: SendOutcome::Expired, at: now });
+            let _ =
+                outcomes.send(RowOutcome { id: row.id, outcome: SendOutcome::Expired, at: now });
             return;
         }
         let window = self.limits.window.max(1);
         let address = self.addresses.entry(row.address.clone()).or_default();
         let room = if address.failures > 0 { 1 } else { window };
-        // What was passed over goes first, so nothing behind it may overtake. What is posted has no place among the rows.
+        // What was passed over goes first, so nothing behind it may overtake. What is posted has no
+        // place among the rows.
         let is_full = address.has_skipped || address.under_way >= room;
         if address.resting_until.is_some() || (is_full && !is_posted) {
             address.has_skipped |= !is_posted;
@@ -240,7 +251,15 @@ impl Pump {
             let connection = Arc::clone(&self.connection);
             let store = Arc::clone(&self.store);
             let room = window + POSTED_MAX;
-            Lane::open(&mut self.lanes, connection, row.address.clone(), terminus, room, store, self.events.clone())
+            Lane::open(
+                &mut self.lanes,
+                connection,
+                row.address.clone(),
+                terminus,
+                room,
+                store,
+                self.events.clone(),
+            )
         });
         let (id, attempts, of) = (row.id, row.attempts, row.address.clone());
         match lane.send(row) {
@@ -275,7 +294,12 @@ impl Pump {
         }
     }
 
-    fn on_outcome(&mut self, id: RowId, outcome: Outcome, outcomes: &mpsc::UnboundedSender<RowOutcome>) {
+    fn on_outcome(
+        &mut self,
+        id: RowId,
+        outcome: Outcome,
+        outcomes: &mpsc::UnboundedSender<RowOutcome>,
+    ) {
         let Some((address, attempts)) = self.settled(id) else { return };
         let at = OffsetDateTime::now_utc();
         let record = |outcome| {
@@ -284,8 +308,9 @@ impl Pump {
             }
             let _ = outcomes.send(RowOutcome { id, outcome, at });
         };
-        let count =
-            |outcome: &'static str| metrics::counter!("link_messages_sent_total", "outcome" => outcome).increment(1);
+        let count = |outcome: &'static str| {
+            metrics::counter!("link_messages_sent_total", "outcome" => outcome).increment(1)
+        };
         match outcome {
             Outcome::Accepted => {
                 count("accepted");
@@ -339,11 +364,17 @@ impl Pump {
     }
 
     /// Takes in the outcomes that still come, then drops the lanes.
-    async fn finish(mut self, mut arrived: mpsc::Receiver<LaneEvent>, outcomes: mpsc::UnboundedSender<RowOutcome>) {
+    async fn finish(
+        mut self,
+        mut arrived: mpsc::Receiver<LaneEvent>,
+        outcomes: mpsc::UnboundedSender<RowOutcome>,
+    ) {
         let deadline = Instant::now() + STOP_GRACE;
         while !self.under_way.is_empty() {
             match tokio::time::timeout_at(deadline, arrived.recv()).await {
-                Ok(Some(LaneEvent::Outcome { id, outcome })) => self.on_outcome(id, outcome, &outcomes),
+                Ok(Some(LaneEvent::Outcome { id, outcome })) => {
+                    self.on_outcome(id, outcome, &outcomes)
+                }
                 Ok(Some(LaneEvent::Ended { unsent, .. })) => {
                     let unsent: HashSet<_> = unsent.into_iter().collect();
                     self.under_way.retain(|id, _| !unsent.contains(id));

@@ -58,8 +58,13 @@ impl Shared {
             self.hindrances.lock().clear();
             self.has_data_flowed.store(false, Ordering::Relaxed);
         }
-        // Some brokers close the connection over what they refuse: what was refused is the reason to be told.
-        let hindrance = if matches!(phase, LinkPhase::Down { .. }) { told(&self.hindrances.lock()) } else { None };
+        // Some brokers close the connection over what they refuse: what was refused is the reason
+        // to be told.
+        let hindrance = if matches!(phase, LinkPhase::Down { .. }) {
+            told(&self.hindrances.lock())
+        } else {
+            None
+        };
         let reason = match (reason, hindrance) {
             (Some(reason), Some(hindrance)) => Some(format!("{reason}; before that, {hindrance}")),
             (reason, hindrance) => reason.or(hindrance),

@@ -47,7 +47,8 @@ pub enum LinkPhase {
         /// When the next attempt is made.
         #[serde(with = "time::serde::rfc3339")]
         retry_at: OffsetDateTime,
-        /// Whether somebody must act (credentials, permissions, certificates) before an attempt can succeed.
+        /// Whether somebody must act (credentials, permissions, certificates) before an attempt can
+        /// succeed.
         is_permanent: bool,
     },
     /// Shut down.

@@ -6,7 +6,10 @@ use time::OffsetDateTime;
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
-use super::{LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase};
+use super::{
+    LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared,
+    state::LinkPhase,
+};
 use crate::{
     inbox::Inbox,
     spool::SpoolStore,
@@ -27,7 +30,8 @@ pub(super) struct Supervisor {
 impl Supervisor {
     pub(super) async fn run(self, shutdown: CancellationToken) {
         let limits = self.config.limits;
-        let mut backoff = Backoff::new(limits.backoff_min, limits.backoff_max, limits.backoff_permanent);
+        let mut backoff =
+            Backoff::new(limits.backoff_min, limits.backoff_max, limits.backoff_permanent);
         let mut attempts = 0;
         while !shutdown.is_cancelled() {
             let broker = &self.config.brokers[attempts % self.config.brokers.len()];
@@ -65,7 +69,13 @@ impl Supervisor {
         self.shared.enter(LinkPhase::Stopped, &broker, None);
     }
 
-    async fn pause(&self, broker: &str, fault: ConnectionFault, backoff: &mut Backoff, shutdown: &CancellationToken) {
+    async fn pause(
+        &self,
+        broker: &str,
+        fault: ConnectionFault,
+        backoff: &mut Backoff,
+        shutdown: &CancellationToken,
+    ) {
         let (fault, pause) = match self.shared.take_rest() {
             Some((reason, pause)) => (ConnectionFault::permanent(reason), pause),
             None => {
@@ -74,10 +84,19 @@ impl Supervisor {
             }
         };
         let pause_ms = u64::try_from(pause.as_millis()).unwrap_or(u64::MAX);
-        warn!(broker, reason = fault.reason, permanent = fault.is_permanent, pause_ms, "the link is down");
+        warn!(
+            broker,
+            reason = fault.reason,
+            permanent = fault.is_permanent,
+            pause_ms,
+            "the link is down"
+        );
         metrics::counter!("link_failures_total", "kind" => if fault.is_permanent { "permanent" } else { "passing" })
             .increment(1);
-        let phase = LinkPhase::Down { retry_at: OffsetDateTime::now_utc() + pause, is_permanent: fault.is_permanent };
+        let phase = LinkPhase::Down {
+            retry_at: OffsetDateTime::now_utc() + pause,
+            is_permanent: fault.is_permanent,
+        };
         self.shared.enter(phase, broker, Some(fault.reason));
         if let Ok(backlog) = self.store.backlog().await {
             self.shared.set_backlog(backlog);
@@ -90,7 +109,11 @@ impl Supervisor {
     }
 
     /// Sends and receives until the connection is lost or the link is shut down.
-    async fn serve(&self, connection: Arc<dyn Connection>, shutdown: &CancellationToken) -> ConnectionFault {
+    async fn serve(
+        &self,
+        connection: Arc<dyn Connection>,
+        shutdown: &CancellationToken,
+    ) -> ConnectionFault {
         let stop = shutdown.child_token();
         let (stalls, mut stalled) = tokio::sync::mpsc::channel(1);
         let consumers = Consumers {

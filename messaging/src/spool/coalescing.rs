@@ -1,4 +1,5 @@
-//! At its quota the spool keeps only newer values: every row is a key frame, so a newer one supersedes it.
+//! At its quota the spool keeps only newer values: every row is a key frame, so a newer one
+//! supersedes it.
 
 use std::collections::HashSet;
 
@@ -6,12 +7,14 @@ use super::{Removal, ReportRow, RowId};
 
 /// Chooses rows to remove until at least `bytes_to_free` are free, of `candidates` (any order).
 ///
-/// The newest row of a writer never goes: `newest` lists those. Rows that were never sent go before rows that may have
-/// arrived, and older ones before newer ones, so that what remains is as fresh as it can be. When the candidates do not
-/// suffice, all that may go goes; ask again with the next ones.
+/// The newest row of a writer never goes: `newest` lists those. Rows that were never sent go before
+/// rows that may have arrived, and older ones before newer ones, so that what remains is as fresh
+/// as it can be. When the candidates do not suffice, all that may go goes; ask again with the next
+/// ones.
 #[must_use]
 pub fn coalesce(candidates: &[ReportRow], newest: &HashSet<RowId>, bytes_to_free: u64) -> Removal {
-    let mut may_go: Vec<_> = candidates.iter().filter(|r| !newest.contains(&r.id)).copied().collect();
+    let mut may_go: Vec<_> =
+        candidates.iter().filter(|r| !newest.contains(&r.id)).copied().collect();
     may_go.sort_unstable_by_key(|row| (row.sent_at.is_some(), row.id));
     let mut freed = 0;
     let count = may_go
@@ -43,8 +46,18 @@ mod tests {
         assert_eq!(
             removal.gaps,
             [
-                SequenceGap { data_set_writer_id: 7, epoch: 1, first_sequence: 1, last_sequence: 1 },
-                SequenceGap { data_set_writer_id: 8, epoch: 1, first_sequence: 0, last_sequence: 0 },
+                SequenceGap {
+                    data_set_writer_id: 7,
+                    epoch: 1,
+                    first_sequence: 1,
+                    last_sequence: 1
+                },
+                SequenceGap {
+                    data_set_writer_id: 8,
+                    epoch: 1,
+                    first_sequence: 0,
+                    last_sequence: 0
+                },
             ]
         );
         assert_eq!(coalesce(&rows, &newest, 10_000).rows, [RowId(2), RowId(3), RowId(1)]);

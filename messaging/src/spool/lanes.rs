@@ -1,4 +1,5 @@
-//! Which lane the next message is taken from, so that a backlog drains without starving live values.
+//! Which lane the next message is taken from, so that a backlog drains without starving live
+//! values.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +32,9 @@ impl TryFrom<u8> for ReplayShare {
     type Error = String;
 
     fn try_from(percent: u8) -> Result<Self, String> {
-        Self::new(percent).ok_or_else(|| format!("the replay share must be between 1 and 99 percent, not {percent}"))
+        Self::new(percent).ok_or_else(|| {
+            format!("the replay share must be between 1 and 99 percent, not {percent}")
+        })
     }
 }
 
@@ -50,7 +53,8 @@ pub enum NextLane {
     Replay,
 }
 
-/// Shares the traffic between the live lane and the backlog. Spreads evenly: no lane waits for a burst of the other.
+/// Shares the traffic between the live lane and the backlog. Spreads evenly: no lane waits for a
+/// burst of the other.
 #[derive(Debug, Clone)]
 pub struct LaneScheduler {
     share: ReplayShare,

@@ -6,7 +6,9 @@ use async_trait::async_trait;
 use parking_lot::Mutex;
 use time::OffsetDateTime;
 
-use super::{Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError};
+use super::{
+    Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+};
 use crate::{address::LogicalAddress, envelope::Envelope, inbox::Rejection};
 
 /// What a [`MemorySpool`] does with an accepted report.
@@ -101,7 +103,10 @@ impl MemorySpool {
         rows.0 += 1;
         let id = RowId(rows.0);
         let row = SpoolRow { id, address, envelope, attempts: 0 };
-        rows.1.insert(id, Row { row, writer, state: State::Waiting, created_at: OffsetDateTime::now_utc() });
+        rows.1.insert(
+            id,
+            Row { row, writer, state: State::Waiting, created_at: OffsetDateTime::now_utc() },
+        );
         id
     }
 }
@@ -119,13 +124,14 @@ impl SpoolStore for MemorySpool {
         if fetch.lane != Lane::Newest {
             return Ok(in_range.take(fetch.limit).map(|r| r.row.clone()).collect());
         }
-        let all_waiting = rows
-            .1
-            .values()
-            .filter(|r| r.state == State::Waiting && fetch.through.is_none_or(|through| r.row.id <= through));
-        let newest: BTreeMap<_, _> = all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
+        let all_waiting = rows.1.values().filter(|r| {
+            r.state == State::Waiting && fetch.through.is_none_or(|through| r.row.id <= through)
+        });
+        let newest: BTreeMap<_, _> =
+            all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
         let gone = rows.1.values().filter(|r| r.state != State::Waiting);
-        let newest_gone: BTreeMap<_, _> = gone.filter_map(|r| Some((r.writer?, r.row.id))).collect();
+        let newest_gone: BTreeMap<_, _> =
+            gone.filter_map(|r| Some((r.writer?, r.row.id))).collect();
         Ok(in_range
             .filter(|r| r.writer.is_some_and(|w| newest.get(&w) == Some(&r.row.id)))
             .filter(|r| r.writer.is_some_and(|w| newest_gone.get(&w) < Some(&r.row.id)))
@@ -140,7 +146,8 @@ impl SpoolStore for MemorySpool {
             let Some(row) = rows.1.get_mut(&outcome.id) else { continue };
             match outcome.outcome {
                 SendOutcome::Accepted
-                    if row.writer.is_some() && self.accepted_reports == AcceptedReports::WaitForReceipt =>
+                    if row.writer.is_some()
+                        && self.accepted_reports == AcceptedReports::WaitForReceipt =>
                 {
                     row.state = State::Sent;
                 }
@@ -168,7 +175,8 @@ impl SpoolStore for MemorySpool {
                 _ => backlog.sent += 1,
             }
             backlog.bytes += row.row.envelope.body.len() as u64;
-            backlog.oldest_at = Some(backlog.oldest_at.map_or(row.created_at, |at| at.min(row.created_at)));
+            backlog.oldest_at =
+                Some(backlog.oldest_at.map_or(row.created_at, |at| at.min(row.created_at)));
         }
         Ok(backlog)
     }

@@ -1,4 +1,5 @@
-//! What the platform's receipts mean for the rows of one writer: the promise of no loss rests on these decisions.
+//! What the platform's receipts mean for the rows of one writer: the promise of no loss rests on
+//! these decisions.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -17,17 +18,22 @@ pub struct ReceiptEffect {
     pub held: Vec<RowId>,
     /// Sent, yet missing at the platform: they wait again.
     pub resend: Vec<RowId>,
-    /// Missing at the platform and no longer in the spool: announce them, or the platform asks for ever.
+    /// Missing at the platform and no longer in the spool: announce them, or the platform asks for
+    /// ever.
     pub lost: Vec<SequenceGap>,
 }
 
 /// Applies a receipt to `rows`, which must be *all* rows in the spool of that writer and epoch.
 ///
-/// A row counts as missing only when it was sent before `sent_before` (usually some seconds ago): a younger one may
-/// still be on its way. Rows that were never sent are never held: a receipt that claims them is about another life of
-/// the same writer, and the row is sent.
+/// A row counts as missing only when it was sent before `sent_before` (usually some seconds ago): a
+/// younger one may still be on its way. Rows that were never sent are never held: a receipt that
+/// claims them is about another life of the same writer, and the row is sent.
 #[must_use]
-pub fn apply_receipt(receipt: &WriterReceipt, rows: &[ReportRow], sent_before: OffsetDateTime) -> ReceiptEffect {
+pub fn apply_receipt(
+    receipt: &WriterReceipt,
+    rows: &[ReportRow],
+    sent_before: OffsetDateTime,
+) -> ReceiptEffect {
     let missing: HashSet<u32> = receipt.missing_list.iter().copied().collect();
     let mut effect = ReceiptEffect::default();
     let mut present = HashSet::with_capacity(rows.len());
@@ -50,13 +56,16 @@ pub fn apply_receipt(receipt: &WriterReceipt, rows: &[ReportRow], sent_before: O
 }
 
 fn lost_of(receipt: &WriterReceipt, present: &HashSet<u32>) -> Vec<SequenceGap> {
-    let mut sequences: Vec<_> = receipt.missing_list.iter().copied().filter(|s| !present.contains(s)).collect();
+    let mut sequences: Vec<_> =
+        receipt.missing_list.iter().copied().filter(|s| !present.contains(s)).collect();
     sequences.sort_unstable();
     sequences.dedup();
     let mut gaps: Vec<SequenceGap> = Vec::new();
     for sequence in sequences {
         match gaps.last_mut() {
-            Some(gap) if gap.last_sequence.checked_add(1) == Some(sequence) => gap.last_sequence = sequence,
+            Some(gap) if gap.last_sequence.checked_add(1) == Some(sequence) => {
+                gap.last_sequence = sequence
+            }
             _ => gaps.push(SequenceGap {
                 data_set_writer_id: receipt.data_set_writer_id,
                 epoch: receipt.epoch,
@@ -90,17 +99,23 @@ impl OverduePolicy {
     }
 }
 
-/// Chooses the rows that were sent so long ago without a receipt that a broker must be taken to have lost them. To be
-/// asked only while the link is up. A row sent at a time yet to come was sent by a clock that has been set back since:
-/// nobody knows how long ago, so it counts as long ago.
+/// Chooses the rows that were sent so long ago without a receipt that a broker must be taken to
+/// have lost them. To be asked only while the link is up. A row sent at a time yet to come was sent
+/// by a clock that has been set back since: nobody knows how long ago, so it counts as long ago.
 ///
-/// While no receipts arrive (`hears_receipts`), only the newest of each writer's rows is chosen: it asks the platform,
-/// which answers with a receipt that names what it lacks. A platform that is away finds one row more, not the backlog
-/// twice.
+/// While no receipts arrive (`hears_receipts`), only the newest of each writer's rows is chosen: it
+/// asks the platform, which answers with a receipt that names what it lacks. A platform that is
+/// away finds one row more, not the backlog twice.
 #[must_use]
-pub fn overdue(rows: &[ReportRow], policy: &OverduePolicy, now: OffsetDateTime, hears_receipts: bool) -> Vec<RowId> {
-    let is_late =
-        |row: &&ReportRow| row.sent_at.is_some_and(|at| at > now || now - at > policy.patience_after(row.sent_count));
+pub fn overdue(
+    rows: &[ReportRow],
+    policy: &OverduePolicy,
+    now: OffsetDateTime,
+    hears_receipts: bool,
+) -> Vec<RowId> {
+    let is_late = |row: &&ReportRow| {
+        row.sent_at.is_some_and(|at| at > now || now - at > policy.patience_after(row.sent_count))
+    };
     let late = rows.iter().filter(is_late);
     if hears_receipts {
         return late.map(|row| row.id).collect();
@@ -123,7 +138,12 @@ mod tests {
     use crate::spool::tests::{moment, row};
 
     fn receipt(through: u32, missing: &[u32]) -> WriterReceipt {
-        WriterReceipt { data_set_writer_id: 7, epoch: 1, through_sequence: through, missing_list: missing.to_vec() }
+        WriterReceipt {
+            data_set_writer_id: 7,
+            epoch: 1,
+            through_sequence: through,
+            missing_list: missing.to_vec(),
+        }
     }
 
     fn sent(id: i64, sequence: u32) -> ReportRow {
@@ -157,21 +177,34 @@ mod tests {
     #[test]
     fn what_is_missing_and_gone_is_announced() {
         let effect = apply_receipt(&receipt(9, &[3, 4, 7, 8]), &[sent(1, 8)], moment());
-        let runs: Vec<_> = effect.lost.iter().map(|g| (g.first_sequence, g.last_sequence)).collect();
+        let runs: Vec<_> =
+            effect.lost.iter().map(|g| (g.first_sequence, g.last_sequence)).collect();
         assert_eq!(runs, [(3, 4), (7, 7)]);
     }
 
     #[test]
     fn patience_doubles_up_to_its_cap() {
-        let policy = OverduePolicy { patience: Duration::from_secs(10), patience_max: Duration::from_secs(35) };
-        for (count, seconds, expected) in
-            [(1, 10, false), (1, 11, true), (2, 20, false), (2, 21, true), (3, 36, true), (40, 35, false)]
-        {
+        let policy = OverduePolicy {
+            patience: Duration::from_secs(10),
+            patience_max: Duration::from_secs(35),
+        };
+        for (count, seconds, expected) in [
+            (1, 10, false),
+            (1, 11, true),
+            (2, 20, false),
+            (2, 21, true),
+            (3, 36, true),
+            (40, 35, false),
+        ] {
             let rows = [ReportRow { sent_count: count, ..sent(1, 0) }];
-            let is_overdue = !overdue(&rows, &policy, moment() + Duration::from_secs(seconds), true).is_empty();
+            let is_overdue =
+                !overdue(&rows, &policy, moment() + Duration::from_secs(seconds), true).is_empty();
             assert_eq!(is_overdue, expected, "sent {count} times, {seconds} s ago");
         }
-        assert!(overdue(&[row(1, 7, 0)], &policy, moment() + Duration::from_secs(9999), true).is_empty());
+        assert!(
+            overdue(&[row(1, 7, 0)], &policy, moment() + Duration::from_secs(9999), true)
+                .is_empty()
+        );
     }
 
     #[test]
@@ -197,7 +230,8 @@ mod tests {
             let mut rows: Vec<_> = (0..20).map(|i| row(i64::from(i), 7, i)).collect();
             let mut arrived = HashSet::new();
             let mut now = moment();
-            // One round more than losses: where nothing at all arrived, the first that does brings the first receipt.
+            // One round more than losses: where nothing at all arrived, the first that does brings
+            // the first receipt.
             for round in 0..=losses.len() + 1 {
                 now += Duration::from_secs(100);
                 for row in rows.iter_mut().filter(|r| r.sent_at.is_none()) {

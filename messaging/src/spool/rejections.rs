@@ -1,4 +1,5 @@
-//! What a broker's refusal means for a message: never drop it, and never try the impossible again and again.
+//! What a broker's refusal means for a message: never drop it, and never try the impossible again
+//! and again.
 
 use crate::inbox::Rejection;
 
@@ -25,9 +26,10 @@ pub fn after_rejection(rejection: &Rejection, attempts: u32) -> RejectionVerdict
         | "amqp:invalid-field"
         | "amqp:not-allowed"
         | "amqp:not-implemented" => RejectionVerdict::Park,
-        "amqp:resource-limit-exceeded" | "amqp:unauthorized-access" | "amqp:not-found" | "amqp:precondition-failed" => {
-            RejectionVerdict::RestAddress
-        }
+        "amqp:resource-limit-exceeded"
+        | "amqp:unauthorized-access"
+        | "amqp:not-found"
+        | "amqp:precondition-failed" => RejectionVerdict::RestAddress,
         _ if attempts + 1 >= ATTEMPTS_MAX => RejectionVerdict::Park,
         _ => RejectionVerdict::Retry,
     }

@@ -50,15 +50,20 @@ impl Mosquitto {
     ///
     /// # Panics
     /// Where Mosquitto is not installed or does not start.
-    pub async fn start_with(plan: &Plan, saving: Saving, certificate: Option<ServerCertificate<'_>>) -> Self {
+    pub async fn start_with(
+        plan: &Plan,
+        saving: Saving,
+        certificate: Option<ServerCertificate<'_>>,
+    ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).display().to_string();
         let [port, websocket_port] = free_ports::reserve().expect("free ports");
-        let encryption = certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
-            fs::write(path("certificate.pem"), certificate).expect("written");
-            fs::write(path("key.pem"), key).expect("written");
-            format!("certfile {}\nkeyfile {}\n", path("certificate.pem"), path("key.pem"))
-        });
+        let encryption =
+            certificate.map_or_else(String::new, |ServerCertificate { certificate, key }| {
+                fs::write(path("certificate.pem"), certificate).expect("written");
+                fs::write(path("key.pem"), key).expect("written");
+                format!("certfile {}\nkeyfile {}\n", path("certificate.pem"), path("key.pem"))
+            });
         fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
         fs::write(path("passwords"), "").expect("written");
         let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
@@ -67,7 +72,8 @@ impl Mosquitto {
                 .args(["-b", &path("passwords"), &account.user_name, &account.password])
                 .stderr(Stdio::null())
                 .status();
-            let made = made.expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
+            let made = made
+                .expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
             assert!(made.success(), "mosquitto_passwd failed");
         }
         let configuration = format!(

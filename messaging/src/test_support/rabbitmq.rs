@@ -33,8 +33,12 @@ impl Ports {
 
 fn server() -> PathBuf {
     let root = Path::new("/usr/lib/rabbitmq/lib");
-    let installed =
-        fs::read_dir(root).ok().into_iter().flatten().flatten().map(|e| e.path().join("sbin/rabbitmq-server"));
+    let installed = fs::read_dir(root)
+        .ok()
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|e| e.path().join("sbin/rabbitmq-server"));
     installed
         .into_iter()
         .find(|path| path.exists())
@@ -48,7 +52,8 @@ impl RabbitMq {
     /// Where RabbitMQ is not installed or does not start.
     pub async fn start(definitions: &Value) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        fs::write(folder.path().join("definitions.json"), definitions.to_string()).expect("written");
+        fs::write(folder.path().join("definitions.json"), definitions.to_string())
+            .expect("written");
         let ports = Ports::free();
         let child = spawn(folder.path(), &ports);
         let mut broker = Self { folder, child, ports };
@@ -75,15 +80,24 @@ impl RabbitMq {
     async fn ready(&mut self) {
         let deadline = Instant::now() + Duration::from_secs(90);
         loop {
-            if let Ok(mut stream) = tokio::net::TcpStream::connect(("127.0.0.1", self.ports.amqp)).await {
+            if let Ok(mut stream) =
+                tokio::net::TcpStream::connect(("127.0.0.1", self.ports.amqp)).await
+            {
                 let mut answer = [0; 4];
                 let hello = stream.write_all(b"AMQP\x03\x01\x00\x00").await;
-                if hello.is_ok() && stream.read_exact(&mut answer).await.is_ok() && &answer == b"AMQP" {
+                if hello.is_ok()
+                    && stream.read_exact(&mut answer).await.is_ok()
+                    && &answer == b"AMQP"
+                {
                     return;
                 }
             }
             let log = || fs::read_to_string(self.folder.path().join("out")).unwrap_or_default();
-            assert!(self.child.try_wait().expect("a status").is_none(), "RabbitMQ ended: {}", log());
+            assert!(
+                self.child.try_wait().expect("a status").is_none(),
+                "RabbitMQ ended: {}",
+                log()
+            );
             assert!(Instant::now() < deadline, "RabbitMQ did not start in time: {}", log());
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
@@ -139,7 +153,10 @@ fn spawn(folder: &Path, ports: &Ports) -> Child {
         .env("RABBITMQ_FEATURE_FLAGS_FILE", path("feature_flags"))
         .env("RABBITMQ_PLUGINS_EXPAND_DIR", path("plugins"))
         .env("RABBITMQ_CONF_ENV_FILE", "/dev/null")
-        .env("RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS", "+S 1:1 +sbwt none -kernel inet_dist_use_interface {127,0,0,1}")
+        .env(
+            "RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS",
+            "+S 1:1 +sbwt none -kernel inet_dist_use_interface {127,0,0,1}",
+        )
         .stdin(Stdio::null())
         .stdout(out.try_clone().expect("a log"))
         .stderr(out)

@@ -1,8 +1,9 @@
 //! AMQP 1.0 over fe2o3-amqp. Nothing of that library leaves this module.
 //!
-//! What its users must know, and what is done about it here: in-flight outcomes hang when a connection dies, until the
-//! sender is dropped (lanes drop theirs with the connection); an attach error at some brokers ends the whole session
-//! (one session per lane); buffers are generous by default (set); and it has no reconnection (ours is the supervisor).
+//! What its users must know, and what is done about it here: in-flight outcomes hang when a
+//! connection dies, until the sender is dropped (lanes drop theirs with the connection); an attach
+//! error at some brokers ends the whole session (one session per lane); buffers are generous by
+//! default (set); and it has no reconnection (ours is the supervisor).
 
 mod codec;
 mod lanes;
@@ -52,10 +53,19 @@ pub(crate) struct AmqpTransport {
 
 impl AmqpTransport {
     pub(super) fn new(config: &LinkConfig, dialler: Dialler) -> Self {
-        Self { dialler, login: config.login.clone(), container_id: config.container_id.clone(), limits: config.limits }
+        Self {
+            dialler,
+            login: config.login.clone(),
+            container_id: config.container_id.clone(),
+            limits: config.limits,
+        }
     }
 
-    async fn open(&self, broker: &BrokerUrl, stream: Box<dyn Stream>) -> Result<ConnectionHandle<()>, ConnectionFault> {
+    async fn open(
+        &self,
+        broker: &BrokerUrl,
+        stream: Box<dyn Stream>,
+    ) -> Result<ConnectionHandle<()>, ConnectionFault> {
         let idle_ms = u32::try_from(self.limits.idle_timeout.as_millis()).unwrap_or(u32::MAX);
         AmqpConnection::builder()
             .container_id(self.container_id.as_str())
@@ -93,7 +103,8 @@ impl Transport for AmqpTransport {
 
 type Opening = oneshot::Sender<Result<SessionHandle<()>, LaneFault>>;
 
-/// A connection whose handle is kept by a task of its own, because opening sessions needs it exclusively.
+/// A connection whose handle is kept by a task of its own, because opening sessions needs it
+/// exclusively.
 struct Opened {
     openings: mpsc::Sender<Opening>,
     loss: watch::Receiver<Option<ConnectionFault>>,
@@ -108,7 +119,9 @@ impl Opened {
         self.openings.send(reply).await.map_err(|_| broken())?;
         timeout(self.limits.connect_timeout, answer)
             .await
-            .map_err(|_| LaneFault::Stalled("the broker did not begin a session in time".to_owned()))?
+            .map_err(|_| {
+                LaneFault::Stalled("the broker did not begin a session in time".to_owned())
+            })?
             .map_err(|_| broken())?
     }
 }
@@ -128,7 +141,9 @@ impl Connection for Opened {
     async fn lost(&self) -> ConnectionFault {
         let mut loss = self.loss.clone();
         let lost = loss.wait_for(Option::is_some).await;
-        lost.ok().and_then(|fault| fault.clone()).unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+        lost.ok()
+            .and_then(|fault| fault.clone())
+            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
     }
 
     async fn close(&self) {
@@ -149,7 +164,8 @@ async fn keep(
             ended = handle.on_close() => break end_fault(ended),
             // Also when nobody has the connection any more.
             _ = closing.changed() => {
-                // Some brokers answer a close in a way the library calls an error; either way it is over.
+                // Some brokers answer a close in a way the library calls an error; either way it is
+                // over.
                 let _ = timeout(CLOSE_TIMEOUT, handle.close()).await;
                 break ConnectionFault::passing("closed by this side");
             }
@@ -169,13 +185,13 @@ fn open_fault(error: OpenError) -> ConnectionFault {
         OpenError::SaslError { code: SaslCode::Auth, .. } => {
             ConnectionFault::permanent("the broker refused the user or password")
         }
-        OpenError::SaslError { code, .. } => {
-            ConnectionFault::passing(format!("the broker could not check the credentials: {code:?}"))
-        }
+        OpenError::SaslError { code, .. } => ConnectionFault::passing(format!(
+            "the broker could not check the credentials: {code:?}"
+        )),
         OpenError::RemoteClosedWithError(error) => closed_fault(&error),
-        OpenError::ProtocolHeaderMismatch(_) => {
-            ConnectionFault::permanent("the peer does not speak AMQP 1.0 with SASL; is the port right?")
-        }
+        OpenError::ProtocolHeaderMismatch(_) => ConnectionFault::permanent(
+            "the peer does not speak AMQP 1.0 with SASL; is the port right?",
+        ),
         other => ConnectionFault::passing(format!("the connection could not be opened: {other}")),
     }
 }
@@ -194,7 +210,9 @@ fn closed_fault(error: &definitions::Error) -> ConnectionFault {
         ErrorCondition::AmqpError(AmqpError::UnauthorizedAccess | AmqpError::NotAllowed) => {
             ConnectionFault::permanent(reason)
         }
-        ErrorCondition::ConnectionError(ConnectionError::Redirect) => ConnectionFault::permanent(reason),
+        ErrorCondition::ConnectionError(ConnectionError::Redirect) => {
+            ConnectionFault::permanent(reason)
+        }
         _ => ConnectionFault::passing(reason),
     }
 }

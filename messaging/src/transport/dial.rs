@@ -1,5 +1,5 @@
-//! Opens the byte stream to a broker: fresh name resolution, TCP that notices a dead peer even while we are busy
-//! sending, TLS, and a WebSocket where the broker is reached in one.
+//! Opens the byte stream to a broker: fresh name resolution, TCP that notices a dead peer even
+//! while we are busy sending, TLS, and a WebSocket where the broker is reached in one.
 
 mod proxy;
 mod websocket;
@@ -18,7 +18,10 @@ use super::{ConnectionFault, tls};
 use crate::link::{BrokerUrl, HttpProxy, TlsConfig};
 
 /// A stream to a broker, plain or encrypted.
-pub(super) trait Stream: AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static {}
+pub(super) trait Stream:
+    AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static
+{
+}
 
 impl<S: AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static> Stream for S {}
 
@@ -35,7 +38,10 @@ pub(super) struct Dialler {
 
 impl Dialler {
     /// Connects, through the proxy where there is one. The caller bounds the time.
-    pub(super) async fn dial(&self, broker: &BrokerUrl) -> Result<Box<dyn Stream>, ConnectionFault> {
+    pub(super) async fn dial(
+        &self,
+        broker: &BrokerUrl,
+    ) -> Result<Box<dyn Stream>, ConnectionFault> {
         let tcp = match &self.proxy {
             None => self.tcp(broker.host(), broker.port()).await?,
             Some(proxy) => {
@@ -51,13 +57,22 @@ impl Dialler {
     }
 
     /// The stream as the broker's address wants it, plain or in TLS.
-    async fn encrypted(&self, broker: &BrokerUrl, tcp: TcpStream) -> Result<Box<dyn Stream>, ConnectionFault> {
+    async fn encrypted(
+        &self,
+        broker: &BrokerUrl,
+        tcp: TcpStream,
+    ) -> Result<Box<dyn Stream>, ConnectionFault> {
         if !broker.is_encrypted() {
             return Ok(Box::new(tcp));
         }
-        let client = self.client.as_ref().ok_or_else(|| ConnectionFault::permanent("TLS is not configured"))?;
-        let name = tls::server_name(&self.tls, broker.host()).map_err(ConnectionFault::permanent)?;
-        let stream = TlsConnector::from(Arc::clone(client)).connect(name, tcp).await.map_err(tls_fault)?;
+        let client = self
+            .client
+            .as_ref()
+            .ok_or_else(|| ConnectionFault::permanent("TLS is not configured"))?;
+        let name =
+            tls::server_name(&self.tls, broker.host()).map_err(ConnectionFault::permanent)?;
+        let stream =
+            TlsConnector::from(Arc::clone(client)).connect(name, tcp).await.map_err(tls_fault)?;
         Ok(Box::new(stream))
     }
 
@@ -71,11 +86,14 @@ impl Dialler {
         let count = u32::try_from(addresses.len()).unwrap_or(u32::MAX).max(1);
         for address in addresses {
             // One dead address must not use up the time of the others.
-            let connecting = tokio::time::timeout(self.stall_timeout / count, TcpStream::connect(address)).await;
+            let connecting =
+                tokio::time::timeout(self.stall_timeout / count, TcpStream::connect(address)).await;
             let connected = connecting.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()));
             match connected.and_then(|tcp| tune(&tcp, self.stall_timeout).map(|()| tcp)) {
                 Ok(tcp) => return Ok(tcp),
-                Err(e) => last = ConnectionFault::passing(format!("cannot connect to {address}: {e}")),
+                Err(e) => {
+                    last = ConnectionFault::passing(format!("cannot connect to {address}: {e}"))
+                }
             }
         }
         Err(last)
@@ -96,13 +114,16 @@ fn tls_fault(error: io::Error) -> ConnectionFault {
     }
 }
 
-/// Makes a dead peer show: by keep-alive when idle, by unacknowledged bytes when busy. The heartbeats of the protocol do
-/// not suffice, for a writer that is blocked in its socket does not look at its timer.
+/// Makes a dead peer show: by keep-alive when idle, by unacknowledged bytes when busy. The
+/// heartbeats of the protocol do not suffice, for a writer that is blocked in its socket does not
+/// look at its timer.
 fn tune(tcp: &TcpStream, stall_timeout: Duration) -> io::Result<()> {
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);
     let probe = (stall_timeout / 4).max(Duration::from_secs(1));
-    socket.set_tcp_keepalive(&TcpKeepalive::new().with_time(probe * 2).with_interval(probe).with_retries(2))?;
+    socket.set_tcp_keepalive(
+        &TcpKeepalive::new().with_time(probe * 2).with_interval(probe).with_retries(2),
+    )?;
     #[cfg(target_os = "linux")]
     socket.set_tcp_user_timeout(Some(stall_timeout))?;
     Ok(())

@@ -1,10 +1,11 @@
-//! MQTT 5. Of rumqttc only the codec is used: its client cannot tell which publish an acknowledgement belongs to, and
-//! would bring its own dialling. Nothing of it leaves this module.
+//! MQTT 5. Of rumqttc only the codec is used: its client cannot tell which publish an
+//! acknowledgement belongs to, and would bring its own dialling. Nothing of it leaves this module.
 //!
-//! How the promises of the link map to MQTT: QoS 1 in both directions, acknowledged after storing; persistent sessions
-//! under the user's name as client id. A rejection is acknowledged with a failure code, for MQTT has no dead letters; a
-//! release keeps the acknowledgement back and reconnects, for only that makes a broker deliver again. Two processes with
-//! one user drive each other out; a broker may say so (Mosquitto 2.0 does not).
+//! How the promises of the link map to MQTT: QoS 1 in both directions, acknowledged after storing;
+//! persistent sessions under the user's name as client id. A rejection is acknowledged with a
+//! failure code, for MQTT has no dead letters; a release keeps the acknowledgement back and
+//! reconnects, for only that makes a broker deliver again. Two processes with one user drive each
+//! other out; a broker may say so (Mosquitto 2.0 does not).
 
 mod codec;
 mod framing;
@@ -15,7 +16,9 @@ use std::{sync::Arc, time::Duration};
 
 use async_trait::async_trait;
 use futures::{SinkExt, StreamExt};
-use rumqttc::v5::mqttbytes::v5::{Codec, Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet};
+use rumqttc::v5::mqttbytes::v5::{
+    Codec, Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet,
+};
 use tokio::time::timeout;
 use tokio_util::codec::Framed;
 
@@ -53,45 +56,66 @@ impl MqttTransport {
     fn connect_packet(&self) -> Packet {
         let mut properties = ConnectProperties::new();
         properties.session_expiry_interval = u32::try_from(SESSION_EXPIRY.as_secs()).ok();
-        properties.receive_maximum = Some(u16::try_from(self.limits.credit.max(1)).unwrap_or(u16::MAX));
+        properties.receive_maximum =
+            Some(u16::try_from(self.limits.credit.max(1)).unwrap_or(u16::MAX));
         properties.max_packet_size = Some(self.packet_bytes_max());
         let connect = Connect {
-            keep_alive: u16::try_from(self.limits.idle_timeout.as_secs().max(2)).unwrap_or(u16::MAX),
+            keep_alive: u16::try_from(self.limits.idle_timeout.as_secs().max(2))
+                .unwrap_or(u16::MAX),
             client_id: self.login.user_name.clone(),
             clean_start: false,
             properties: Some(properties),
         };
-        let login = MqttLogin { username: self.login.user_name.clone(), password: self.login.password.to_string() };
+        let login = MqttLogin {
+            username: self.login.user_name.clone(),
+            password: self.login.password.to_string(),
+        };
         Packet::Connect(connect, None, Some(login))
     }
 
     async fn open(&self, stream: Box<dyn Stream>) -> Result<Box<dyn Connection>, ConnectionFault> {
-        let codec = Codec { max_incoming_size: Some(self.packet_bytes_max()), max_outgoing_size: None };
+        let codec =
+            Codec { max_incoming_size: Some(self.packet_bytes_max()), max_outgoing_size: None };
         let codec = framing::PacketCodec(codec);
         let mut framed = Framed::new(stream, codec);
-        let broken =
-            |e: &dyn std::fmt::Debug| ConnectionFault::passing(format!("the connection could not be opened: {e:?}"));
+        let broken = |e: &dyn std::fmt::Debug| {
+            ConnectionFault::passing(format!("the connection could not be opened: {e:?}"))
+        };
         framed.send(self.connect_packet()).await.map_err(|e| broken(&e))?;
         let answer = match framed.next().await {
             Some(Ok(Packet::ConnAck(answer))) => answer,
             Some(Ok(_)) => {
-                return Err(ConnectionFault::permanent("the peer does not speak MQTT 5; is the port right?"));
+                return Err(ConnectionFault::permanent(
+                    "the peer does not speak MQTT 5; is the port right?",
+                ));
             }
             Some(Err(e)) => return Err(broken(&e)),
-            None => return Err(ConnectionFault::passing("the broker closed the connection without an answer")),
+            None => {
+                return Err(ConnectionFault::passing(
+                    "the broker closed the connection without an answer",
+                ));
+            }
         };
         match answer.code {
             ConnectReturnCode::Success => {}
-            ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized | ConnectReturnCode::Banned => {
+            ConnectReturnCode::BadUserNamePassword
+            | ConnectReturnCode::NotAuthorized
+            | ConnectReturnCode::Banned => {
                 return Err(ConnectionFault::permanent("the broker refused the user or password"));
             }
             code @ (ConnectReturnCode::RefusedProtocolVersion
             | ConnectReturnCode::UnsupportedProtocolVersion
             | ConnectReturnCode::ClientIdentifierNotValid
             | ConnectReturnCode::BadAuthenticationMethod) => {
-                return Err(ConnectionFault::permanent(format!("the broker refused the connection: {code:?}")));
+                return Err(ConnectionFault::permanent(format!(
+                    "the broker refused the connection: {code:?}"
+                )));
             }
-            code => return Err(ConnectionFault::passing(format!("the broker refused the connection: {code:?}"))),
+            code => {
+                return Err(ConnectionFault::passing(format!(
+                    "the broker refused the connection: {code:?}"
+                )));
+            }
         }
         let granted = answer.properties.unwrap_or(no_properties());
         let wire = Wire::start(framed, &granted, &self.limits);
@@ -143,12 +167,18 @@ struct Opened {
 #[async_trait]
 impl Connection for Opened {
     async fn outgoing(&self, terminus: &Terminus) -> Result<Box<dyn Outgoing>, LaneFault> {
-        Ok(Box::new(lanes::MqttOutgoing::new(Arc::clone(&self.wire), terminus.address.clone(), self.limits)))
+        Ok(Box::new(lanes::MqttOutgoing::new(
+            Arc::clone(&self.wire),
+            terminus.address.clone(),
+            self.limits,
+        )))
     }
 
     async fn incoming(&self, terminus: &Terminus) -> Result<Box<dyn Incoming>, LaneFault> {
         let wire = Arc::clone(&self.wire);
-        Ok(Box::new(lanes::MqttIncoming::subscribe(wire, terminus.address.clone(), &self.limits).await?))
+        Ok(Box::new(
+            lanes::MqttIncoming::subscribe(wire, terminus.address.clone(), &self.limits).await?,
+        ))
     }
 
     async fn lost(&self) -> ConnectionFault {

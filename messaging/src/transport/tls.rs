@@ -10,10 +10,11 @@ use crate::link::{LinkError, Roots, TlsConfig};
 /// Builds the client side of TLS from the settings.
 pub(super) fn client_config(config: &TlsConfig) -> Result<Arc<ClientConfig>, LinkError> {
     let failed = |reason: String| LinkError::Tls { reason };
-    let builder = ClientConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
-        .with_safe_default_protocol_versions()
-        .map_err(|e| failed(e.to_string()))?
-        .with_root_certificates(roots(&config.roots)?);
+    let builder =
+        ClientConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
+            .with_safe_default_protocol_versions()
+            .map_err(|e| failed(e.to_string()))?
+            .with_root_certificates(roots(&config.roots)?);
     let client = match &config.identity {
         None => builder.with_no_client_auth(),
         Some(identity) => {
@@ -43,8 +44,11 @@ fn roots(roots: &Roots) -> Result<RootCertStore, LinkError> {
         }
         Roots::Pem(pem) => {
             for certificate in CertificateDer::pem_slice_iter(pem) {
-                let certificate = certificate.map_err(|e| failed(format!("the configured roots are not PEM: {e}")))?;
-                store.add(certificate).map_err(|e| failed(format!("a configured root cannot be used: {e}")))?;
+                let certificate = certificate
+                    .map_err(|e| failed(format!("the configured roots are not PEM: {e}")))?;
+                store
+                    .add(certificate)
+                    .map_err(|e| failed(format!("a configured root cannot be used: {e}")))?;
             }
             if store.is_empty() {
                 return Err(failed("the configured roots contain no certificate".to_owned()));
@@ -57,5 +61,6 @@ fn roots(roots: &Roots) -> Result<RootCertStore, LinkError> {
 /// The name to expect in the broker's certificate.
 pub(super) fn server_name(config: &TlsConfig, host: &str) -> Result<ServerName<'static>, String> {
     let name = config.server_name.as_deref().unwrap_or(host);
-    ServerName::try_from(name.to_owned()).map_err(|_| format!("{name:?} cannot be the name of a TLS server"))
+    ServerName::try_from(name.to_owned())
+        .map_err(|_| format!("{name:?} cannot be the name of a TLS server"))
 }

@@ -24,7 +24,8 @@ async fn the_link_keeps_its_promises_over_mqtt_in_websockets() {
         promises(broker, &url, None).await;
     };
     let encrypted = async {
-        let certified = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+        let certified =
+            rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
         let (certificate, key) = (certified.cert.pem(), certified.signing_key.serialize_pem());
         let certificate = ServerCertificate { certificate: &certificate, key: &key };
         let broker = Mosquitto::start_with(&plan(), Saving::Always, Some(certificate)).await;
@@ -38,9 +39,15 @@ async fn the_link_keeps_its_promises_over_mqtt_in_websockets() {
 async fn what_is_no_websocket_for_mqtt_is_told() {
     let broker = Mosquitto::start(&plan(), Saving::Always).await;
     let plain = broker.url().rsplit_once(':').expect("a port").1.to_owned();
-    let link =
-        TestLink::start(BrokerProfile::mqtt(), &format!("mqtt+ws://127.0.0.1:{plain}"), "f1", "secret of f1", &[]);
-    // Mosquitto closes at once what is not MQTT; a broker that answered something else would be a lasting fault.
+    let link = TestLink::start(
+        BrokerProfile::mqtt(),
+        &format!("mqtt+ws://127.0.0.1:{plain}"),
+        "f1",
+        "secret of f1",
+        &[],
+    );
+    // Mosquitto closes at once what is not MQTT; a broker that answered something else would be a
+    // lasting fault.
     eventually("the fault is told", || link.reason().contains("broke off")).await;
     link.stop().await;
 }
@@ -52,7 +59,8 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
     let platform = start("platform", "secret of platform", &["factory.f1.ingress"]);
     let factory = start("f1", "secret of f1", &["factory.f1.requests"]);
 
-    // Both ways. What is sent before the other side ever subscribed waits in the spool, not nowhere.
+    // Both ways. What is sent before the other side ever subscribed waits in the spool, not
+    // nowhere.
     let mut state = factory.handle.state();
     state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
     platform.send("factory.f1.requests", "request");
@@ -64,14 +72,17 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
     }
     let count = |id: &str| platform.inbox.ids().iter().filter(|seen| *seen == id).count();
     eventually("the released one comes again", || count("later") >= 2 && count("good") >= 1).await;
-    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
+    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0)
+        .await;
     assert_eq!(count("poison"), 1);
 
     // What is sent under a lease says so on the other side.
     factory.send_under(7, "factory.f1.ingress", "leased");
     let is_leased = || {
         let received = platform.inbox.received.lock();
-        received.iter().any(|(_, d)| d.envelope.message_id == "leased".parse().ok() && d.envelope.lease == Some(7))
+        received.iter().any(|(_, d)| {
+            d.envelope.message_id == "leased".parse().ok() && d.envelope.lease == Some(7)
+        })
     };
     eventually("it arrives with its mark", is_leased).await;
 
@@ -86,8 +97,10 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
 
     let stranger = start("f2", "wrong", &[]);
     let told = stranger.handle.state();
-    eventually("a bad password is told", || matches!(told.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("a bad password is told", || {
+        matches!(told.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     stranger.stop().await;
 
     // The broker keeps what comes for a connector that is away, and over its own restart.
@@ -96,7 +109,10 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
     eventually("the broker has it", || platform.spool.waiting() == 0).await;
     broker.restart().await;
     let factory = start("f1", "secret of f1", &["factory.f1.requests"]);
-    eventually("it is delivered afterwards", || factory.inbox.ids().contains(&"while-away".to_owned())).await;
+    eventually("it is delivered afterwards", || {
+        factory.inbox.ids().contains(&"while-away".to_owned())
+    })
+    .await;
 
     // A backlog goes to the topic of its own.
     factory.spool.push_report(address("factory.f1.ingress"), crate::support::envelope("old"), 7);
@@ -107,7 +123,8 @@ async fn promises(mut broker: Mosquitto, url: &str, root: Option<&str>) {
     eventually("both arrive", || count("old") >= 1 && count("new") >= 1).await;
 
     // A message of many frames, and many at once.
-    let large = Envelope::new(MessageId::new("large").expect("an id"), "test", vec![b'x'; 1_000_000]);
+    let large =
+        Envelope::new(MessageId::new("large").expect("an id"), "test", vec![b'x'; 1_000_000]);
     factory.spool.push(address("factory.f1.ingress"), large);
     for n in 0..100 {
         factory.send("factory.f1.ingress", &format!("m{n}"));

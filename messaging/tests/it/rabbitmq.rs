@@ -1,7 +1,9 @@
-//! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all, for it starts slowly.
+//! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all, for
+//! it starts slowly.
 
 use messaging::{
-    BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions, test_support::RabbitMq,
+    BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions,
+    test_support::RabbitMq,
 };
 
 use crate::support::{TestLink, eventually, plan};
@@ -17,7 +19,13 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
         "secret of platform",
         &["factory.f1.ingress", "dead-letters"],
     );
-    let factory = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "secret of f1", &["factory.f1.requests"]);
+    let factory = TestLink::start(
+        BrokerProfile::rabbitmq_3(),
+        &url,
+        "f1",
+        "secret of f1",
+        &["factory.f1.requests"],
+    );
     platform.inbox.answer("poison", Settlement::reject("verbund:rubbish", "it is not JSON"));
     platform.inbox.answer("later", Settlement::Release);
 
@@ -31,15 +39,16 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     eventually("the released one comes again", || count("later") == 2 && count("good") >= 1).await;
     let is_dead = || {
         let received = platform.inbox.received.lock();
-        received
-            .iter()
-            .any(|(at, d)| *at == LogicalAddress::DeadLetters && d.envelope.message_id == "poison".parse().ok())
+        received.iter().any(|(at, d)| {
+            *at == LogicalAddress::DeadLetters && d.envelope.message_id == "poison".parse().ok()
+        })
     };
     eventually("the rejected one is a dead letter", is_dead).await;
-    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
+    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0)
+        .await;
 
-    // A second connector of the factory gets no requests while the first is there, but hears about the lease; and what
-    // is sent under a lease says so on the other side.
+    // A second connector of the factory gets no requests while the first is there, but hears about
+    // the lease; and what is sent under a lease says so on the other side.
     let leases = ["factory.f1.leases"];
     let second = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "secret of f1", &leases);
     let mut state = second.handle.state();
@@ -50,13 +59,22 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     factory.send_under(u64::MAX, "factory.f1.ingress", "leased");
     let lease_of = |id: &str| {
         let received = platform.inbox.received.lock();
-        received.iter().find(|(_, d)| d.envelope.message_id == id.parse().ok()).map(|(_, d)| d.envelope.lease)
+        received
+            .iter()
+            .find(|(_, d)| d.envelope.message_id == id.parse().ok())
+            .map(|(_, d)| d.envelope.lease)
     };
     eventually("it arrives", || lease_of("leased").is_some()).await;
     assert_eq!((lease_of("leased"), lease_of("good")), (Some(Some(u64::MAX)), Some(None)));
 
     // Another factory's addresses are closed to it, and that hinders nothing else.
-    let intruder = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f2", "secret of f2", &["factory.f1.requests"]);
+    let intruder = TestLink::start(
+        BrokerProfile::rabbitmq_3(),
+        &url,
+        "f2",
+        "secret of f2",
+        &["factory.f1.requests"],
+    );
     intruder.send("factory.f1.ingress", "forged");
     intruder.send("factory.f2.ingress", "mine");
     eventually("it is refused", || intruder.reason().contains("amqp:unauthorized-access")).await;
@@ -68,8 +86,10 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
 
     let stranger = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "wrong", &[]);
     let state = stranger.handle.state();
-    eventually("a bad password is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("a bad password is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     stranger.stop().await;
 
     // A kill in the middle loses nothing.
@@ -82,7 +102,8 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
         factory.send("factory.f1.ingress", &format!("m{n}"));
     }
     eventually("all arrive", || {
-        let mut ids: Vec<_> = platform.inbox.ids().into_iter().filter(|id| id.starts_with('m')).collect();
+        let mut ids: Vec<_> =
+            platform.inbox.ids().into_iter().filter(|id| id.starts_with('m')).collect();
         ids.sort();
         ids.dedup();
         ids.len() == 600

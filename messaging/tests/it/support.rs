@@ -24,7 +24,13 @@ pub struct TestLink {
 }
 
 impl TestLink {
-    pub fn start(profile: BrokerProfile, url: &str, user: &str, password: &str, consumed: &[&str]) -> Self {
+    pub fn start(
+        profile: BrokerProfile,
+        url: &str,
+        user: &str,
+        password: &str,
+        consumed: &[&str],
+    ) -> Self {
         Self::start_trusting(None, profile, url, user, password, consumed)
     }
 
@@ -36,7 +42,8 @@ impl TestLink {
         password: &str,
         consumed: &[&str],
     ) -> Self {
-        let mut config = LinkConfig::new(url.parse().expect("a url"), Login::new(user, password), user);
+        let mut config =
+            LinkConfig::new(url.parse().expect("a url"), Login::new(user, password), user);
         config.profile = profile;
         if let Some(root) = root {
             config.tls.roots = Roots::Pem(root.to_owned().into_bytes().into());
@@ -47,7 +54,8 @@ impl TestLink {
         config.limits.address_rest = Duration::from_millis(300);
         let spool = Arc::new(MemorySpool::new(AcceptedReports::Leave));
         let inbox = Arc::new(RecordingInbox::default());
-        let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) = (Arc::clone(&spool), Arc::clone(&inbox));
+        let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) =
+            (Arc::clone(&spool), Arc::clone(&inbox));
         let (link, handle) = Link::new(config, store, receiver).expect("a link");
         let stop = CancellationToken::new();
         let running = tokio::spawn(link.run(stop.clone()));
@@ -93,7 +101,10 @@ pub async fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
 }
 
 pub fn plan() -> Plan {
-    let account = |name: &str| Account { user_name: name.to_owned(), password: format!("secret of {name}").into() };
+    let account = |name: &str| Account {
+        user_name: name.to_owned(),
+        password: format!("secret of {name}").into(),
+    };
     Plan {
         platform: account("platform"),
         factories: ["f1", "f2"].map(|id| (id.parse().expect("an id"), account(id))).to_vec(),

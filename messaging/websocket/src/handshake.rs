@@ -91,7 +91,9 @@ pub enum ConnectError {
 #[derive(Debug, thiserror::Error)]
 pub enum AcceptError {
     /// The client does not offer what is spoken here.
-    #[error("the client offers the WebSocket subprotocols {offered:?}, but {subprotocol} is spoken here")]
+    #[error(
+        "the client offers the WebSocket subprotocols {offered:?}, but {subprotocol} is spoken here"
+    )]
     Subprotocol {
         /// What it offers.
         offered: String,
@@ -109,8 +111,8 @@ pub enum AcceptError {
     Io(#[source] io::Error),
 }
 
-/// Opens a WebSocket as a client. The caller bounds the time. Messages of more than `message_bytes_max` bytes are
-/// refused later.
+/// Opens a WebSocket as a client. The caller bounds the time. Messages of more than
+/// `message_bytes_max` bytes are refused later.
 ///
 /// # Errors
 /// [`ConnectError`].
@@ -121,11 +123,13 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
     message_bytes_max: usize,
 ) -> Result<ByteStream<S>, ConnectError> {
     let Endpoint { authority, path } = endpoint;
-    let address = || ConnectError::Address { authority: authority.to_owned(), path: path.to_owned() };
+    let address =
+        || ConnectError::Address { authority: authority.to_owned(), path: path.to_owned() };
     // The scheme stays on this side: whether the stream is encrypted was decided before.
     let uri: Uri = format!("ws://{authority}{path}").parse().map_err(|_| address())?;
     let request = ClientRequestBuilder::new(uri).with_sub_protocol(subprotocol.as_str());
-    let opened = client_async_with_config(request, stream, Some(configuration(message_bytes_max))).await;
+    let opened =
+        client_async_with_config(request, stream, Some(configuration(message_bytes_max))).await;
     let (socket, _) = opened.map_err(|error| match error {
         WsError::Http(answer) => ConnectError::Refused { status: answer.status().as_u16() },
         WsError::Protocol(ProtocolError::SecWebSocketSubProtocolError(
@@ -133,15 +137,18 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
         )) => ConnectError::Subprotocol { subprotocol },
         WsError::Url(_) | WsError::HttpFormat(_) => address(),
         WsError::Io(error) => ConnectError::Io(error),
-        WsError::Protocol(ProtocolError::HandshakeIncomplete) => ConnectError::Io(io::ErrorKind::UnexpectedEof.into()),
+        WsError::Protocol(ProtocolError::HandshakeIncomplete) => {
+            ConnectError::Io(io::ErrorKind::UnexpectedEof.into())
+        }
         other => ConnectError::Protocol { reason: other.to_string() },
     })?;
-    // A server that agrees to no subprotocol, or to another, was refused by the library (RFC 6455 §4.1).
+    // A server that agrees to no subprotocol, or to another, was refused by the library (RFC 6455
+    // §4.1).
     Ok(ByteStream::new(socket))
 }
 
-/// Opens a WebSocket as a server, whatever path the client asks for. The caller bounds the time. Messages of more than
-/// `message_bytes_max` bytes are refused later.
+/// Opens a WebSocket as a server, whatever path the client asks for. The caller bounds the time.
+/// Messages of more than `message_bytes_max` bytes are refused later.
 ///
 /// # Errors
 /// [`AcceptError`]; a client that offers other subprotocols was told.
@@ -152,7 +159,8 @@ pub async fn accept<S: AsyncRead + AsyncWrite + Unpin>(
 ) -> Result<ByteStream<S>, AcceptError> {
     let mut refused = None;
     let choose = Choice { subprotocol, refused: &mut refused };
-    let opened = accept_hdr_async_with_config(stream, choose, Some(configuration(message_bytes_max))).await;
+    let opened =
+        accept_hdr_async_with_config(stream, choose, Some(configuration(message_bytes_max))).await;
     let socket: WebSocketStream<S> = opened.map_err(|error| match (error, refused) {
         (_, Some(offered)) => AcceptError::Subprotocol { offered, subprotocol },
         (WsError::Io(error), None) => AcceptError::Io(error),
@@ -172,7 +180,11 @@ struct Choice<'a> {
 
 impl tokio_tungstenite::tungstenite::handshake::server::Callback for Choice<'_> {
     #[allow(clippy::result_large_err, reason = "the library says so")]
-    fn on_request(self, request: &Request, mut response: Response) -> Result<Response, ErrorResponse> {
+    fn on_request(
+        self,
+        request: &Request,
+        mut response: Response,
+    ) -> Result<Response, ErrorResponse> {
         let offers = request.headers().get_all(SEC_WEBSOCKET_PROTOCOL).into_iter();
         let offers: Vec<&str> = offers.filter_map(|value| value.to_str().ok()).collect();
         let wanted = self.subprotocol.as_str();
@@ -181,7 +193,9 @@ impl tokio_tungstenite::tungstenite::handshake::server::Callback for Choice<'_> 
             return Ok(response);
         }
         *self.refused = Some(offers.join(", ").chars().take(OFFER_CHARACTERS_MAX).collect());
-        let mut refusal = ErrorResponse::new(Some(format!("only the WebSocket subprotocol {wanted} is spoken here\n")));
+        let mut refusal = ErrorResponse::new(Some(format!(
+            "only the WebSocket subprotocol {wanted} is spoken here\n"
+        )));
         *refusal.status_mut() = StatusCode::BAD_REQUEST;
         Err(refusal)
     }

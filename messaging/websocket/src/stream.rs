@@ -42,8 +42,9 @@ pub(crate) fn configuration(message_bytes_max: usize) -> WebSocketConfig {
 
 /// The bytes of the binary messages of a WebSocket, in both directions.
 ///
-/// Reading ends where the peer closes the WebSocket in order, and fails where it gives a reason, breaks off or sends
-/// what is not allowed; of the latter it is told. Shutting down closes the WebSocket and the stream beneath it.
+/// Reading ends where the peer closes the WebSocket in order, and fails where it gives a reason,
+/// breaks off or sends what is not allowed; of the latter it is told. Shutting down closes the
+/// WebSocket and the stream beneath it.
 #[derive(Debug)]
 pub struct ByteStream<S> {
     socket: WebSocketStream<S>,
@@ -68,7 +69,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> ByteStream<S> {
                 Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_))) => {}
                 Some(Ok(Message::Text(_))) => {
                     let reason = "the peer sent text where only binary messages are allowed";
-                    return Poll::Ready(Err(self.refuse(cx, CloseCode::Unsupported, invalid(reason))));
+                    return Poll::Ready(Err(self.refuse(
+                        cx,
+                        CloseCode::Unsupported,
+                        invalid(reason),
+                    )));
                 }
                 Some(Ok(Message::Close(frame))) => {
                     self.has_ended = true;
@@ -87,7 +92,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin> ByteStream<S> {
         self.has_ended = true;
         match error {
             WsError::Io(error) => error,
-            WsError::Protocol(ProtocolError::ResetWithoutClosingHandshake) => io::ErrorKind::UnexpectedEof.into(),
+            WsError::Protocol(ProtocolError::ResetWithoutClosingHandshake) => {
+                io::ErrorKind::UnexpectedEof.into()
+            }
             WsError::Capacity(_) => self.refuse(cx, CloseCode::Size, invalid(error)),
             WsError::Utf8(_) => self.refuse(cx, CloseCode::Unsupported, invalid(error)),
             other => self.refuse(cx, CloseCode::Protocol, invalid(other)),
@@ -114,9 +121,15 @@ fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Erro
 fn closed(frame: Option<CloseFrame>) -> io::Result<()> {
     match frame {
         None => Ok(()),
-        Some(CloseFrame { code: CloseCode::Normal | CloseCode::Away | CloseCode::Status, .. }) => Ok(()),
+        Some(CloseFrame {
+            code: CloseCode::Normal | CloseCode::Away | CloseCode::Status, ..
+        }) => Ok(()),
         Some(CloseFrame { code, reason }) => {
-            let why = format!("the peer closed the WebSocket with the code {} {:?}", u16::from(code), reason.as_str());
+            let why = format!(
+                "the peer closed the WebSocket with the code {} {:?}",
+                u16::from(code),
+                reason.as_str()
+            );
             Err(io::Error::new(io::ErrorKind::ConnectionAborted, why))
         }
     }
@@ -130,7 +143,11 @@ fn write_error(error: WsError) -> io::Error {
 }
 
 impl<S: AsyncRead + AsyncWrite + Unpin> AsyncRead for ByteStream<S> {
-    fn poll_read(self: Pin<&mut Self>, cx: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+    fn poll_read(
+        self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
         let this = self.get_mut();
         ready!(this.poll_received(cx))?;
         let count = this.received.len().min(buffer.remaining());
@@ -141,12 +158,18 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncRead for ByteStream<S> {
 }
 
 impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for ByteStream<S> {
-    fn poll_write(self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+    fn poll_write(
+        self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
         let mut socket = Pin::new(&mut self.get_mut().socket);
         ready!(socket.as_mut().poll_ready(cx)).map_err(write_error)?;
         let bytes = &bytes[..bytes.len().min(SENT_BYTES_MAX)];
         if !bytes.is_empty() {
-            socket.start_send(Message::Binary(Bytes::copy_from_slice(bytes))).map_err(write_error)?;
+            socket
+                .start_send(Message::Binary(Bytes::copy_from_slice(bytes)))
+                .map_err(write_error)?;
         }
         Poll::Ready(Ok(bytes.len()))
     }
@@ -159,7 +182,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for ByteStream<S> {
         let this = self.get_mut();
         match ready!(Pin::new(&mut this.socket).poll_close(cx)) {
             // The peer was first.
-            Ok(()) | Err(WsError::AlreadyClosed | WsError::ConnectionClosed | WsError::Protocol(_)) => {}
+            Ok(())
+            | Err(WsError::AlreadyClosed | WsError::ConnectionClosed | WsError::Protocol(_)) => {}
             Err(error) => return Poll::Ready(Err(write_error(error))),
         }
         Pin::new(this.socket.get_mut()).poll_shutdown(cx)

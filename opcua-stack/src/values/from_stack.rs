@@ -9,17 +9,21 @@ use stack::UaNullable;
 use super::{
     ConversionError,
     ids::{
-        expanded_node_id_from_stack, localized_text_from_stack, node_id_from_stack, qualified_name_from_stack,
-        status_from_stack, string_from_stack, time_from_stack,
+        expanded_node_id_from_stack, localized_text_from_stack, node_id_from_stack,
+        qualified_name_from_stack, status_from_stack, string_from_stack, time_from_stack,
     },
     structures::extension_object_from_stack,
 };
 use crate::NamespaceTable;
 
-/// A data value of the peer. What cannot be understood becomes `BadDecodingError` with the times kept.
+/// A data value of the peer. What cannot be understood becomes `BadDecodingError` with the times
+/// kept.
 #[must_use]
 pub fn from_stack(value: stack::DataValue, namespaces: &NamespaceTable) -> model::DataValue {
-    let (content, status) = match value.value.map_or(Ok(model::Variant::Null), |v| variant_from_stack(v, namespaces)) {
+    let (content, status) = match value
+        .value
+        .map_or(Ok(model::Variant::Null), |v| variant_from_stack(v, namespaces))
+    {
         Ok(content) => (content, value.status.map_or(model::StatusCode::GOOD, status_from_stack)),
         Err(_) => (model::Variant::Null, model::StatusCode::BAD_DECODING_ERROR),
     };
@@ -49,8 +53,12 @@ pub fn variant_from_stack(
     }
 }
 
-fn array_from_stack(array: stack::Array, namespaces: &NamespaceTable) -> Result<model::Variant, ConversionError> {
-    let element_type = model::BuiltInType::from_id(array.value_type as u64).ok_or(ConversionError::InvalidArray)?;
+fn array_from_stack(
+    array: stack::Array,
+    namespaces: &NamespaceTable,
+) -> Result<model::Variant, ConversionError> {
+    let element_type = model::BuiltInType::from_id(array.value_type as u64)
+        .ok_or(ConversionError::InvalidArray)?;
     let elements = array
         .values
         .into_iter()
@@ -67,7 +75,10 @@ fn array_from_stack(array: stack::Array, namespaces: &NamespaceTable) -> Result<
     Ok(model::Variant::Array(Arc::new(model::Array { element_type, elements, dimensions })))
 }
 
-fn scalar_from_stack(value: stack::Variant, namespaces: &NamespaceTable) -> Result<model::Scalar, ConversionError> {
+fn scalar_from_stack(
+    value: stack::Variant,
+    namespaces: &NamespaceTable,
+) -> Result<model::Scalar, ConversionError> {
     use model::Scalar as M;
     use stack::Variant as S;
     Ok(match value {
@@ -88,11 +99,17 @@ fn scalar_from_stack(value: stack::Variant, namespaces: &NamespaceTable) -> Resu
         S::StatusCode(v) => M::StatusCode(status_from_stack(v)),
         S::ByteString(v) => M::ByteString(v.value.map(Arc::from)),
         S::XmlElement(v) => M::XmlElement((!v.is_ua_null()).then(|| Arc::from(v.to_string()))),
-        S::QualifiedName(v) => M::QualifiedName(Box::new(qualified_name_from_stack(&v, namespaces))),
+        S::QualifiedName(v) => {
+            M::QualifiedName(Box::new(qualified_name_from_stack(&v, namespaces)))
+        }
         S::LocalizedText(v) => M::LocalizedText(Box::new(localized_text_from_stack(&v))),
         S::NodeId(v) => M::NodeId(Box::new(node_id_from_stack(&v, namespaces))),
-        S::ExpandedNodeId(v) => M::ExpandedNodeId(Box::new(expanded_node_id_from_stack(&v, namespaces))),
-        S::ExtensionObject(v) => M::ExtensionObject(Box::new(extension_object_from_stack(v, namespaces)?)),
+        S::ExpandedNodeId(v) => {
+            M::ExpandedNodeId(Box::new(expanded_node_id_from_stack(&v, namespaces)))
+        }
+        S::ExtensionObject(v) => {
+            M::ExtensionObject(Box::new(extension_object_from_stack(v, namespaces)?))
+        }
         S::DataValue(v) => M::DataValue(Box::new(from_stack(*v, namespaces))),
         S::DiagnosticInfo(v) => M::DiagnosticInfo(Box::new(diagnostics_from_stack(*v))),
         S::Variant(v) => M::Variant(Box::new(variant_from_stack(*v, namespaces)?)),
@@ -108,6 +125,8 @@ fn diagnostics_from_stack(diagnostics: stack::DiagnosticInfo) -> model::Diagnost
         localized_text: diagnostics.localized_text,
         additional_info: diagnostics.additional_info.as_ref().and_then(string_from_stack),
         inner_status_code: diagnostics.inner_status_code.map(status_from_stack),
-        inner_diagnostic_info: diagnostics.inner_diagnostic_info.map(|inner| Box::new(diagnostics_from_stack(*inner))),
+        inner_diagnostic_info: diagnostics
+            .inner_diagnostic_info
+            .map(|inner| Box::new(diagnostics_from_stack(*inner))),
     }
 }

@@ -35,14 +35,20 @@ pub fn status_to_stack(status: model::StatusCode) -> stack::StatusCode {
 /// A node's identity with its namespace by URI. An index unknown to the table stays an index.
 #[must_use]
 pub fn node_id_from_stack(id: &stack::NodeId, namespaces: &NamespaceTable) -> model::NodeId {
-    model::NodeId { namespace: namespaces.namespace(id.namespace), identifier: identifier_from_stack(&id.identifier) }
+    model::NodeId {
+        namespace: namespaces.namespace(id.namespace),
+        identifier: identifier_from_stack(&id.identifier),
+    }
 }
 
 /// A node's identity under the peer's indexes.
 ///
 /// # Errors
 /// [`ConversionError::UnknownNamespace`] when the peer lacks the namespace.
-pub fn node_id_to_stack(id: &model::NodeId, namespaces: &NamespaceTable) -> Result<stack::NodeId, ConversionError> {
+pub fn node_id_to_stack(
+    id: &model::NodeId,
+    namespaces: &NamespaceTable,
+) -> Result<stack::NodeId, ConversionError> {
     Ok(stack::NodeId {
         namespace: namespace_to_stack(&id.namespace, namespaces)?,
         identifier: identifier_to_stack(&id.identifier),
@@ -51,14 +57,24 @@ pub fn node_id_to_stack(id: &model::NodeId, namespaces: &NamespaceTable) -> Resu
 
 /// A node's identity, maybe on another server.
 #[must_use]
-pub fn expanded_node_id_from_stack(id: &stack::ExpandedNodeId, namespaces: &NamespaceTable) -> model::ExpandedNodeId {
+pub fn expanded_node_id_from_stack(
+    id: &stack::ExpandedNodeId,
+    namespaces: &NamespaceTable,
+) -> model::ExpandedNodeId {
     let namespace = match id.namespace_uri.value() {
         Some(uri) => model::Namespace::uri(uri),
         None => namespaces.namespace(id.node_id.namespace),
     };
-    let server = if id.server_index == 0 { model::Server::Local } else { model::Server::Index(id.server_index) };
+    let server = if id.server_index == 0 {
+        model::Server::Local
+    } else {
+        model::Server::Index(id.server_index)
+    };
     model::ExpandedNodeId {
-        node_id: model::NodeId { namespace, identifier: identifier_from_stack(&id.node_id.identifier) },
+        node_id: model::NodeId {
+            namespace,
+            identifier: identifier_from_stack(&id.node_id.identifier),
+        },
         server,
     }
 }
@@ -74,7 +90,9 @@ pub fn expanded_node_id_to_stack(
     let server_index = match &id.server {
         model::Server::Local => 0,
         model::Server::Index(index) => *index,
-        model::Server::Uri(uri) => return Err(ConversionError::UnknownServer { uri: uri.to_string() }),
+        model::Server::Uri(uri) => {
+            return Err(ConversionError::UnknownServer { uri: uri.to_string() });
+        }
     };
     let (namespace, namespace_uri) = match &id.node_id.namespace {
         // An index of ours means nothing on another server; only the URI does.
@@ -84,13 +102,23 @@ pub fn expanded_node_id_to_stack(
         namespace => (namespace_to_stack(namespace, namespaces)?, stack::UAString::null()),
     };
     let identifier = identifier_to_stack(&id.node_id.identifier);
-    Ok(stack::ExpandedNodeId { node_id: stack::NodeId { namespace, identifier }, namespace_uri, server_index })
+    Ok(stack::ExpandedNodeId {
+        node_id: stack::NodeId { namespace, identifier },
+        namespace_uri,
+        server_index,
+    })
 }
 
 /// A qualified name with its namespace by URI.
 #[must_use]
-pub fn qualified_name_from_stack(name: &stack::QualifiedName, namespaces: &NamespaceTable) -> model::QualifiedName {
-    model::QualifiedName { namespace: namespaces.namespace(name.namespace_index), name: string_from_stack(&name.name) }
+pub fn qualified_name_from_stack(
+    name: &stack::QualifiedName,
+    namespaces: &NamespaceTable,
+) -> model::QualifiedName {
+    model::QualifiedName {
+        namespace: namespaces.namespace(name.namespace_index),
+        name: string_from_stack(&name.name),
+    }
 }
 
 /// A qualified name under the peer's indexes.
@@ -110,7 +138,10 @@ pub fn qualified_name_to_stack(
 /// A text with its language.
 #[must_use]
 pub fn localized_text_from_stack(text: &stack::LocalizedText) -> model::LocalizedText {
-    model::LocalizedText { locale: string_from_stack(&text.locale), text: string_from_stack(&text.text) }
+    model::LocalizedText {
+        locale: string_from_stack(&text.locale),
+        text: string_from_stack(&text.text),
+    }
 }
 
 /// A text with its language for the stack.
@@ -130,13 +161,16 @@ pub(super) fn string_to_stack(text: Option<&str>) -> stack::UAString {
     stack::UAString::from(text.map(str::to_owned))
 }
 
-fn namespace_to_stack(namespace: &model::Namespace, namespaces: &NamespaceTable) -> Result<u16, ConversionError> {
+fn namespace_to_stack(
+    namespace: &model::Namespace,
+    namespaces: &NamespaceTable,
+) -> Result<u16, ConversionError> {
     match namespace {
         model::Namespace::Ua => Ok(0),
         model::Namespace::Index(index) => Ok(*index),
-        model::Namespace::Uri(uri) => {
-            namespaces.index(uri).ok_or_else(|| ConversionError::UnknownNamespace { uri: uri.to_string() })
-        }
+        model::Namespace::Uri(uri) => namespaces
+            .index(uri)
+            .ok_or_else(|| ConversionError::UnknownNamespace { uri: uri.to_string() }),
     }
 }
 
@@ -152,8 +186,12 @@ fn identifier_from_stack(id: &stack::Identifier) -> model::Identifier {
 fn identifier_to_stack(id: &model::Identifier) -> stack::Identifier {
     match id {
         model::Identifier::Numeric(id) => stack::Identifier::Numeric(*id),
-        model::Identifier::String(id) => stack::Identifier::String(stack::UAString::from(id.as_ref())),
+        model::Identifier::String(id) => {
+            stack::Identifier::String(stack::UAString::from(id.as_ref()))
+        }
         model::Identifier::Guid(id) => stack::Identifier::Guid((*id).into()),
-        model::Identifier::Opaque(id) => stack::Identifier::ByteString(stack::ByteString::from(id.to_vec())),
+        model::Identifier::Opaque(id) => {
+            stack::Identifier::ByteString(stack::ByteString::from(id.to_vec()))
+        }
     }
 }

@@ -13,15 +13,16 @@ use stack::{
 use super::{
     ConversionError,
     ids::{
-        expanded_node_id_from_stack, localized_text_from_stack, localized_text_to_stack, node_id_from_stack,
-        node_id_to_stack, string_from_stack, string_to_stack,
+        expanded_node_id_from_stack, localized_text_from_stack, localized_text_to_stack,
+        node_id_from_stack, node_id_to_stack, string_from_stack, string_to_stack,
     },
     to_stack::Encoder,
     variant_from_stack,
 };
 use crate::NamespaceTable;
 
-/// Range (OPC 10000-8 §5.6.2), a structure of every analog variable, known without reading the server's types.
+/// Range (OPC 10000-8 §5.6.2), a structure of every analog variable, known without reading the
+/// server's types.
 const RANGE: u32 = 884;
 /// EUInformation (OPC 10000-8 §5.6.4), likewise.
 const EU_INFORMATION: u32 = 887;
@@ -31,7 +32,10 @@ pub(super) fn extension_object_from_stack(
     namespaces: &NamespaceTable,
 ) -> Result<model::ExtensionObject, ConversionError> {
     let Some(body) = object.body else {
-        return Ok(model::ExtensionObject { type_id: local(model::NodeId::null()), body: ExtensionBody::None });
+        return Ok(model::ExtensionObject {
+            type_id: local(model::NodeId::null()),
+            body: ExtensionBody::None,
+        });
     };
     let any = body.as_dyn_any_ref();
     if let Some(structure) = any.downcast_ref::<DynamicStructure>() {
@@ -70,7 +74,11 @@ pub(super) fn extension_object_to_stack(
         ExtensionBody::Json(_) => Err(ConversionError::JsonBody { type_id: type_name() }),
         ExtensionBody::Xml(text) => {
             let id = node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
-            Ok(stack::ExtensionObject::new(stack::XmlBody::new(text.as_bytes().to_vec(), id, String::new())))
+            Ok(stack::ExtensionObject::new(stack::XmlBody::new(
+                text.as_bytes().to_vec(),
+                id,
+                String::new(),
+            )))
         }
         ExtensionBody::Binary(bytes) => {
             let id = node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
@@ -86,7 +94,8 @@ fn local(node_id: model::NodeId) -> model::ExpandedNodeId {
 
 /// The data type behind an encoding's id, or that id where the type is not known.
 fn data_type_of(encoding_id: &stack::NodeId, namespaces: &NamespaceTable) -> model::NodeId {
-    let types = namespaces.data_types().and_then(|types| types.encoding_to_data_type().get(encoding_id));
+    let types =
+        namespaces.data_types().and_then(|types| types.encoding_to_data_type().get(encoding_id));
     node_id_from_stack(types.unwrap_or(encoding_id), namespaces)
 }
 
@@ -96,7 +105,11 @@ fn structure<const N: usize>(fields: [(&str, model::Variant); N]) -> ExtensionBo
 }
 
 fn unit_from_stack(unit: &stack::EUInformation) -> ExtensionBody {
-    let text = |text| model::Variant::Scalar(model::Scalar::LocalizedText(Box::new(localized_text_from_stack(text))));
+    let text = |text| {
+        model::Variant::Scalar(model::Scalar::LocalizedText(Box::new(localized_text_from_stack(
+            text,
+        ))))
+    };
     let uri = model::Variant::Scalar(model::Scalar::String(string_from_stack(&unit.namespace_uri)));
     structure([
         ("NamespaceUri", uri),
@@ -106,11 +119,16 @@ fn unit_from_stack(unit: &stack::EUInformation) -> ExtensionBody {
     ])
 }
 
-fn encode(body: &dyn DynEncodable, namespaces: &NamespaceTable) -> Result<Vec<u8>, ConversionError> {
+fn encode(
+    body: &dyn DynEncodable,
+    namespaces: &NamespaceTable,
+) -> Result<Vec<u8>, ConversionError> {
     let mut bytes = Vec::new();
-    body.encode_binary(&mut bytes, &namespaces.context().context()).map_err(|error| ConversionError::Encoding {
-        type_id: body.data_type_id().to_string(),
-        reason: error.to_string(),
+    body.encode_binary(&mut bytes, &namespaces.context().context()).map_err(|error| {
+        ConversionError::Encoding {
+            type_id: body.data_type_id().to_string(),
+            reason: error.to_string(),
+        }
     })?;
     Ok(bytes)
 }
@@ -121,21 +139,27 @@ fn dynamic_from_stack(
 ) -> Result<model::ExtensionObject, ConversionError> {
     let id = value.data_type_id().node_id;
     let type_id = local(node_id_from_stack(&id, namespaces));
-    // A value from an older table of the same server may be of a type that this table does not know.
-    let Some(definition) = namespaces.data_types().and_then(|types| types.get_struct_type(&id)) else {
+    // A value from an older table of the same server may be of a type that this table does not
+    // know.
+    let Some(definition) = namespaces.data_types().and_then(|types| types.get_struct_type(&id))
+    else {
         let bytes = encode(value, namespaces)?;
         return Ok(model::ExtensionObject { type_id, body: ExtensionBody::Binary(bytes.into()) });
     };
     let mut fields = StructureValue::default();
     if definition.structure_type == StructureType::Union {
-        // The stack keeps the selector to itself; it leads the encoding as UInt32 (OPC 10000-6 §5.2.8).
+        // The stack keeps the selector to itself; it leads the encoding as UInt32 (OPC 10000-6
+        // §5.2.8).
         let bytes = encode(value, namespaces)?;
         let selector = bytes.first_chunk().copied().map_or(0, u32::from_le_bytes);
         fields.switch_field = Some(selector);
         if let (Some(field), Some(content)) =
             (definition.fields.get((selector as usize).wrapping_sub(1)), value.values().first())
         {
-            fields.fields.insert(Arc::from(field.name.as_str()), variant_from_stack(content.clone(), namespaces)?);
+            fields.fields.insert(
+                Arc::from(field.name.as_str()),
+                variant_from_stack(content.clone(), namespaces)?,
+            );
         }
     } else {
         let mut mask = 0_u32;
@@ -147,7 +171,10 @@ fn dynamic_from_stack(
                 optional_bit = optional_bit.wrapping_shl(1);
             }
             if !is_absent {
-                fields.fields.insert(Arc::from(field.name.as_str()), variant_from_stack(content.clone(), namespaces)?);
+                fields.fields.insert(
+                    Arc::from(field.name.as_str()),
+                    variant_from_stack(content.clone(), namespaces)?,
+                );
             }
         }
         if definition.structure_type == StructureType::StructureWithOptionalFields {
@@ -157,11 +184,16 @@ fn dynamic_from_stack(
     Ok(model::ExtensionObject { type_id, body: ExtensionBody::Structure(fields) })
 }
 
-/// Bytes under a data type's or an encoding's id: decoded where the stack knows the type, so that it travels under its
-/// right encoding; kept as they are where it does not.
-fn binary_to_stack(id: &stack::NodeId, bytes: &[u8], namespaces: &NamespaceTable) -> stack::ExtensionObject {
-    let raw =
-        |id: &stack::NodeId| stack::ExtensionObject::new(stack::ByteStringBody::new(bytes.to_vec().into(), id.clone()));
+/// Bytes under a data type's or an encoding's id: decoded where the stack knows the type, so that
+/// it travels under its right encoding; kept as they are where it does not.
+fn binary_to_stack(
+    id: &stack::NodeId,
+    bytes: &[u8],
+    namespaces: &NamespaceTable,
+) -> stack::ExtensionObject {
+    let raw = |id: &stack::NodeId| {
+        stack::ExtensionObject::new(stack::ByteStringBody::new(bytes.to_vec().into(), id.clone()))
+    };
     if let Some(definition) = namespaces.data_types().and_then(|types| types.get_struct_type(id)) {
         return raw(&definition.encoding_ids.binary_id);
     }
@@ -192,8 +224,11 @@ fn structure_to_stack(
     ) else {
         return Err(ConversionError::UnknownStructure { type_id: id.to_string() });
     };
-    let mismatch = |reason: String| ConversionError::StructureMismatch { type_id: id.to_string(), reason };
-    if let Some(name) = value.fields.keys().find(|name| definition.get_field_by_name(name).is_none()) {
+    let mismatch =
+        |reason: String| ConversionError::StructureMismatch { type_id: id.to_string(), reason };
+    if let Some(name) =
+        value.fields.keys().find(|name| definition.get_field_by_name(name).is_none())
+    {
         return Err(mismatch(format!("there is no field {name:?}")));
     }
     let (definition, types) = (Arc::clone(definition), Arc::clone(types));
@@ -202,9 +237,10 @@ fn structure_to_stack(
             0 => Ok(DynamicStructure::new_null_union(definition, types)),
             selector => {
                 let field = definition.fields.get(selector as usize - 1);
-                let content = field.and_then(|field| Some((field, value.fields.get(field.name.as_str())?)));
-                let (field, content) =
-                    content.ok_or_else(|| mismatch(format!("the selected field {selector} is missing")))?;
+                let content =
+                    field.and_then(|field| Some((field, value.fields.get(field.name.as_str())?)));
+                let (field, content) = content
+                    .ok_or_else(|| mismatch(format!("the selected field {selector} is missing")))?;
                 let content = field_to_stack(field.scalar_type, content, encoder)?;
                 DynamicStructure::new_union(Arc::clone(&definition), types, content, selector)
             }
@@ -238,15 +274,18 @@ fn field_to_stack(
     encoder: Encoder<'_>,
 ) -> Result<stack::Variant, ConversionError> {
     let content = encoder.variant(content)?;
-    let is_plain = wanted == stack::VariantScalarTypeId::Variant && !matches!(content, stack::Variant::Array(_));
+    let is_plain = wanted == stack::VariantScalarTypeId::Variant
+        && !matches!(content, stack::Variant::Array(_));
     Ok(if is_plain { stack::Variant::Variant(Box::new(content)) } else { content })
 }
 
 fn range_to_stack(value: &StructureValue) -> Result<stack::ExtensionObject, ConversionError> {
     let bound = |name: &str| {
-        value.fields.get(name).and_then(model::Variant::as_f64).ok_or_else(|| ConversionError::StructureMismatch {
-            type_id: model::NodeId::ua(RANGE).to_string(),
-            reason: format!("{name} must be a Double"),
+        value.fields.get(name).and_then(model::Variant::as_f64).ok_or_else(|| {
+            ConversionError::StructureMismatch {
+                type_id: model::NodeId::ua(RANGE).to_string(),
+                reason: format!("{name} must be a Double"),
+            }
         })
     };
     Ok(stack::ExtensionObject::new(stack::Range { low: bound("Low")?, high: bound("High")? }))

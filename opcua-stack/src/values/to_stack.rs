@@ -6,8 +6,8 @@ use opcua::types as stack;
 use super::{
     ConversionError, DEPTH_MAX,
     ids::{
-        expanded_node_id_to_stack, localized_text_to_stack, node_id_to_stack, qualified_name_to_stack, status_to_stack,
-        string_to_stack, time_to_stack,
+        expanded_node_id_to_stack, localized_text_to_stack, node_id_to_stack,
+        qualified_name_to_stack, status_to_stack, string_to_stack, time_to_stack,
     },
     structures::extension_object_to_stack,
 };
@@ -16,15 +16,20 @@ use crate::NamespaceTable;
 /// A data value for the peer.
 ///
 /// # Errors
-/// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts itself.
-pub fn to_stack(value: &model::DataValue, namespaces: &NamespaceTable) -> Result<stack::DataValue, ConversionError> {
+/// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts
+/// itself.
+pub fn to_stack(
+    value: &model::DataValue,
+    namespaces: &NamespaceTable,
+) -> Result<stack::DataValue, ConversionError> {
     Encoder { namespaces, depth: 0 }.data_value(value)
 }
 
 /// A value for the peer.
 ///
 /// # Errors
-/// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts itself.
+/// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts
+/// itself.
 pub fn variant_to_stack(
     value: &model::Variant,
     namespaces: &NamespaceTable,
@@ -41,7 +46,11 @@ pub(super) struct Encoder<'a> {
 
 impl Encoder<'_> {
     fn deeper(self) -> Result<Self, ConversionError> {
-        if self.depth < DEPTH_MAX { Ok(Self { depth: self.depth + 1, ..self }) } else { Err(ConversionError::TooDeep) }
+        if self.depth < DEPTH_MAX {
+            Ok(Self { depth: self.depth + 1, ..self })
+        } else {
+            Err(ConversionError::TooDeep)
+        }
     }
 
     fn data_value(self, value: &model::DataValue) -> Result<stack::DataValue, ConversionError> {
@@ -50,7 +59,8 @@ impl Encoder<'_> {
                 model::Variant::Null => None,
                 content => Some(self.variant(content)?),
             },
-            status: (value.status != model::StatusCode::GOOD).then(|| status_to_stack(value.status)),
+            status: (value.status != model::StatusCode::GOOD)
+                .then(|| status_to_stack(value.status)),
             source_timestamp: value.source_timestamp.map(time_to_stack),
             source_picoseconds: (value.source_picoseconds != 0).then_some(value.source_picoseconds),
             server_timestamp: value.server_timestamp.map(time_to_stack),
@@ -71,19 +81,26 @@ impl Encoder<'_> {
         if array.elements.iter().any(|element| element.built_in_type() != array.element_type) {
             return Err(ConversionError::InvalidArray);
         }
-        let values = array.elements.iter().map(|element| self.scalar(element)).collect::<Result<Vec<_>, _>>()?;
+        let values = array
+            .elements
+            .iter()
+            .map(|element| self.scalar(element))
+            .collect::<Result<Vec<_>, _>>()?;
         let array = match &array.dimensions {
             None => stack::Array::new(value_type, values),
             Some(dimensions) => {
-                let product =
-                    dimensions.iter().try_fold(1_usize, |product, &length| product.checked_mul(length as usize));
+                let product = dimensions
+                    .iter()
+                    .try_fold(1_usize, |product, &length| product.checked_mul(length as usize));
                 if product != Some(values.len()) {
                     return Err(ConversionError::InvalidArray);
                 }
                 stack::Array::new_multi(value_type, values, dimensions.clone())
             }
         };
-        array.map(|array| stack::Variant::Array(Box::new(array))).map_err(|_| ConversionError::InvalidArray)
+        array
+            .map(|array| stack::Variant::Array(Box::new(array)))
+            .map_err(|_| ConversionError::InvalidArray)
     }
 
     fn scalar(self, value: &model::Scalar) -> Result<stack::Variant, ConversionError> {
@@ -106,20 +123,31 @@ impl Encoder<'_> {
             M::DateTime(v) => S::DateTime(Box::new(time_to_stack(*v))),
             M::Guid(v) => S::Guid(Box::new((*v).into())),
             M::StatusCode(v) => S::StatusCode(status_to_stack(*v)),
-            M::ByteString(v) => S::ByteString(stack::ByteString { value: v.as_deref().map(<[u8]>::to_vec) }),
+            M::ByteString(v) => {
+                S::ByteString(stack::ByteString { value: v.as_deref().map(<[u8]>::to_vec) })
+            }
             M::XmlElement(v) => S::XmlElement(string_to_stack(v.as_deref()).into()),
-            M::QualifiedName(v) => S::QualifiedName(Box::new(qualified_name_to_stack(v, namespaces)?)),
+            M::QualifiedName(v) => {
+                S::QualifiedName(Box::new(qualified_name_to_stack(v, namespaces)?))
+            }
             M::LocalizedText(v) => S::LocalizedText(Box::new(localized_text_to_stack(v))),
             M::NodeId(v) => S::NodeId(Box::new(node_id_to_stack(v, namespaces)?)),
-            M::ExpandedNodeId(v) => S::ExpandedNodeId(Box::new(expanded_node_id_to_stack(v, namespaces)?)),
-            M::ExtensionObject(v) => S::ExtensionObject(extension_object_to_stack(v, self.deeper()?)?),
+            M::ExpandedNodeId(v) => {
+                S::ExpandedNodeId(Box::new(expanded_node_id_to_stack(v, namespaces)?))
+            }
+            M::ExtensionObject(v) => {
+                S::ExtensionObject(extension_object_to_stack(v, self.deeper()?)?)
+            }
             M::DataValue(v) => S::DataValue(Box::new(self.deeper()?.data_value(v)?)),
             M::DiagnosticInfo(v) => S::DiagnosticInfo(Box::new(self.deeper()?.diagnostics(v)?)),
             M::Variant(v) => S::Variant(Box::new(self.deeper()?.variant(v)?)),
         })
     }
 
-    fn diagnostics(self, diagnostics: &model::DiagnosticInfo) -> Result<stack::DiagnosticInfo, ConversionError> {
+    fn diagnostics(
+        self,
+        diagnostics: &model::DiagnosticInfo,
+    ) -> Result<stack::DiagnosticInfo, ConversionError> {
         Ok(stack::DiagnosticInfo {
             symbolic_id: diagnostics.symbolic_id,
             namespace_uri: diagnostics.namespace_uri,

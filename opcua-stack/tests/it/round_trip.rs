@@ -3,13 +3,15 @@
 use std::{io::Cursor, sync::Arc};
 
 use asi_model::values::{
-    Array, BuiltInType, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, ExtensionBody, ExtensionObject,
-    Identifier, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Server, StatusCode, Variant,
+    Array, BuiltInType, DataValue, DateTime, DiagnosticInfo, ExpandedNodeId, ExtensionBody,
+    ExtensionObject, Identifier, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Server,
+    StatusCode, Variant,
 };
 use opcua_stack::{
     NamespaceTable,
     opcua::types::{
-        BinaryDecodable, BinaryEncodable, ContextOwned, DataValue as StackDataValue, DecodingOptions, NamespaceMap,
+        BinaryDecodable, BinaryEncodable, ContextOwned, DataValue as StackDataValue,
+        DecodingOptions, NamespaceMap,
     },
     values::{ConversionError, from_stack, to_stack, variant_to_stack},
 };
@@ -25,7 +27,9 @@ fn text() -> impl Strategy<Value = Option<Arc<str>>> {
 }
 
 /// The stack sends an empty part of a localized text as a null one.
-fn not_empty(text: impl Strategy<Value = Option<Arc<str>>>) -> impl Strategy<Value = Option<Arc<str>>> {
+fn not_empty(
+    text: impl Strategy<Value = Option<Arc<str>>>,
+) -> impl Strategy<Value = Option<Arc<str>>> {
     text.prop_map(|text| text.filter(|text| !text.is_empty()))
 }
 
@@ -71,14 +75,19 @@ fn expanded_node_id() -> impl Strategy<Value = ExpandedNodeId> {
 
 fn extension_object() -> impl Strategy<Value = ExtensionObject> {
     // An id of no known type, so that the bytes may be anything.
-    let type_id = |id: u32| ExpandedNodeId { node_id: NodeId::numeric("urn:press", id), server: Server::Local };
+    let type_id = |id: u32| ExpandedNodeId {
+        node_id: NodeId::numeric("urn:press", id),
+        server: Server::Local,
+    };
     prop_oneof![
         Just(ExtensionObject {
             type_id: ExpandedNodeId { node_id: NodeId::null(), server: Server::Local },
             body: ExtensionBody::None
         }),
-        (any::<u32>(), bytes())
-            .prop_map(move |(id, bytes)| ExtensionObject { type_id: type_id(id), body: ExtensionBody::Binary(bytes) }),
+        (any::<u32>(), bytes()).prop_map(move |(id, bytes)| ExtensionObject {
+            type_id: type_id(id),
+            body: ExtensionBody::Binary(bytes)
+        }),
     ]
 }
 
@@ -102,19 +111,29 @@ fn leaf(of: BuiltInType) -> BoxedStrategy<Scalar> {
         T::ByteString => proptest::option::of(bytes()).prop_map(Scalar::ByteString).boxed(),
         T::XmlElement => text().prop_map(Scalar::XmlElement).boxed(),
         T::NodeId => node_id().prop_map(|id| Scalar::NodeId(Box::new(id))).boxed(),
-        T::ExpandedNodeId => expanded_node_id().prop_map(|id| Scalar::ExpandedNodeId(Box::new(id))).boxed(),
+        T::ExpandedNodeId => {
+            expanded_node_id().prop_map(|id| Scalar::ExpandedNodeId(Box::new(id))).boxed()
+        }
         T::StatusCode => any::<u32>().prop_map(|code| Scalar::StatusCode(StatusCode(code))).boxed(),
         T::QualifiedName => (namespace(), text())
-            .prop_map(|(namespace, name)| Scalar::QualifiedName(Box::new(QualifiedName { namespace, name })))
+            .prop_map(|(namespace, name)| {
+                Scalar::QualifiedName(Box::new(QualifiedName { namespace, name }))
+            })
             .boxed(),
         T::LocalizedText => (not_empty(text()), not_empty(text()))
-            .prop_map(|(locale, text)| Scalar::LocalizedText(Box::new(LocalizedText { locale, text })))
+            .prop_map(|(locale, text)| {
+                Scalar::LocalizedText(Box::new(LocalizedText { locale, text }))
+            })
             .boxed(),
-        T::ExtensionObject => extension_object().prop_map(|object| Scalar::ExtensionObject(Box::new(object))).boxed(),
+        T::ExtensionObject => {
+            extension_object().prop_map(|object| Scalar::ExtensionObject(Box::new(object))).boxed()
+        }
         T::DataValue => (leaf(T::Double), time())
             .prop_map(|(value, at)| Scalar::DataValue(Box::new(DataValue::good(value, at))))
             .boxed(),
-        T::Variant => leaf(T::Int64).prop_map(|value| Scalar::Variant(Box::new(value.into()))).boxed(),
+        T::Variant => {
+            leaf(T::Int64).prop_map(|value| Scalar::Variant(Box::new(value.into()))).boxed()
+        }
         T::DiagnosticInfo => (any::<Option<i32>>(), any::<Option<u32>>())
             .prop_map(|(symbolic_id, status)| {
                 let inner = DiagnosticInfo { locale: Some(3), ..DiagnosticInfo::default() };
@@ -130,8 +149,10 @@ fn leaf(of: BuiltInType) -> BoxedStrategy<Scalar> {
 }
 
 fn array(of: BuiltInType) -> impl Strategy<Value = Variant> {
-    let plain = proptest::collection::vec(leaf(of), 0..5).prop_map(move |elements| (elements, None));
-    let matrix = proptest::collection::vec(leaf(of), 6).prop_map(move |elements| (elements, Some(vec![2, 3])));
+    let plain =
+        proptest::collection::vec(leaf(of), 0..5).prop_map(move |elements| (elements, None));
+    let matrix = proptest::collection::vec(leaf(of), 6)
+        .prop_map(move |elements| (elements, Some(vec![2, 3])));
     prop_oneof![plain, matrix].prop_map(move |(elements, dimensions)| {
         Variant::Array(Arc::new(Array { element_type: of, elements, dimensions }))
     })
@@ -149,15 +170,24 @@ fn variant() -> impl Strategy<Value = Variant> {
 }
 
 fn data_value() -> impl Strategy<Value = DataValue> {
-    (variant(), any::<u32>(), proptest::option::of(time()), 0_u16..10_000, proptest::option::of(time()), 0_u16..10_000)
-        .prop_map(|(value, status, source, source_picoseconds, server, server_picoseconds)| DataValue {
-            value,
-            status: StatusCode(status),
-            source_timestamp: source,
-            // Without a time its picoseconds mean nothing and do not travel.
-            source_picoseconds: if source.is_some() { source_picoseconds } else { 0 },
-            server_timestamp: server,
-            server_picoseconds: if server.is_some() { server_picoseconds } else { 0 },
+    (
+        variant(),
+        any::<u32>(),
+        proptest::option::of(time()),
+        0_u16..10_000,
+        proptest::option::of(time()),
+        0_u16..10_000,
+    )
+        .prop_map(|(value, status, source, source_picoseconds, server, server_picoseconds)| {
+            DataValue {
+                value,
+                status: StatusCode(status),
+                source_timestamp: source,
+                // Without a time its picoseconds mean nothing and do not travel.
+                source_picoseconds: if source.is_some() { source_picoseconds } else { 0 },
+                server_timestamp: server,
+                server_picoseconds: if server.is_some() { server_picoseconds } else { 0 },
+            }
         })
 }
 

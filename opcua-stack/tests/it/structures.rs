@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use asi_model::values::{
-    Array, BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, Scalar, Server, StructureValue, Variant,
+    Array, BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, Scalar, Server,
+    StructureValue, Variant,
 };
 use opcua_stack::{
     NamespaceTable,
     opcua::types::{
-        self as stack, BinaryDecodable, BinaryEncodable, ContextOwned, DataTypeDefinition, DataTypeId, DecodingOptions,
-        NamespaceMap, StructureDefinition, StructureField, StructureType,
+        self as stack, BinaryDecodable, BinaryEncodable, ContextOwned, DataTypeDefinition,
+        DataTypeId, DecodingOptions, NamespaceMap, StructureDefinition, StructureField,
+        StructureType,
         custom::{DataTypeTree, DynamicTypeLoader, EncodingIds, ParentIds, TypeInfo},
     },
     values::{ConversionError, variant_from_stack, variant_to_stack},
@@ -41,7 +43,8 @@ fn types(structure_type: StructureType, fields: Vec<StructureField>) -> Arc<Data
         base_data_type: DataTypeId::Structure.into(),
         ..StructureDefinition::default()
     };
-    let encodings = EncodingIds { binary_id: stack::NodeId::new(1, POWER + 1), ..EncodingIds::default() };
+    let encodings =
+        EncodingIds { binary_id: stack::NodeId::new(1, POWER + 1), ..EncodingIds::default() };
     let mut tree = DataTypeTree::new(parents);
     let info = TypeInfo::from_type_definition(
         DataTypeDefinition::Structure(definition),
@@ -88,7 +91,10 @@ fn power() -> Variant {
 
 fn object(value: StructureValue) -> Variant {
     Variant::Scalar(Scalar::ExtensionObject(Box::new(ExtensionObject {
-        type_id: ExpandedNodeId { node_id: NodeId::numeric("urn:press", POWER), server: Server::Local },
+        type_id: ExpandedNodeId {
+            node_id: NodeId::numeric("urn:press", POWER),
+            server: Server::Local,
+        },
         body: ExtensionBody::Structure(value),
     })))
 }
@@ -118,12 +124,18 @@ fn a_known_structure_travels_by_field_names() {
 fn a_union_keeps_its_selector() {
     let types = types(
         StructureType::Union,
-        vec![field("Count", DataTypeId::UInt64, -1, false), field("Text", DataTypeId::String, -1, false)],
+        vec![
+            field("Count", DataTypeId::UInt64, -1, false),
+            field("Text", DataTypeId::String, -1, false),
+        ],
     );
     let table = table().with_data_types(Arc::clone(&types));
     let check = |value: StructureValue| {
         let sent = variant_to_stack(&object(value.clone()), &table).expect("the type is known");
-        assert_eq!(variant_from_stack(over_the_wire(&sent, Some(Arc::clone(&types))), &table), Ok(object(value)));
+        assert_eq!(
+            variant_from_stack(over_the_wire(&sent, Some(Arc::clone(&types))), &table),
+            Ok(object(value))
+        );
     };
     check(StructureValue {
         fields: [(Arc::from("Text"), Variant::from("jam"))].into_iter().collect(),
@@ -139,7 +151,11 @@ fn an_unknown_structure_keeps_its_bytes_and_can_be_sent_again() {
     let sent = variant_to_stack(&power(), &known).expect("the type is known");
     let kept = variant_from_stack(over_the_wire(&sent, None), &table()).expect("bytes are kept");
     let Variant::Scalar(Scalar::ExtensionObject(object)) = &kept else { panic!("{kept:?}") };
-    assert_eq!(object.type_id.node_id, NodeId::numeric("urn:press", POWER + 1), "the encoding is all there is to see");
+    assert_eq!(
+        object.type_id.node_id,
+        NodeId::numeric("urn:press", POWER + 1),
+        "the encoding is all there is to see"
+    );
     assert!(matches!(object.body, ExtensionBody::Binary(_)));
 
     let again = variant_to_stack(&kept, &table()).expect("bytes can be sent");
@@ -148,7 +164,8 @@ fn an_unknown_structure_keeps_its_bytes_and_can_be_sent_again() {
 
 #[test]
 fn ranges_and_units_need_no_definition() {
-    let range = stack::Variant::from(stack::ExtensionObject::new(stack::Range { low: -10.0, high: 90.0 }));
+    let range =
+        stack::Variant::from(stack::ExtensionObject::new(stack::Range { low: -10.0, high: 90.0 }));
     let unit = stack::Variant::from(stack::ExtensionObject::new(stack::EUInformation {
         namespace_uri: "http://www.opcfoundation.org/UA/units/un/cefact".into(),
         unit_id: 4_408_652,
@@ -182,7 +199,10 @@ fn a_standard_structure_travels_as_bytes_under_its_data_type() {
 fn what_does_not_fit_a_definition_is_refused_with_the_reason() {
     let known = table().with_data_types(power_types());
     let value = |name: &str, value: Variant| {
-        object(StructureValue { fields: [(Arc::from(name), value)].into_iter().collect(), ..StructureValue::default() })
+        object(StructureValue {
+            fields: [(Arc::from(name), value)].into_iter().collect(),
+            ..StructureValue::default()
+        })
     };
     let check = |value: Variant, expected: &str| {
         let error = variant_to_stack(&value, &known).expect_err("must be refused").to_string();

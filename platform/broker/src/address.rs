@@ -13,7 +13,9 @@ pub struct QueueName(std::sync::Arc<str>);
 
 /// Why a text is not the name of a queue.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a queue's name consists of words of letters, digits, _ and - with dots between them, at most 255 bytes")]
+#[error(
+    "a queue's name consists of words of letters, digits, _ and - with dots between them, at most 255 bytes"
+)]
 pub struct InvalidQueueName;
 
 impl QueueName {
@@ -55,13 +57,16 @@ fn is_word(word: &str) -> bool {
     !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
 }
 
-/// A pattern over queue names: words with dots between them, `*` for exactly one word, and `#` at the end for any rest.
+/// A pattern over queue names: words with dots between them, `*` for exactly one word, and `#` at
+/// the end for any rest.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct AddressPattern(String);
 
 /// Why a text is not a pattern.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{found:?} is not an address pattern: words with dots between them, * for one word, # at the end for any rest")]
+#[error(
+    "{found:?} is not an address pattern: words with dots between them, * for one word, # at the end for any rest"
+)]
 pub struct InvalidPattern {
     /// What was found.
     pub found: String,
@@ -100,7 +105,8 @@ impl FromStr for AddressPattern {
     type Err = InvalidPattern;
 
     fn from_str(text: &str) -> Result<Self, InvalidPattern> {
-        let body = text.strip_suffix('#').map_or(text, |rest| rest.strip_suffix('.').unwrap_or(rest));
+        let body =
+            text.strip_suffix('#').map_or(text, |rest| rest.strip_suffix('.').unwrap_or(rest));
         let is_valid = text == "#"
             || (text.len() <= QUEUE_NAME_BYTES_MAX
                 && (!text.ends_with('#') || text.ends_with(".#"))
@@ -151,7 +157,11 @@ mod tests {
             ("#", "anything.at-all", true),
         ] {
             let pattern: AddressPattern = pattern.parse().expect("a pattern");
-            assert_eq!(pattern.matches(&name.parse().expect("a name")), expected, "{pattern} on {name}");
+            assert_eq!(
+                pattern.matches(&name.parse().expect("a name")),
+                expected,
+                "{pattern} on {name}"
+            );
         }
     }
 

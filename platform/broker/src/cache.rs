@@ -1,5 +1,5 @@
-//! Bodies of messages that will probably be delivered soon. Bounded by the memory they take; what does not fit is read
-//! when needed.
+//! Bodies of messages that will probably be delivered soon. Bounded by the memory they take; what
+//! does not fit is read when needed.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -7,8 +7,8 @@ use parking_lot::Mutex;
 
 use crate::message::AnyMessage;
 
-/// What a message takes beside its bytes on the wire, roughly: its sections, their maps with a handful of properties, its
-/// place here.
+/// What a message takes beside its bytes on the wire, roughly: its sections, their maps with a
+/// handful of properties, its place here.
 const OVERHEAD: u64 = size_of::<AnyMessage>() as u64 + 512;
 
 pub(crate) struct BodyCache {
@@ -31,7 +31,9 @@ impl BodyCache {
     pub(crate) fn insert(&self, id: i64, bytes: u64, message: Arc<AnyMessage>) {
         let bytes = bytes + OVERHEAD;
         let mut state = self.state.lock();
-        if state.bytes + bytes <= self.bytes_max && state.messages.insert(id, (bytes, message)).is_none() {
+        if state.bytes + bytes <= self.bytes_max
+            && state.messages.insert(id, (bytes, message)).is_none()
+        {
             state.bytes += bytes;
         }
     }

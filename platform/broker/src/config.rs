@@ -9,11 +9,13 @@ use crate::address::AddressPattern;
 /// What a broker needs to know.
 #[derive(Debug, Clone)]
 pub struct BrokerConfig {
-    /// Where to listen; port 0 picks a free one, see [`BrokerHandle::local_addresses`](crate::BrokerHandle::local_addresses).
+    /// Where to listen; port 0 picks a free one, see
+    /// [`BrokerHandle::local_addresses`](crate::BrokerHandle::local_addresses).
     pub listeners: Vec<Listener>,
     /// The SQLite file; made when missing. On a local disk.
     pub database_path: PathBuf,
-    /// Queues of these names are made when somebody permitted attaches to one; all others must be declared.
+    /// Queues of these names are made when somebody permitted attaches to one; all others must be
+    /// declared.
     pub auto_created: Vec<AddressPattern>,
     /// Bounds of queues that are made automatically.
     pub queue_options: QueueOptions,
@@ -40,7 +42,8 @@ impl BrokerConfig {
 pub struct Listener {
     /// The address.
     pub address: SocketAddr,
-    /// The certificate for TLS from the first byte (`amqps`); none for plain TCP, meant for loopback.
+    /// The certificate for TLS from the first byte (`amqps`); none for plain TCP, meant for
+    /// loopback.
     pub tls: Option<TlsIdentity>,
     /// What carries AMQP.
     pub carrier: Carrier,
@@ -74,13 +77,15 @@ impl fmt::Debug for TlsIdentity {
 /// Bounds of one queue. Changes take effect with the next declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueOptions {
-    /// Most messages kept, those being delivered included. Beyond it publishers get `amqp:resource-limit-exceeded`.
+    /// Most messages kept, those being delivered included. Beyond it publishers get
+    /// `amqp:resource-limit-exceeded`.
     pub messages_max: u64,
     /// Most bytes kept, likewise.
     pub bytes_max: u64,
     /// A message delivered so often without success moves to the dead letters.
     pub deliveries_max: u32,
-    /// Whether only the consumer that attached first receives, and the next one when it leaves; keeps the order.
+    /// Whether only the consumer that attached first receives, and the next one when it leaves;
+    /// keeps the order.
     pub is_single_active_consumer: bool,
 }
 

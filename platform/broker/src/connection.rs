@@ -10,8 +10,8 @@ use std::{
 
 use fe2o3_amqp::{
     acceptor::{
-        ConnectionAcceptor, LinkAcceptor, LinkEndpoint, ListenerConnectionHandle, ListenerSessionHandle, SaslAcceptor,
-        SessionAcceptor, sasl_acceptor::SaslServerFrame,
+        ConnectionAcceptor, LinkAcceptor, LinkEndpoint, ListenerConnectionHandle,
+        ListenerSessionHandle, SaslAcceptor, SessionAcceptor, sasl_acceptor::SaslServerFrame,
     },
     types::{
         definitions::{self, AmqpError, ConnectionError, ErrorCondition},
@@ -32,7 +32,8 @@ use crate::{
 
 pub(crate) use opening::Accepted;
 
-/// Frames are cut to this size, so that one large message does not block the others of a connection.
+/// Frames are cut to this size, so that one large message does not block the others of a
+/// connection.
 const FRAME_BYTES_MAX: u32 = 64 * 1024;
 /// Frames that may wait between the tasks of a connection.
 const FRAMES_BUFFERED: usize = 256;
@@ -53,8 +54,8 @@ pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: Cancell
         .buffer_size(FRAMES_BUFFERED)
         .sasl_acceptor(identity.clone())
         .build();
-    // No idle timeout of our own: peers that send heartbeats only at the full period would be cut. A dead peer shows by
-    // TCP keep-alive and by unacknowledged bytes.
+    // No idle timeout of our own: peers that send heartbeats only at the full period would be cut.
+    // A dead peer shows by TCP keep-alive and by unacknowledged bytes.
     let handshake = async {
         let stream = accepted.open().await?;
         acceptor.accept(stream).await.map_err(|e| e.to_string())
@@ -66,7 +67,8 @@ pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: Cancell
     let connection = match opened {
         Ok(Ok(connection)) => connection,
         Ok(Err(reason)) => {
-            metrics::counter!("broker_handshakes_failed_total", "reason" => identity.failure()).increment(1);
+            metrics::counter!("broker_handshakes_failed_total", "reason" => identity.failure())
+                .increment(1);
             return info!(%peer, reason, "a peer did not complete the handshake");
         }
         Err(_) => {
@@ -88,7 +90,8 @@ async fn signed_in(
     shutdown: CancellationToken,
 ) {
     let Some(registration) = core.register(&user_name, peer, shutdown.child_token()) else {
-        metrics::counter!("broker_handshakes_failed_total", "reason" => "too-many-connections").increment(1);
+        metrics::counter!("broker_handshakes_failed_total", "reason" => "too-many-connections")
+            .increment(1);
         warn!(%peer, user = %user_name, "a user has too many connections; the new one is refused");
         let error = error(AmqpError::ResourceLimitExceeded, "this user has too many connections");
         let _ = timeout(CLOSE_TIMEOUT, connection.close_with_error(error)).await;
@@ -124,11 +127,16 @@ async fn signed_in(
     registration.cut.cancel();
     if is_cut {
         let error = why_cut.get().cloned();
-        let error = error.unwrap_or_else(|| self::error(ConnectionError::ConnectionForced, "closed by the broker"));
+        let error = error.unwrap_or_else(|| {
+            self::error(ConnectionError::ConnectionForced, "closed by the broker")
+        });
         let _ = timeout(CLOSE_TIMEOUT, connection.close_with_error(error)).await;
     }
     // Links give back what they hold; that needs no peer.
-    if timeout(CLOSE_TIMEOUT, async { while sessions.join_next().await.is_some() {} }).await.is_err() {
+    if timeout(CLOSE_TIMEOUT, async { while sessions.join_next().await.is_some() {} })
+        .await
+        .is_err()
+    {
         sessions.shutdown().await;
     }
     metrics::gauge!("broker_connections").decrement(1.0);
@@ -168,14 +176,24 @@ async fn serve_session(peer: Peer, mut session: ListenerSessionHandle) {
     while links.join_next().await.is_some() {}
 }
 
-async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSessionHandle, links: &mut JoinSet<()>) {
+async fn serve_attach(
+    peer: &Peer,
+    attach: Attach,
+    session: &mut ListenerSessionHandle,
+    links: &mut JoinSet<()>,
+) {
     let permit = Arc::clone(&peer.links).try_acquire_owned();
     let grant = match &permit {
         Ok(_) => link::grant(&peer.core, &peer.user_name, &attach).await,
-        Err(_) => Err(error(AmqpError::ResourceLimitExceeded, "this connection has too many links")),
+        Err(_) => {
+            Err(error(AmqpError::ResourceLimitExceeded, "this connection has too many links"))
+        }
     };
-    let acceptor = LinkAcceptor::builder().max_message_size(peer.core.config.limits.message_bytes_max).build();
-    let endpoint = match timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session)).await {
+    let acceptor =
+        LinkAcceptor::builder().max_message_size(peer.core.config.limits.message_bytes_max).build();
+    let endpoint = match timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session))
+        .await
+    {
         Ok(Ok(endpoint)) => endpoint,
         Ok(Err(problem)) => {
             debug!(user = %peer.user_name, ?problem, "a link could not be attached");
@@ -183,14 +201,22 @@ async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSession
             let reason = "the link could not be attached; its name must be unique in the session, in both directions";
             return peer.give_up(error(AmqpError::NotAllowed, reason));
         }
-        Err(_) => return peer.give_up(error(AmqpError::InternalError, "the link could not be attached in time")),
+        Err(_) => {
+            return peer.give_up(error(
+                AmqpError::InternalError,
+                "the link could not be attached in time",
+            ));
+        }
     };
     match grant {
         Ok(Grant { queue }) => {
-            let (core, user_name, cut) = (Arc::clone(&peer.core), Arc::clone(&peer.user_name), peer.cut.clone());
+            let (core, user_name, cut) =
+                (Arc::clone(&peer.core), Arc::clone(&peer.user_name), peer.cut.clone());
             links.spawn(async move {
                 match endpoint {
-                    LinkEndpoint::Receiver(receiver) => link::ingest(core, queue, user_name, receiver, cut).await,
+                    LinkEndpoint::Receiver(receiver) => {
+                        link::ingest(core, queue, user_name, receiver, cut).await
+                    }
                     LinkEndpoint::Sender(sender) => link::dispatch(core, queue, sender, cut).await,
                 }
                 drop(permit);
@@ -204,7 +230,9 @@ async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSession
                     LinkEndpoint::Receiver(receiver) => {
                         timeout(CLOSE_TIMEOUT, receiver.close_with_error(refusal)).await
                     }
-                    LinkEndpoint::Sender(sender) => timeout(CLOSE_TIMEOUT, sender.close_with_error(refusal)).await,
+                    LinkEndpoint::Sender(sender) => {
+                        timeout(CLOSE_TIMEOUT, sender.close_with_error(refusal)).await
+                    }
                 };
                 if let Ok(Err(error)) = closed {
                     debug!(?error, "the peer did not take the refusal of a link cleanly");
@@ -215,7 +243,10 @@ async fn serve_attach(peer: &Peer, attach: Attach, session: &mut ListenerSession
 }
 
 /// An AMQP error with a sentence for people.
-pub(crate) fn error(condition: impl Into<ErrorCondition>, description: impl Into<String>) -> definitions::Error {
+pub(crate) fn error(
+    condition: impl Into<ErrorCondition>,
+    description: impl Into<String>,
+) -> definitions::Error {
     definitions::Error::new(condition, description.into(), None)
 }
 
@@ -254,7 +285,8 @@ impl Identity {
         let Ok(name) = std::str::from_utf8(name) else { return SaslCode::Auth };
         let may_act = acting_as.is_empty() || acting_as == name.as_bytes();
         let user = self.core.credentials.user(name);
-        if is_authentic(user.as_ref(), secret) && may_act && self.user.set(Arc::from(name)).is_ok() {
+        if is_authentic(user.as_ref(), secret) && may_act && self.user.set(Arc::from(name)).is_ok()
+        {
             SaslCode::Ok
         } else {
             SaslCode::Auth

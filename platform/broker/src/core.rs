@@ -102,21 +102,34 @@ impl Core {
         all
     }
 
-    /// Makes a queue or gives it new bounds, durably. One after the other, for two of the same name would fail a
-    /// transaction that others share.
-    pub(crate) async fn declare(&self, name: &QueueName, options: QueueOptions) -> Result<Arc<Queue>, BrokerError> {
+    /// Makes a queue or gives it new bounds, durably. One after the other, for two of the same name
+    /// would fail a transaction that others share.
+    pub(crate) async fn declare(
+        &self,
+        name: &QueueName,
+        options: QueueOptions,
+    ) -> Result<Arc<Queue>, BrokerError> {
         let _turn = self.declaring.lock().await;
         self.declare_in_turn(name, options).await
     }
 
-    async fn declare_in_turn(&self, name: &QueueName, options: QueueOptions) -> Result<Arc<Queue>, BrokerError> {
+    async fn declare_in_turn(
+        &self,
+        name: &QueueName,
+        options: QueueOptions,
+    ) -> Result<Arc<Queue>, BrokerError> {
         let known = self.queue(name);
         let limit = self.config.limits.queues_max;
         if known.is_none() && self.queues.lock().len() >= limit {
             return Err(BrokerError::TooManyQueues { limit });
         }
-        let id = known.as_ref().map_or_else(|| self.next_queue_id.fetch_add(1, Ordering::Relaxed), |queue| queue.id);
-        let answer = self.writer.ask(|done| Command::DeclareQueue { id, name: name.to_string(), options, done }).await;
+        let id = known
+            .as_ref()
+            .map_or_else(|| self.next_queue_id.fetch_add(1, Ordering::Relaxed), |queue| queue.id);
+        let answer = self
+            .writer
+            .ask(|done| Command::DeclareQueue { id, name: name.to_string(), options, done })
+            .await;
         answer
             .ok_or(BrokerError::Stopped)?
             .map_err(|source| BrokerError::Store { action: "declare a queue", source })?;
@@ -141,7 +154,8 @@ impl Core {
 
     pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
         let _turn = self.declaring.lock().await;
-        let queue = self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
+        let queue =
+            self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
         let answer = self.writer.ask(|done| Command::DeleteQueue { id: queue.id, done }).await;
         answer
             .ok_or(BrokerError::Stopped)?
@@ -158,8 +172,13 @@ impl Core {
         &self.readers
     }
 
-    /// The body of a leased message, from the cache or with some that will be wanted next from the file.
-    pub(crate) async fn body(&self, queue: &Queue, entry: &Entry) -> Result<Option<Arc<AnyMessage>>, sqlx::Error> {
+    /// The body of a leased message, from the cache or with some that will be wanted next from the
+    /// file.
+    pub(crate) async fn body(
+        &self,
+        queue: &Queue,
+        entry: &Entry,
+    ) -> Result<Option<Arc<AnyMessage>>, sqlx::Error> {
         if let Some(message) = self.cache.get(entry.id) {
             return Ok(Some(message));
         }
@@ -185,7 +204,8 @@ impl Core {
         self.write(Command::Remove(entry.id)).await;
     }
 
-    /// A receiver failed on a leased message: it comes again, or moves to the dead letters when that happened too often.
+    /// A receiver failed on a leased message: it comes again, or moves to the dead letters when
+    /// that happened too often.
     pub(crate) async fn fail(&self, queue: &Arc<Queue>, mut entry: Entry, message: &AnyMessage) {
         entry.delivery_count = entry.delivery_count.saturating_add(1);
         let limit = queue.options().deliveries_max;
@@ -252,13 +272,18 @@ impl Core {
             return None;
         }
         let id = self.next_connection.fetch_add(1, Ordering::Relaxed);
-        let status = ConnectionStatus { user_name: user_name.to_owned(), peer, since: OffsetDateTime::now_utc() };
+        let status = ConnectionStatus {
+            user_name: user_name.to_owned(),
+            peer,
+            since: OffsetDateTime::now_utc(),
+        };
         connections.insert(id, Connected { status, cut: cut.clone() });
         Some(Registration { core: Arc::clone(self), id, cut })
     }
 
     pub(crate) fn connections(&self) -> Vec<ConnectionStatus> {
-        let mut all: Vec<_> = self.connections.lock().iter().map(|(id, c)| (*id, c.status.clone())).collect();
+        let mut all: Vec<_> =
+            self.connections.lock().iter().map(|(id, c)| (*id, c.status.clone())).collect();
         all.sort_by_key(|(id, _)| *id);
         all.into_iter().map(|(_, status)| status).collect()
     }

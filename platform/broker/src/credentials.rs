@@ -8,8 +8,8 @@ use subtle::ConstantTimeEq;
 
 use crate::address::{AddressPattern, QueueName};
 
-/// The users of the broker. Asked within the SASL exchange and at every attach, so answers come from memory; they may
-/// change at any time. After taking a user away also
+/// The users of the broker. Asked within the SASL exchange and at every attach, so answers come
+/// from memory; they may change at any time. After taking a user away also
 /// [disconnect](crate::BrokerHandle::disconnect_user) it.
 pub trait Credentials: Send + Sync + 'static {
     /// The user of that name.
@@ -25,8 +25,8 @@ pub struct BrokerUser {
     pub permissions: Permissions,
 }
 
-/// The SHA-256 of a secret. Only for secrets of high entropy (at least 128 random bits), never for passwords that people
-/// choose: those need a slow hash.
+/// The SHA-256 of a secret. Only for secrets of high entropy (at least 128 random bits), never for
+/// passwords that people choose: those need a slow hash.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct SecretHash([u8; 32]);
 
@@ -101,12 +101,15 @@ impl Permissions {
     }
 }
 
-/// Whether the secret is one of the user's. Takes the same time for unknown users and wrong secrets.
+/// Whether the secret is one of the user's. Takes the same time for unknown users and wrong
+/// secrets.
 pub(crate) fn is_authentic(user: Option<&BrokerUser>, secret: &[u8]) -> bool {
     let presented = SecretHash::of(secret);
     let no_secret = [SecretHash([0; 32])];
     let (known, is_known) = user.map_or((&no_secret[..], false), |u| (&u.secrets[..], true));
-    let is_equal = known.iter().fold(subtle::Choice::from(0), |found, hash| found | hash.0.ct_eq(&presented.0));
+    let is_equal = known
+        .iter()
+        .fold(subtle::Choice::from(0), |found, hash| found | hash.0.ct_eq(&presented.0));
     bool::from(is_equal) && is_known
 }
 

@@ -104,11 +104,14 @@ impl Broker {
         let path = config.database_path.clone();
         let open = |source| BrokerError::OpenStore { path: path.clone(), source };
         let mut connection = store::open_writer(&path).await.map_err(open)?;
-        store::ensure_dead_letters(&mut connection, QueueName::dead_letters().as_str()).await.map_err(open)?;
+        store::ensure_dead_letters(&mut connection, QueueName::dead_letters().as_str())
+            .await
+            .map_err(open)?;
         let readers = store::open_readers(&path).await.map_err(open)?;
         let loaded = store::load(&readers).await.map_err(open)?;
 
-        let next_message_id = loaded.iter().flat_map(|q| &q.entries).map(|e| e.id).max().unwrap_or(0) + 1;
+        let next_message_id =
+            loaded.iter().flat_map(|q| &q.entries).map(|e| e.id).max().unwrap_or(0) + 1;
         let mut queues = HashMap::with_capacity(loaded.len());
         for stored in loaded {
             let queue = Arc::new(Queue::new(stored.id, stored.name.clone(), stored.options));
@@ -119,18 +122,28 @@ impl Broker {
         }
         let dead_letters = queues.get(&QueueName::dead_letters()).cloned();
         let dead_letters = dead_letters.ok_or_else(|| open(sqlx::Error::RowNotFound))?;
-        let (writer, writer_handle) = Writer::new(connection, store::options(&path), Arc::clone(&dead_letters));
-        let core = Core::new(config, credentials, writer_handle, readers, queues, dead_letters, next_message_id);
+        let (writer, writer_handle) =
+            Writer::new(connection, store::options(&path), Arc::clone(&dead_letters));
+        let core = Core::new(
+            config,
+            credentials,
+            writer_handle,
+            readers,
+            queues,
+            dead_letters,
+            next_message_id,
+        );
         let core = Arc::new(core);
         let handle = BrokerHandle { core: Arc::clone(&core), addresses };
         Ok((Self { core, writer, listeners }, handle))
     }
 
-    /// Serves until `shutdown`, then closes all connections; what is accepted is committed. A handle that outlives this
-    /// keeps its view of the queues but can change nothing.
+    /// Serves until `shutdown`, then closes all connections; what is accepted is committed. A
+    /// handle that outlives this keeps its view of the queues but can change nothing.
     ///
     /// # Errors
-    /// [`BrokerError::Stopped`] when the writer ended before it should, which only a panic can cause.
+    /// [`BrokerError::Stopped`] when the writer ended before it should, which only a panic can
+    /// cause.
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), BrokerError> {
         let Self { core, writer, listeners } = self;
         let stop_writing = CancellationToken::new();
@@ -159,11 +172,16 @@ impl BrokerHandle {
     ///
     /// # Errors
     /// [`BrokerError::TooManyQueues`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
-    pub async fn declare_queue(&self, queue: &QueueName, options: QueueOptions) -> Result<(), BrokerError> {
+    pub async fn declare_queue(
+        &self,
+        queue: &QueueName,
+        options: QueueOptions,
+    ) -> Result<(), BrokerError> {
         self.core.declare(queue, options).await.map(drop)
     }
 
-    /// Removes a queue with everything in it; its links end. Returns how many messages went with it.
+    /// Removes a queue with everything in it; its links end. Returns how many messages went with
+    /// it.
     ///
     /// # Errors
     /// [`BrokerError::UnknownQueue`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
@@ -198,7 +216,11 @@ impl BrokerHandle {
     ///
     /// # Errors
     /// [`BrokerError::Store`].
-    pub async fn dead_letters(&self, after: i64, limit: u32) -> Result<Vec<DeadLetter>, BrokerError> {
+    pub async fn dead_letters(
+        &self,
+        after: i64,
+        limit: u32,
+    ) -> Result<Vec<DeadLetter>, BrokerError> {
         let read = store::dead_letters(self.core.readers(), after, limit).await;
         read.map_err(|source| BrokerError::Store { action: "read the dead letters", source })
     }
@@ -209,12 +231,13 @@ impl BrokerHandle {
     /// [`BrokerError::Store`].
     pub async fn dead_letter_body(&self, id: i64) -> Result<Option<Bytes>, BrokerError> {
         let read = store::dead_letter_body(self.core.readers(), id).await;
-        let read = read.map_err(|source| BrokerError::Store { action: "read a dead letter", source })?;
+        let read =
+            read.map_err(|source| BrokerError::Store { action: "read a dead letter", source })?;
         Ok(read.map(Bytes::from))
     }
 
-    /// Puts dead letters back at the end of their queues; returns how many. Those whose queue is gone, or which somebody
-    /// consumes at the moment, stay.
+    /// Puts dead letters back at the end of their queues; returns how many. Those whose queue is
+    /// gone, or which somebody consumes at the moment, stay.
     ///
     /// # Errors
     /// [`BrokerError::Store`] or [`BrokerError::Stopped`].
@@ -228,7 +251,11 @@ impl BrokerHandle {
         for letter in letters {
             let Some(queue) = self.core.queue(&letter.queue) else { continue };
             let Some(entry) = self.core.dead_letters.withdraw(letter.id) else { continue };
-            moves.push((entry, Entry { id: self.core.next_message_id(), delivery_count: 0, ..entry }, queue));
+            moves.push((
+                entry,
+                Entry { id: self.core.next_message_id(), delivery_count: 0, ..entry },
+                queue,
+            ));
         }
         let numbers = moves.iter().map(|(old, new, queue)| (old.id, new.id, queue.id)).collect();
         let answer = self.core.writer.ask(|done| Command::Unbury { moves: numbers, done }).await;
@@ -245,7 +272,8 @@ impl BrokerHandle {
     /// # Errors
     /// [`BrokerError::Store`] or [`BrokerError::Stopped`].
     pub async fn purge_dead_letters(&self, ids: &[i64]) -> Result<u64, BrokerError> {
-        let gone: Vec<_> = ids.iter().filter_map(|id| self.core.dead_letters.withdraw(*id)).collect();
+        let gone: Vec<_> =
+            ids.iter().filter_map(|id| self.core.dead_letters.withdraw(*id)).collect();
         let numbers = gone.iter().map(|entry| entry.id).collect();
         let answer = self.core.writer.ask(|done| Command::Purge { ids: numbers, done }).await;
         if !matches!(answer, Some(Ok(()))) {
@@ -255,6 +283,9 @@ impl BrokerHandle {
     }
 }
 
-fn answered(answer: Option<Result<(), sqlx::Error>>, action: &'static str) -> Result<(), BrokerError> {
+fn answered(
+    answer: Option<Result<(), sqlx::Error>>,
+    action: &'static str,
+) -> Result<(), BrokerError> {
     answer.ok_or(BrokerError::Stopped)?.map_err(|source| BrokerError::Store { action, source })
 }

@@ -22,7 +22,11 @@ pub(crate) struct Grant {
 }
 
 /// Decides on an attach: whether the address is a queue, and whether the user may use it.
-pub(crate) async fn grant(core: &Core, user_name: &str, attach: &Attach) -> Result<Grant, definitions::Error> {
+pub(crate) async fn grant(
+    core: &Core,
+    user_name: &str,
+    attach: &Attach,
+) -> Result<Grant, definitions::Error> {
     // The peer's role: its sender is our receiver.
     let is_producing = matches!(attach.role, Role::Sender);
     let address = if is_producing {
@@ -35,9 +39,14 @@ pub(crate) async fn grant(core: &Core, user_name: &str, attach: &Attach) -> Resu
         attach.source.as_ref().and_then(|source| source.address.clone())
     };
     let Some(address) = address else {
-        return Err(error(AmqpError::NotImplemented, "links without an address and dynamic nodes are not offered"));
+        return Err(error(
+            AmqpError::NotImplemented,
+            "links without an address and dynamic nodes are not offered",
+        ));
     };
-    let unauthorized = || error(AmqpError::UnauthorizedAccess, format!("{user_name} may not use {address} this way"));
+    let unauthorized = || {
+        error(AmqpError::UnauthorizedAccess, format!("{user_name} may not use {address} this way"))
+    };
     // A name that is none is answered like a forbidden one.
     let queue: QueueName = address.parse().map_err(|_| unauthorized())?;
     let user = core.credentials.user(user_name).ok_or_else(unauthorized)?;

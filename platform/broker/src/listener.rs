@@ -63,17 +63,22 @@ fn tls_acceptor(identity: &TlsIdentity) -> Result<TlsAcceptor, BrokerError> {
         .map_err(|e| failed(format!("the certificate chain is not PEM: {e}")))?;
     let key = PrivateKeyDer::from_pem_slice(&identity.key_pem)
         .map_err(|e| failed(format!("the private key is not PEM: {e}")))?;
-    let config = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
-        .with_safe_default_protocol_versions()
-        .map_err(|e| failed(e.to_string()))?
-        .with_no_client_auth()
-        .with_single_cert(chain, key)
-        .map_err(|e| failed(e.to_string()))?;
+    let config =
+        ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
+            .with_safe_default_protocol_versions()
+            .map_err(|e| failed(e.to_string()))?
+            .with_no_client_auth()
+            .with_single_cert(chain, key)
+            .map_err(|e| failed(e.to_string()))?;
     Ok(TlsAcceptor::from(Arc::new(config)))
 }
 
 /// Serves all listeners and sweeps the queues until `shutdown`.
-pub(crate) async fn serve(core: Arc<Core>, listeners: Vec<BoundListener>, shutdown: CancellationToken) {
+pub(crate) async fn serve(
+    core: Arc<Core>,
+    listeners: Vec<BoundListener>,
+    shutdown: CancellationToken,
+) {
     let places = Arc::new(Semaphore::new(core.config.limits.connections_max));
     let mut accepting = JoinSet::new();
     for bound in listeners {
@@ -94,7 +99,12 @@ pub(crate) async fn serve(core: Arc<Core>, listeners: Vec<BoundListener>, shutdo
     }
 }
 
-async fn accept(core: Arc<Core>, bound: BoundListener, places: Arc<Semaphore>, shutdown: CancellationToken) {
+async fn accept(
+    core: Arc<Core>,
+    bound: BoundListener,
+    places: Arc<Semaphore>,
+    shutdown: CancellationToken,
+) {
     let mut connections = JoinSet::new();
     loop {
         let accepted = tokio::select! {
@@ -137,7 +147,9 @@ fn tune(tcp: &TcpStream, stall_timeout: Duration) -> std::io::Result<()> {
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);
     let probe = (stall_timeout / 4).max(Duration::from_secs(1));
-    socket.set_tcp_keepalive(&TcpKeepalive::new().with_time(probe * 2).with_interval(probe).with_retries(2))?;
+    socket.set_tcp_keepalive(
+        &TcpKeepalive::new().with_time(probe * 2).with_interval(probe).with_retries(2),
+    )?;
     #[cfg(target_os = "linux")]
     socket.set_tcp_user_timeout(Some(stall_timeout))?;
     Ok(())

@@ -1,5 +1,6 @@
-//! Messages as the broker keeps them. The only module that touches the client library's wire encoding of whole
-//! messages, whose types are public but private by name: the library's version is pinned.
+//! Messages as the broker keeps them. The only module that touches the client library's wire
+//! encoding of whole messages, whose types are public but private by name: the library's version is
+//! pinned.
 
 use std::time::Duration;
 
@@ -19,21 +20,29 @@ pub(crate) const PRINCIPAL: &str = "x-opt-principal";
 /// A message as AMQP has it, with any kind of body.
 pub(crate) type AnyMessage = Message<Body<Value>>;
 
-/// Makes a received message ready to be kept: what the sender claims about the delivery goes, its name is stamped on.
+/// Makes a received message ready to be kept: what the sender claims about the delivery goes, its
+/// name is stamped on.
 pub(crate) fn stamp(message: &mut AnyMessage, principal: &str) {
     message.delivery_annotations = None;
     let annotations = message.message_annotations.get_or_insert_with(MessageAnnotations::default);
     annotations.0.swap_remove(&OwnedKey::Symbol(Symbol::from(PRINCIPAL)));
-    annotations.0.insert(OwnedKey::Symbol(Symbol::from(PRINCIPAL)), Value::String(principal.to_owned()));
+    annotations
+        .0
+        .insert(OwnedKey::Symbol(Symbol::from(PRINCIPAL)), Value::String(principal.to_owned()));
     let header = message.header.get_or_insert_with(Header::default);
     header.durable = true;
     header.first_acquirer = true;
     header.delivery_count = 0;
 }
 
-/// When the message stops being of use, by its time to live and its absolute expiry time, in Unix milliseconds.
+/// When the message stops being of use, by its time to live and its absolute expiry time, in Unix
+/// milliseconds.
 pub(crate) fn expires_at_ms(message: &AnyMessage, now_ms: i64) -> Option<i64> {
-    let by_ttl = message.header.as_ref().and_then(|h| h.ttl).map(|ttl| now_ms.saturating_add(i64::from(ttl)));
+    let by_ttl = message
+        .header
+        .as_ref()
+        .and_then(|h| h.ttl)
+        .map(|ttl| now_ms.saturating_add(i64::from(ttl)));
     let absolute = message.properties.as_ref().and_then(|p| p.absolute_expiry_time.clone());
     let absolute = absolute.map(|at| at.milliseconds());
     match (by_ttl, absolute) {
@@ -82,7 +91,9 @@ impl Features {
             .message_annotations
             .as_ref()
             .and_then(|a| a.0.get(&OwnedKey::Symbol(Symbol::from(PRINCIPAL))))
-            .and_then(|value| if let Value::String(name) = value { Some(name.clone()) } else { None });
+            .and_then(
+                |value| if let Value::String(name) = value { Some(name.clone()) } else { None },
+            );
         Self {
             message_id: properties.and_then(|p| p.message_id.as_ref()).map(message_id_text),
             subject: properties.and_then(|p| p.subject.clone()),
@@ -126,7 +137,8 @@ mod tests {
 
     fn message() -> AnyMessage {
         let mut message = Message::from(Body::Data(Batch::new(vec![Data::from(b"{}".as_slice())])));
-        message.properties = Some(Properties::builder().message_id("m1".to_owned()).subject("comment").build());
+        message.properties =
+            Some(Properties::builder().message_id("m1".to_owned()).subject("comment").build());
         message
     }
 

@@ -1,4 +1,5 @@
-//! A queue in memory: which messages are ready, which consumer gets the next one. Holds ids, never bodies.
+//! A queue in memory: which messages are ready, which consumer gets the next one. Holds ids, never
+//! bodies.
 
 mod subscription;
 
@@ -98,7 +99,9 @@ impl Queue {
         if state.is_deleted {
             return Err(Refusal::Deleted);
         }
-        if state.messages + 1 > state.options.messages_max || state.bytes + bytes > state.options.bytes_max {
+        if state.messages + 1 > state.options.messages_max
+            || state.bytes + bytes > state.options.bytes_max
+        {
             return Err(Refusal::Full);
         }
         state.messages += 1;
@@ -142,8 +145,12 @@ impl Queue {
     /// Takes the ready messages away that have expired.
     pub(crate) fn withdraw_expired(&self, now_ms: i64) -> Vec<Entry> {
         let mut state = self.state.lock();
-        let expired: Vec<_> =
-            state.ready.values().filter(|e| e.expires_at_ms.is_some_and(|at| at <= now_ms)).copied().collect();
+        let expired: Vec<_> = state
+            .ready
+            .values()
+            .filter(|e| e.expires_at_ms.is_some_and(|at| at <= now_ms))
+            .copied()
+            .collect();
         for entry in &expired {
             state.ready.remove(&entry.id);
             state.forget(entry);
@@ -213,7 +220,8 @@ impl State {
     }
 
     fn may_receive(&self, consumer: u64) -> bool {
-        !self.options.is_single_active_consumer || self.consumers.front().is_some_and(|c| c.id == consumer)
+        !self.options.is_single_active_consumer
+            || self.consumers.front().is_some_and(|c| c.id == consumer)
     }
 
     /// Wakes the consumer that waits longest, when there is something for it.
@@ -268,7 +276,8 @@ mod tests {
 
     #[test]
     fn only_the_active_consumer_receives() {
-        let queue = queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
+        let queue =
+            queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
         let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
         queue.adopt(entry(1));
         queue.adopt(entry(2));
@@ -304,7 +313,8 @@ mod tests {
 
     #[test]
     fn bounds_hold() {
-        let queue = queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
+        let queue =
+            queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
         assert_eq!(queue.reserve(20), Ok(()));
         assert_eq!(queue.reserve(10), Err(Refusal::Full));
         assert_eq!(queue.reserve(5), Ok(()));

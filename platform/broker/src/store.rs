@@ -1,4 +1,5 @@
-//! The broker's database: one SQLite file with full synchronisation, one writer that commits in groups, a few readers.
+//! The broker's database: one SQLite file with full synchronisation, one writer that commits in
+//! groups, a few readers.
 
 mod admin;
 mod reader;
@@ -8,7 +9,9 @@ use std::{path::Path, time::Duration};
 
 use sqlx::{
     ConnectOptions, SqliteConnection,
-    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous},
+    sqlite::{
+        SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
+    },
 };
 
 pub(crate) use admin::{dead_letter_body, dead_letters};
@@ -87,7 +90,10 @@ pub(crate) async fn open_readers(path: &Path) -> Result<SqlitePool, sqlx::Error>
 }
 
 /// Makes the queue of the dead letters, once.
-pub(crate) async fn ensure_dead_letters(connection: &mut SqliteConnection, name: &str) -> Result<(), sqlx::Error> {
+pub(crate) async fn ensure_dead_letters(
+    connection: &mut SqliteConnection,
+    name: &str,
+) -> Result<(), sqlx::Error> {
     sqlx::query(
         "INSERT OR IGNORE INTO queues (name, messages_max, bytes_max, deliveries_max, is_single_active_consumer) \
          VALUES (?, ?, ?, ?, 0)",

@@ -41,7 +41,9 @@ pub async fn list(
     State(app): State<Application>,
     who: SignedIn<Principal>,
 ) -> Result<Json<Page<Collaboration>>, Problem> {
-    Ok(Json(Page::whole(app.store.read().await?.collaborations().list(&who.principal.scope()).await?)))
+    Ok(Json(Page::whole(
+        app.store.read().await?.collaborations().list(&who.principal.scope()).await?,
+    )))
 }
 
 /// Adds a collaboration.

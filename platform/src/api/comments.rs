@@ -53,7 +53,8 @@ pub async fn list(
     let mut work = app.store.read().await?;
     let known = work.networks().lookup(&scope, &id).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
-    let comments = work.comments().list(&scope, &id, page.after().unwrap_or(0), page.limit()).await?;
+    let comments =
+        work.comments().list(&scope, &id, page.after().unwrap_or(0), page.limit()).await?;
     Ok(Json(Page::new(comments, page.limit(), |comment| comment.comment_id.to_string())))
 }
 
@@ -70,11 +71,16 @@ pub async fn add(
     let now = app.clock.now();
     let length = body.text.chars().count();
     if !(1..=10_000).contains(&length) {
-        return Err(Problem::unprocessable("INVALID_TEXT", "A comment has 1 to 10000 characters.", Vec::new()));
+        return Err(Problem::unprocessable(
+            "INVALID_TEXT",
+            "A comment has 1 to 10000 characters.",
+            Vec::new(),
+        ));
     }
     let mut work = app.store.begin().await?;
     let network = work.networks().lookup(&who.principal.scope(), &id).await?;
-    let network = network.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
+    let network =
+        network.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
     if !who.principal.may_plan() {
         return Err(Problem::forbidden("This needs the role of a planner."));
     }
@@ -102,7 +108,8 @@ pub async fn add(
         text: body.text,
     });
     work.outbox().add(&outgoing(&body.factory_id, &message, now)).await?;
-    let collaboration = work.collaborations().lookup(&Scope::Platform, &network.collaboration_id).await?;
+    let collaboration =
+        work.collaborations().lookup(&Scope::Platform, &network.collaboration_id).await?;
     work.commit().await?;
     app.reach.wake_link();
     let members = collaboration.map(|collaboration| collaboration.members).unwrap_or_default();

@@ -47,7 +47,8 @@ pub struct Replayed {
     is_taken: bool,
 }
 
-/// Lists dead letters, newest first; those of the embedded broker come with the first page. For administrators.
+/// Lists dead letters, newest first; those of the embedded broker come with the first page. For
+/// administrators.
 #[utoipa::path(get, operation_id = "listDeadLetters", path = "/dead-letters", tag = "dead letters", security(("session" = [])), params(PageQuery),
     responses((status = 200, body = Page<DeadLetterView>), ReadProblems))]
 pub async fn list(
@@ -68,11 +69,16 @@ pub async fn list(
         bytes: letter.bytes,
         replayed_at: letter.replayed_at,
     });
-    let mut view = Page::new(own.collect(), page.limit(), |letter| letter.id.trim_start_matches("ingest-").to_owned());
+    let mut view = Page::new(own.collect(), page.limit(), |letter| {
+        letter.id.trim_start_matches("ingest-").to_owned()
+    });
     if page.cursor.is_none()
         && let Some(broker) = app.reach.broker()
     {
-        let letters = broker.dead_letters(0, page.limit()).await.map_err(|error| Problem::internal(&error))?;
+        let letters = broker
+            .dead_letters(0, page.limit())
+            .await
+            .map_err(|error| Problem::internal(&error))?;
         view.items.extend(letters.into_iter().map(|letter| DeadLetterView {
             id: format!("broker-{}", letter.id),
             address: letter.queue.to_string(),
@@ -89,7 +95,8 @@ pub async fn list(
     Ok(Json(view))
 }
 
-/// Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes back to its queue.
+/// Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
+/// back to its queue.
 #[utoipa::path(post, operation_id = "replayDeadLetter", path = "/dead-letters/{deadLetterId}/replay", tag = "dead letters", security(("session" = [])),
     params(("deadLetterId" = String, Path)), responses((status = 200, body = Replayed), ChangeProblems))]
 pub async fn replay(
@@ -103,13 +110,18 @@ pub async fn replay(
     let is_taken = match (kind, app.reach.broker()) {
         ("broker", Some(broker)) => {
             let number = number.parse().map_err(|_| not_found())?;
-            let count = broker.replay_dead_letters(&[number]).await.map_err(|error| Problem::internal(&error))?;
+            let count = broker
+                .replay_dead_letters(&[number])
+                .await
+                .map_err(|error| Problem::internal(&error))?;
             if count == 0 {
                 return Err(not_found());
             }
             true
         }
-        ("ingest", _) => replay_own(&app, number.parse().map_err(|_| not_found())?).await?.ok_or_else(not_found)?,
+        ("ingest", _) => replay_own(&app, number.parse().map_err(|_| not_found())?)
+            .await?
+            .ok_or_else(not_found)?,
         _ => return Err(not_found()),
     };
     Ok(Json(Replayed { is_taken }))
@@ -121,7 +133,9 @@ async fn replay_own(app: &Application, id: u64) -> Result<Option<bool>, Problem>
     let Ok(address) = address.parse::<LogicalAddress>() else { return Ok(None) };
     // It was seen before; without this it would be discarded as a repeat.
     let mut work = app.store.begin().await?;
-    work.inbox().forget_one(&address.to_string(), message_id.as_deref().unwrap_or_default()).await?;
+    work.inbox()
+        .forget_one(&address.to_string(), message_id.as_deref().unwrap_or_default())
+        .await?;
     work.commit().await?;
     let envelope = Envelope {
         message_id: message_id.and_then(|id| id.parse().ok()),

@@ -54,10 +54,14 @@ pub struct Revoked {
     connections: usize,
 }
 
-/// Lists the factories of the viewer's organisation and of its collaborations; administrators see all.
+/// Lists the factories of the viewer's organisation and of its collaborations; administrators see
+/// all.
 #[utoipa::path(get, operation_id = "listFactories", path = "/factories", tag = "factories", security(("session" = [])),
     responses((status = 200, body = Page<Factory>), ReadProblems))]
-pub async fn list(State(app): State<Application>, who: SignedIn<Principal>) -> Result<Json<Page<Factory>>, Problem> {
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<Factory>>, Problem> {
     Ok(Json(Page::whole(app.store.read().await?.factories().list(&who.principal.scope()).await?)))
 }
 
@@ -74,7 +78,8 @@ pub async fn add(
     if !work.organisations().exists(&new.organisation_id).await? {
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
-    let name = new.name.as_deref().filter(|name| !name.is_empty()).unwrap_or(new.factory_id.as_str());
+    let name =
+        new.name.as_deref().filter(|name| !name.is_empty()).unwrap_or(new.factory_id.as_str());
     if !work.factories().add(&new.factory_id, &new.organisation_id, name, app.clock.now()).await? {
         return Err(taken("factory"));
     }
@@ -96,9 +101,13 @@ pub async fn make_token(
     administrator_only::check(&who)?;
     let known = app.store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("factory {factory}")))?;
-    let lifetime = Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
+    let lifetime =
+        Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
     let made = make(&app.store, &factory, &app.public_url, app.clock.now(), lifetime).await?;
-    Ok((StatusCode::CREATED, Json(TokenView { token: made.token.expose().clone(), expires_at: made.expires_at })))
+    Ok((
+        StatusCode::CREATED,
+        Json(TokenView { token: made.token.expose().clone(), expires_at: made.expires_at }),
+    ))
 }
 
 /// Takes all credentials of the factory's connector away and cuts its connections.

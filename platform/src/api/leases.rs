@@ -48,7 +48,8 @@ impl From<Option<FactoryLease>> for LeaseView {
     }
 }
 
-/// Shows who speaks for a factory and who else asked to: for its own organisation and administrators.
+/// Shows who speaks for a factory and who else asked to: for its own organisation and
+/// administrators.
 #[utoipa::path(get, operation_id = "showLease", path = "/factories/{factoryId}/lease", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = LeaseView), ReadProblems))]
 pub async fn show(
@@ -61,8 +62,8 @@ pub async fn show(
     Ok(Json(work.leases().lookup(&id).await?.into()))
 }
 
-/// Gives the lease to a connector that was refused, as when the old machine is gone for good. The former holder is
-/// refused from now on.
+/// Gives the lease to a connector that was refused, as when the old machine is gone for good. The
+/// former holder is refused from now on.
 #[utoipa::path(post, operation_id = "handLeaseOver", path = "/factories/{factoryId}/lease/handovers", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), request_body = Handover,
     responses((status = 200, body = LeaseView), ChangeProblems))]
@@ -75,7 +76,11 @@ pub async fn hand_over(
     administrator_only::check(&who)?;
     let now = app.clock.now();
     let mut work = app.store.begin().await?;
-    let lease = work.leases().lookup(&id).await?.ok_or_else(|| Problem::not_found(format_args!("lease of {id}")))?;
+    let lease = work
+        .leases()
+        .lookup(&id)
+        .await?
+        .ok_or_else(|| Problem::not_found(format_args!("lease of {id}")))?;
     let former = lease.holder.host.clone();
     let lease = lease.handed_over(&handover.instance_id, now).ok_or_else(|| {
         Problem::conflict(

@@ -13,12 +13,13 @@ use crate::{accounts::Principal, application::Application};
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct Query {
-    /// As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view it shows.
+    /// As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
+    /// it shows.
     last_event_id: Option<String>,
 }
 
-/// Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`, and `reset` where events
-/// were missed and the page must load afresh.
+/// Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`,
+/// and `reset` where events were missed and the page must load afresh.
 #[utoipa::path(get, operation_id = "streamLive", path = "/live", tag = "live", security(("session" = [])), params(Query),
     responses((status = 200, content_type = "text/event-stream", body = String), ReadProblems))]
 pub async fn stream(

@@ -28,7 +28,8 @@ use crate::{
 pub struct PutBody {
     #[schema(value_type = String)]
     collaboration_id: CollaborationId,
-    /// The whole network (wire contract `operation-network`), each operation with `owningFactoryId`.
+    /// The whole network (wire contract `operation-network`), each operation with
+    /// `owningFactoryId`.
     #[schema(value_type = Object)]
     operation_network: Box<RawValue>,
 }
@@ -55,7 +56,13 @@ pub async fn list(
     ApiQuery(page): ApiQuery<PageQuery>,
 ) -> Result<Json<Page<NetworkSummary>>, Problem> {
     let after = page.cursor.clone().unwrap_or_default();
-    let networks = app.store.read().await?.networks().list(&who.principal.scope(), &after, page.limit()).await?;
+    let networks = app
+        .store
+        .read()
+        .await?
+        .networks()
+        .list(&who.principal.scope(), &after, page.limit())
+        .await?;
     Ok(Json(Page::new(networks, page.limit(), |network| network.operation_network_id.to_string())))
 }
 
@@ -67,7 +74,8 @@ pub async fn show(
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<(HeaderMap, Json<NetworkView>), Problem> {
-    // Asked before the view is read, so that whoever follows from this id may see a change twice but never misses one.
+    // Asked before the view is read, so that whoever follows from this id may see a change twice
+    // but never misses one.
     let last_event_id = app.live.newest_id();
     let mut work = app.store.read().await?;
     let view = networks::view(&mut work, &who.principal.scope(), &id, last_event_id).await?;
@@ -79,8 +87,9 @@ pub async fn show(
     Ok((headers, Json(view)))
 }
 
-/// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the revision guards
-/// against overwriting somebody else's change. The same network again changes nothing.
+/// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
+/// revision guards against overwriting somebody else's change. The same network again changes
+/// nothing.
 #[utoipa::path(put, operation_id = "putOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = PutBody,
     responses((status = 200, body = Changed), ChangeProblems))]
@@ -94,7 +103,10 @@ pub async fn put(
     let network = parse_network(body.operation_network.get().as_bytes())
         .map_err(|rejection| faulty(rejection.faults, "/operationNetwork"))?;
     if network.operation_network_id != id {
-        return Err(Problem::bad_request("OTHER_ID", "The document's operationNetworkId differs from the path's."));
+        return Err(Problem::bad_request(
+            "OTHER_ID",
+            "The document's operationNetworkId differs from the path's.",
+        ));
     }
     let change = PutNetwork {
         collaboration_id: body.collaboration_id,
@@ -103,7 +115,8 @@ pub async fn put(
     };
     let author = Author::user(&who.principal, app.clock.now());
     let mut work = app.store.begin().await?;
-    let outcome = networks::put(&mut work, change, &author, app.resend_after()).await.map_err(with_prefix)?;
+    let outcome =
+        networks::put(&mut work, change, &author, app.resend_after()).await.map_err(with_prefix)?;
     work.commit().await?;
     Ok(Json(told(&app, outcome)))
 }

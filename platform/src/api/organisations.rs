@@ -29,7 +29,9 @@ pub async fn list(
     State(app): State<Application>,
     who: SignedIn<Principal>,
 ) -> Result<Json<Page<Organisation>>, Problem> {
-    Ok(Json(Page::whole(app.store.read().await?.organisations().list(&who.principal.scope()).await?)))
+    Ok(Json(Page::whole(
+        app.store.read().await?.organisations().list(&who.principal.scope()).await?,
+    )))
 }
 
 /// Adds an organisation.
@@ -41,8 +43,11 @@ pub async fn add(
     ApiJson(new): ApiJson<NewOrganisation>,
 ) -> Result<(StatusCode, Json<Organisation>), Problem> {
     administrator_only::check(&who)?;
-    let organisation =
-        Organisation { organisation_id: new.organisation_id, name: new.name, created_at: app.clock.now() };
+    let organisation = Organisation {
+        organisation_id: new.organisation_id,
+        name: new.name,
+        created_at: app.clock.now(),
+    };
     let mut work = app.store.begin().await?;
     if !work.organisations().add(&organisation).await? {
         return Err(taken("organisation"));

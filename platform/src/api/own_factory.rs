@@ -9,7 +9,9 @@ use crate::{accounts::Principal, store::Work};
 pub async fn check(work: &mut Work, viewer: &Principal, id: &FactoryId) -> Result<(), Problem> {
     let factory = work.factories().lookup(&viewer.scope(), id).await?;
     factory
-        .filter(|factory| viewer.is_administrator() || viewer.organisation() == Some(&factory.organisation_id))
+        .filter(|factory| {
+            viewer.is_administrator() || viewer.organisation() == Some(&factory.organisation_id)
+        })
         .map(drop)
         .ok_or_else(|| Problem::not_found(format_args!("factory {id}")))
 }

@@ -5,8 +5,8 @@ use daemon::web::{Problem, problem::ProblemFault};
 use utoipa::IntoResponses;
 
 use crate::{
-    administrator::AdministratorError, enrolment::EnrolmentError, networks::ChangeError, reach::ReachError,
-    store::StoreError,
+    administrator::AdministratorError, enrolment::EnrolmentError, networks::ChangeError,
+    reach::ReachError, store::StoreError,
 };
 
 /// The problems of reading.
@@ -105,15 +105,18 @@ impl From<ChangeError> for Problem {
         match error {
             ChangeError::NoCollaboration(id) => Self::not_found(format_args!("collaboration {id}")),
             ChangeError::NotFound(what) => Self::not_found(what),
-            ChangeError::NotAllowed => {
-                Self::forbidden("This needs the role of a planner in the organisation that asks, or an administrator.")
-            }
-            ChangeError::OtherCollaboration => {
-                Self::conflict("OTHER_COLLABORATION", "A network with this id belongs to another collaboration.")
-            }
+            ChangeError::NotAllowed => Self::forbidden(
+                "This needs the role of a planner in the organisation that asks, or an administrator.",
+            ),
+            ChangeError::OtherCollaboration => Self::conflict(
+                "OTHER_COLLABORATION",
+                "A network with this id belongs to another collaboration.",
+            ),
             ChangeError::RevisionConflict { revision } => Self::conflict(
                 "REVISION_CONFLICT",
-                format!("Somebody else was faster: the revision in effect is {revision}. Read it and try again."),
+                format!(
+                    "Somebody else was faster: the revision in effect is {revision}. Read it and try again."
+                ),
             ),
             ChangeError::Faulty(faults) => faulty(faults, ""),
             ChangeError::Store(error) => Self::internal(&error),
@@ -144,7 +147,11 @@ pub fn unknown_reference(pointer: &str, what: &str) -> Problem {
     Problem::unprocessable(
         "UNKNOWN_REFERENCE",
         message.clone(),
-        vec![ProblemFault { pointer: pointer.to_owned(), code: "UNKNOWN_REFERENCE".to_owned(), message }],
+        vec![ProblemFault {
+            pointer: pointer.to_owned(),
+            code: "UNKNOWN_REFERENCE".to_owned(),
+            message,
+        }],
     )
 }
 

@@ -30,7 +30,8 @@ pub struct Query {
     after: Option<u64>,
     /// Most entries wanted, 1 to 1000.
     limit: Option<u32>,
-    /// The newest entries instead of the oldest; still in the order of their arrival, and without a next page.
+    /// The newest entries instead of the oldest; still in the order of their arrival, and without a
+    /// next page.
     newest: Option<bool>,
 }
 

@@ -1,6 +1,8 @@
 //! Single dynamic data requests.
 
-use asi_model::{DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest};
+use asi_model::{
+    DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest,
+};
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
 
@@ -28,12 +30,14 @@ pub async fn add(
 ) -> Result<Json<Changed>, Problem> {
     let author = Author::user(&who.principal, app.clock.now());
     let mut work = app.store.begin().await?;
-    let outcome = add_request(&mut work, &network, &operation, request, &author, app.resend_after()).await?;
+    let outcome =
+        add_request(&mut work, &network, &operation, request, &author, app.resend_after()).await?;
     work.commit().await?;
     Ok(Json(told(&app, outcome)))
 }
 
-/// Removes a dynamic data request of the own organisation: nodes and mappings go at the factory, the history stays.
+/// Removes a dynamic data request of the own organisation: nodes and mappings go at the factory,
+/// the history stays.
 #[utoipa::path(delete, operation_id = "removeDynamicDataRequest",
     path = "/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}",
     tag = "networks", security(("session" = [])),
@@ -43,11 +47,17 @@ pub async fn add(
 pub async fn remove(
     State(app): State<Application>,
     who: SignedIn<Principal>,
-    ApiPath((network, operation, request)): ApiPath<(OperationNetworkId, OperationId, DynamicDataRequestId)>,
+    ApiPath((network, operation, request)): ApiPath<(
+        OperationNetworkId,
+        OperationId,
+        DynamicDataRequestId,
+    )>,
 ) -> Result<Json<Changed>, Problem> {
     let author = Author::user(&who.principal, app.clock.now());
     let mut work = app.store.begin().await?;
-    let outcome = remove_request(&mut work, &network, &operation, &request, &author, app.resend_after()).await?;
+    let outcome =
+        remove_request(&mut work, &network, &operation, &request, &author, app.resend_after())
+            .await?;
     work.commit().await?;
     Ok(Json(told(&app, outcome)))
 }

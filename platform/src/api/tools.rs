@@ -47,7 +47,10 @@ pub struct ToolCredential {
 /// Lists the tools of the viewer's organisation; administrators see all.
 #[utoipa::path(get, operation_id = "listTools", path = "/tools", tag = "tools", security(("session" = [])),
     responses((status = 200, body = Page<Tool>), ReadProblems))]
-pub async fn list(State(app): State<Application>, who: SignedIn<Principal>) -> Result<Json<Page<Tool>>, Problem> {
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<Tool>>, Problem> {
     Ok(Json(Page::whole(app.store.read().await?.tools().list(&who.principal.scope()).await?)))
 }
 

@@ -60,5 +60,9 @@ pub async fn put(
     }
     let user = User { user_name, role: body.role, organisation_id: body.organisation_id };
     administrator::put(&app.store, &user, &body.password, app.clock.now()).await?;
-    Ok(Json(UserView { user_name: user.user_name, role: user.role, organisation_id: user.organisation_id }))
+    Ok(Json(UserView {
+        user_name: user.user_name,
+        role: user.role,
+        organisation_id: user.organisation_id,
+    }))
 }

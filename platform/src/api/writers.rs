@@ -70,7 +70,11 @@ pub async fn list(
             missing_count: row.sequences.missing_count(),
             gaps: gaps
                 .into_iter()
-                .map(|(first_sequence, last_sequence, cause)| GapView { first_sequence, last_sequence, cause })
+                .map(|(first_sequence, last_sequence, cause)| GapView {
+                    first_sequence,
+                    last_sequence,
+                    cause,
+                })
                 .collect(),
             received: row.received,
             duplicates: row.duplicates,

@@ -1,5 +1,5 @@
-//! Commands on the platform's database. Run them while the platform is stopped, or restart it afterwards: a running one
-//! learns of new factories through its API.
+//! Commands on the platform's database. Run them while the platform is stopped, or restart it
+//! afterwards: a running one learns of new factories through its API.
 
 use std::{
     io::{BufRead, Write},
@@ -18,7 +18,11 @@ use platform::{
 };
 
 /// Adds an organisation.
-pub async fn add_organisation(config: &PlatformConfig, id: &str, name: Option<String>) -> anyhow::Result<()> {
+pub async fn add_organisation(
+    config: &PlatformConfig,
+    id: &str,
+    name: Option<String>,
+) -> anyhow::Result<()> {
     let store = open(config).await?;
     let mut work = store.begin().await?;
     let is_new = put_organisation(&mut work, id, name).await?;
@@ -39,9 +43,15 @@ pub async fn add_factory(
     let mut work = store.begin().await?;
     put_organisation(&mut work, organisation, None).await?;
     let name = name.unwrap_or_else(|| id.to_owned());
-    let is_new = work.factories().add(&factory, &organisation.parse()?, &name, Clock::system().now()).await?;
+    let is_new = work
+        .factories()
+        .add(&factory, &organisation.parse()?, &name, Clock::system().now())
+        .await?;
     work.commit().await?;
-    anyhow::ensure!(is_new, "there is a factory {id} already; `platform factory token {id}` makes a token for it");
+    anyhow::ensure!(
+        is_new,
+        "there is a factory {id} already; `platform factory token {id}` makes a token for it"
+    );
     print_token(config, id).await
 }
 
@@ -56,10 +66,16 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
         format!("{scheme}://{}", config.web.listen)
     });
     let lifetime = Duration::from_secs(u64::from(config.retention.enrolment_token_hours) * 3600);
-    let token = enrolment::make_token(&store, &factory, &public_url, Clock::system().now(), lifetime).await?;
+    let token =
+        enrolment::make_token(&store, &factory, &public_url, Clock::system().now(), lifetime)
+            .await?;
     let mut out = std::io::stdout();
     writeln!(out, "{}", token.token.expose())?;
-    writeln!(std::io::stderr(), "Run `factory-connector enrol` with this token before {}.", token.expires_at)?;
+    writeln!(
+        std::io::stderr(),
+        "Run `factory-connector enrol` with this token before {}.",
+        token.expires_at
+    )?;
     Ok(())
 }
 
@@ -72,7 +88,10 @@ pub async fn set_user(
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
     let mut line = String::new();
-    std::io::stdin().lock().read_line(&mut line).context("reading the password from standard input")?;
+    std::io::stdin()
+        .lock()
+        .read_line(&mut line)
+        .context("reading the password from standard input")?;
     let password: Confidential<String> = line.trim_end_matches(['\r', '\n']).into();
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
@@ -80,8 +99,9 @@ pub async fn set_user(
 }
 
 async fn open(config: &PlatformConfig) -> anyhow::Result<Store> {
-    std::fs::create_dir_all(&config.data_directory)
-        .with_context(|| format!("making the data directory {}", config.data_directory.display()))?;
+    std::fs::create_dir_all(&config.data_directory).with_context(|| {
+        format!("making the data directory {}", config.data_directory.display())
+    })?;
     Ok(Store::open(&config.database_path()).await?)
 }
 

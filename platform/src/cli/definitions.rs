@@ -4,7 +4,9 @@ use std::io::Write;
 
 use anyhow::Context;
 use clap::ValueEnum;
-use messaging::definitions::{Account, Plan, QueueLimits, artemis_broker_xml, mosquitto_acl, rabbitmq_definitions};
+use messaging::definitions::{
+    Account, Plan, QueueLimits, artemis_broker_xml, mosquitto_acl, rabbitmq_definitions,
+};
 use platform::{
     config::PlatformConfig,
     store::{Holder, Scope, Store},
@@ -23,7 +25,8 @@ pub enum BrokerKind {
     Mosquitto,
 }
 
-/// Prints the definitions for all factories and tools that the platform knows; each needs an account.
+/// Prints the definitions for all factories and tools that the platform knows; each needs an
+/// account.
 pub async fn print(config: &PlatformConfig, kind: BrokerKind) -> anyhow::Result<()> {
     let plan = plan(config).await?;
     let text = match kind {
@@ -47,9 +50,9 @@ async fn plan(config: &PlatformConfig) -> anyhow::Result<Plan> {
     let mut work = store.read().await?;
     let account = |holder: Holder| {
         let user_name = holder.user_name();
-        let password = config
-            .external_password(&user_name)
-            .with_context(|| format!("broker.external.accounts has no account {user_name}; add it there first"))?;
+        let password = config.external_password(&user_name).with_context(|| {
+            format!("broker.external.accounts has no account {user_name}; add it there first")
+        })?;
         anyhow::Ok(Account { user_name, password: Zeroizing::new(password.expose().clone()) })
     };
     let mut plan = Plan {

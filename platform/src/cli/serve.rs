@@ -24,11 +24,13 @@ pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs the embedded broker alone until a signal; users and queues are those of the platform's database.
+/// Runs the embedded broker alone until a signal; users and queues are those of the platform's
+/// database.
 pub async fn broker(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
     let lifecycle = Lifecycle::new();
-    let addresses = platform::service::start_broker_alone(&config, &Clock::system(), &lifecycle).await?;
+    let addresses =
+        platform::service::start_broker_alone(&config, &Clock::system(), &lifecycle).await?;
     tracing::info!(?addresses, "The broker is up.");
     Ok(lifecycle.run(DRAIN_TIMEOUT).await?)
 }

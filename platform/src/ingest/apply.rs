@@ -10,8 +10,8 @@ use std::{
 };
 
 use asi_model::{
-    DateTime, FactoryId, FieldKey, FieldName, MessageId, OperationId, OperationNetworkId, OrganisationId, RequestKey,
-    ToolId, pubsub::DataSetMetaData,
+    DateTime, FactoryId, FieldKey, FieldName, MessageId, OperationId, OperationNetworkId,
+    OrganisationId, RequestKey, ToolId, pubsub::DataSetMetaData,
 };
 use messaging::LogicalAddress;
 
@@ -23,8 +23,8 @@ use crate::{
     leases::FactoryLease,
     live::News,
     store::{
-        CurrentValue, Heard, NewDeadLetter, NewInboxMessage, NewOutgoing, NewReport, Scope, StoreError, Work,
-        WriterKey, WriterRow,
+        CurrentValue, Heard, NewDeadLetter, NewInboxMessage, NewOutgoing, NewReport, Scope,
+        StoreError, Work, WriterKey, WriterRow,
     },
 };
 
@@ -58,7 +58,8 @@ struct Asked {
     tools: Vec<ToolId>,
 }
 
-/// Applies batches of messages to the store; what it has read it remembers until the end of the work.
+/// Applies batches of messages to the store; what it has read it remembers until the end of the
+/// work.
 pub(super) struct Applier<'w> {
     pub(super) work: &'w mut Work,
     pub(super) now: DateTime,
@@ -74,7 +75,12 @@ pub(super) struct Applier<'w> {
 }
 
 impl<'w> Applier<'w> {
-    pub(super) fn new(work: &'w mut Work, now: DateTime, resend_after: std::time::Duration, signs: &'w Signs) -> Self {
+    pub(super) fn new(
+        work: &'w mut Work,
+        now: DateTime,
+        resend_after: std::time::Duration,
+        signs: &'w Signs,
+    ) -> Self {
         Self {
             work,
             now,
@@ -91,7 +97,11 @@ impl<'w> Applier<'w> {
     }
 
     /// Applies a batch of one address, in its order.
-    pub(super) async fn batch(&mut self, address: &LogicalAddress, batch: &[Incoming]) -> Result<(), StoreError> {
+    pub(super) async fn batch(
+        &mut self,
+        address: &LogicalAddress,
+        batch: &[Incoming],
+    ) -> Result<(), StoreError> {
         let mut usable = Vec::with_capacity(batch.len());
         for message in batch {
             if self.may_speak(address, message).await? {
@@ -106,7 +116,8 @@ impl<'w> Applier<'w> {
                 let heard = self.heard.entry(factory.clone()).or_default();
                 heard.at = heard.at.max(Some(message.received_at));
             }
-            // The first of several with one id takes it out, so that repeats within the batch are discarded, too.
+            // The first of several with one id takes it out, so that repeats within the batch are
+            // discarded, too.
             if is_kept(&message.content) && !new.remove(&message.message_id) {
                 self.repeat(address, message).await?;
                 continue;
@@ -132,10 +143,17 @@ impl<'w> Applier<'w> {
         Ok(self.effects)
     }
 
-    /// A message that was stored before: its reports are receipted again, for the receipt may have been lost.
-    async fn repeat(&mut self, address: &LogicalAddress, message: &Incoming) -> Result<(), StoreError> {
+    /// A message that was stored before: its reports are receipted again, for the receipt may have
+    /// been lost.
+    async fn repeat(
+        &mut self,
+        address: &LogicalAddress,
+        message: &Incoming,
+    ) -> Result<(), StoreError> {
         self.effects.duplicates += 1;
-        if let (Some(factory), Content::Reports { reports, .. }) = (address.factory_id(), &message.content) {
+        if let (Some(factory), Content::Reports { reports, .. }) =
+            (address.factory_id(), &message.content)
+        {
             for report in reports {
                 let writer = self.writer(factory, report.data_set_writer_id, report.epoch).await?;
                 writer.duplicates += 1;
@@ -145,17 +163,25 @@ impl<'w> Applier<'w> {
         Ok(())
     }
 
-    async fn message(&mut self, address: &LogicalAddress, incoming: &Incoming) -> Result<(), StoreError> {
+    async fn message(
+        &mut self,
+        address: &LogicalAddress,
+        incoming: &Incoming,
+    ) -> Result<(), StoreError> {
         match (&incoming.content, address.factory_id()) {
             (Content::Reports { reports, keep_alives, message }, Some(factory)) => {
                 for (writer, epoch) in keep_alives {
-                    self.writer(factory, *writer, *epoch).await?.last_keep_alive_at = Some(incoming.received_at);
+                    self.writer(factory, *writer, *epoch).await?.last_keep_alive_at =
+                        Some(incoming.received_at);
                 }
                 self.reports_of(factory, incoming, reports, message).await
             }
             (Content::MetaData(writer, meta_data), Some(factory)) => {
                 let key = (factory.clone(), *writer);
-                self.work.meta_data().put(factory, *writer, incoming.received_at, &incoming.body).await?;
+                self.work
+                    .meta_data()
+                    .put(factory, *writer, incoming.received_at, &incoming.body)
+                    .await?;
                 self.effects.meta_data.push((key, (**meta_data).clone()));
                 Ok(())
             }
@@ -163,7 +189,9 @@ impl<'w> Applier<'w> {
                 self.heard.entry(factory.clone()).or_default().publisher_state = Some(state.name());
                 Ok(())
             }
-            (Content::Factory(message), Some(_)) => self.factory_message(address, incoming, message).await,
+            (Content::Factory(message), Some(_)) => {
+                self.factory_message(address, incoming, message).await
+            }
             (Content::DataRequest(request), _) => self.data_request(request).await,
             (Content::Dead(letter), _) => self.dead(letter).await,
             _ => Ok(()),
@@ -199,7 +227,8 @@ impl<'w> Applier<'w> {
         code: &'static str,
         reason: String,
     ) -> Result<(), StoreError> {
-        self.refuse_from(&LogicalAddress::FactoryIngress(factory.clone()), incoming, code, reason).await
+        self.refuse_from(&LogicalAddress::FactoryIngress(factory.clone()), incoming, code, reason)
+            .await
     }
 
     async fn refuse_from(
@@ -223,27 +252,45 @@ impl<'w> Applier<'w> {
     }
 
     async fn dead(&mut self, letter: &NewDeadLetter) -> Result<(), StoreError> {
-        tracing::warn!(address = letter.address, code = letter.code, "A message is of no use and was set aside.");
+        tracing::warn!(
+            address = letter.address,
+            code = letter.code,
+            "A message is of no use and was set aside."
+        );
         self.effects.dead_letters.push(letter.code);
         self.work.dead_letters().add(letter).await
     }
 
-    async fn members(&mut self, id: &asi_model::CollaborationId) -> Result<Vec<OrganisationId>, StoreError> {
+    async fn members(
+        &mut self,
+        id: &asi_model::CollaborationId,
+    ) -> Result<Vec<OrganisationId>, StoreError> {
         let collaboration = self.work.collaborations().lookup(&Scope::Platform, id).await?;
         Ok(collaboration.map(|collaboration| collaboration.members).unwrap_or_default())
     }
 
-    async fn writer(&mut self, factory: &FactoryId, id: u16, epoch: u32) -> Result<&mut WriterRow, StoreError> {
+    async fn writer(
+        &mut self,
+        factory: &FactoryId,
+        id: u16,
+        epoch: u32,
+    ) -> Result<&mut WriterRow, StoreError> {
         let key = WriterKey { factory_id: factory.clone(), data_set_writer_id: id, epoch };
         if !self.writers.contains_key(&key) {
-            let row = self.work.writers().lookup(&key).await?.unwrap_or_else(|| WriterRow::new(key.clone()));
+            let row = self
+                .work
+                .writers()
+                .lookup(&key)
+                .await?
+                .unwrap_or_else(|| WriterRow::new(key.clone()));
             self.writers.insert(key.clone(), row);
         }
         Ok(self.writers.entry(key.clone()).or_insert_with(|| WriterRow::new(key)))
     }
 
     async fn asked(&mut self, request: &RequestKey) -> Result<Option<Arc<Asked>>, StoreError> {
-        let key = (request.operation_network_id.clone(), request.dynamic_data_request_id.to_string());
+        let key =
+            (request.operation_network_id.clone(), request.dynamic_data_request_id.to_string());
         if let Some(known) = self.asked.get(&key) {
             return Ok(known.clone());
         }

@@ -1,12 +1,13 @@
 //! From bytes to what they say. Pure: no store, no clock.
 
 use asi_model::{
-    DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId, OperationNetworkId, RequestKey,
+    DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId,
+    OperationNetworkId, RequestKey,
     messages::{FactoryMessage, MESSAGE_BYTES_MAX},
     opcua_json::Leniency,
     pubsub::{
-        DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage, PubSubMessage,
-        PubSubState, json::decode_described,
+        DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage,
+        PubSubMessage, PubSubState, json::decode_described,
     },
 };
 use messaging::{Delivery, LogicalAddress};
@@ -87,24 +88,37 @@ pub struct IncomingReport {
 }
 
 /// Members of a payload that are no fields (wire contract, "Reports").
-const RESERVED: [&str; 5] =
-    ["reportName", "dynamicDataRequestId", "operationId", "operationNetworkId", "shopfloorTimestamp"];
+const RESERVED: [&str; 5] = [
+    "reportName",
+    "dynamicDataRequestId",
+    "operationId",
+    "operationNetworkId",
+    "shopfloorTimestamp",
+];
 
 /// Why a message is of no use; code and reason.
 type Refusal = (&'static str, String);
 
 /// Understands a delivery. `lookup` knows the metadata of the factory's writers.
 #[must_use]
-pub fn decode(address: &LogicalAddress, delivery: &Delivery, lookup: &dyn MetaDataLookup) -> Incoming {
+pub fn decode(
+    address: &LogicalAddress,
+    delivery: &Delivery,
+    lookup: &dyn MetaDataLookup,
+) -> Incoming {
     let envelope = &delivery.envelope;
     let received_at = DateTime::from(delivery.received_at);
     let transport_id = envelope.message_id.clone();
-    let unpacked = envelope.unpacked(MESSAGE_BYTES_MAX).map_err(|error| ("UNREADABLE_BODY", error.to_string()));
+    let unpacked = envelope
+        .unpacked(MESSAGE_BYTES_MAX)
+        .map_err(|error| ("UNREADABLE_BODY", error.to_string()));
     let text = unpacked.and_then(|bytes| {
-        String::from_utf8(bytes.to_vec()).map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
+        String::from_utf8(bytes.to_vec())
+            .map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
     });
-    let understood =
-        text.and_then(|text| understand(address, &text, lookup).map(|(id, kind, content)| (id, kind, content, text)));
+    let understood = text.and_then(|text| {
+        understand(address, &text, lookup).map(|(id, kind, content)| (id, kind, content, text))
+    });
     match understood {
         Ok((body_id, message_type, content, body)) => Incoming {
             message_id: body_id.or(transport_id).unwrap_or_else(|| id_of(&body)),
@@ -142,19 +156,32 @@ pub(super) fn dead_letter(
         reason: reason.chars().take(1000).collect(),
         received_at: delivery.received_at.into(),
         body: delivery.envelope.body.to_vec(),
-        content_encoding: delivery.envelope.content_encoding.map(messaging::ContentEncoding::as_str),
+        content_encoding: delivery
+            .envelope
+            .content_encoding
+            .map(messaging::ContentEncoding::as_str),
     }
 }
 
 type Understood = (Option<MessageId>, String, Content);
 
-fn understand(address: &LogicalAddress, text: &str, lookup: &dyn MetaDataLookup) -> Result<Understood, Refusal> {
+fn understand(
+    address: &LogicalAddress,
+    text: &str,
+    lookup: &dyn MetaDataLookup,
+) -> Result<Understood, Refusal> {
     match address {
-        LogicalAddress::FactoryIngress(factory) if is_own_message(text) => factory_message(factory, text),
+        LogicalAddress::FactoryIngress(factory) if is_own_message(text) => {
+            factory_message(factory, text)
+        }
         LogicalAddress::FactoryIngress(factory) => pub_sub_message(factory, text, lookup),
         LogicalAddress::ToolRequests(tool) => {
             let request = parse_data_request(text, tool)?;
-            Ok((Some(request.message_id.clone()), "data-request".into(), Content::DataRequest(Box::new(request))))
+            Ok((
+                Some(request.message_id.clone()),
+                "data-request".into(),
+                Content::DataRequest(Box::new(request)),
+            ))
         }
         other => Err(("WRONG_ADDRESS", format!("Nothing is received from {other}."))),
     }
@@ -168,12 +195,15 @@ fn is_own_message(text: &str) -> bool {
         message_type: Option<serde::de::IgnoredAny>,
     }
     // Most messages are reports; looking for the word first saves reading them twice.
-    text.contains("\"messageType\"") && serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
+    text.contains("\"messageType\"")
+        && serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
 }
 
 fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusal> {
-    let message = asi_model::validation::parse_factory_message(text.as_bytes())
-        .map_err(|rejection| ("INVALID_MESSAGE", format!("The message is not valid: {rejection}")))?;
+    let message =
+        asi_model::validation::parse_factory_message(text.as_bytes()).map_err(|rejection| {
+            ("INVALID_MESSAGE", format!("The message is not valid: {rejection}"))
+        })?;
     let claimed = message.factory_id();
     if claimed != factory {
         return Err(forged(factory, claimed.as_str()));
@@ -182,9 +212,15 @@ fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusa
     Ok((Some(id), kind, Content::Factory(Box::new(message))))
 }
 
-fn pub_sub_message(factory: &FactoryId, text: &str, lookup: &dyn MetaDataLookup) -> Result<Understood, Refusal> {
-    let decoded = decode_described(text.as_bytes(), Leniency::Lenient, lookup)
-        .map_err(|error| ("INVALID_MESSAGE", format!("The message is not valid: {}.", chain(&error))))?;
+fn pub_sub_message(
+    factory: &FactoryId,
+    text: &str,
+    lookup: &dyn MetaDataLookup,
+) -> Result<Understood, Refusal> {
+    let decoded =
+        decode_described(text.as_bytes(), Leniency::Lenient, lookup).map_err(|error| {
+            ("INVALID_MESSAGE", format!("The message is not valid: {}.", chain(&error)))
+        })?;
     let message = decoded.message;
     if let Some(publisher) = message.publisher_id() {
         check_publisher(factory, publisher)?;
@@ -192,7 +228,9 @@ fn pub_sub_message(factory: &FactoryId, text: &str, lookup: &dyn MetaDataLookup)
     let (id, kind) = (message.message_id().cloned(), message.message_type().to_owned());
     let content = match message {
         PubSubMessage::Data(message) => reports(factory, message)?,
-        PubSubMessage::MetaData(message) => Content::MetaData(message.data_set_writer_id, Box::new(message.meta_data)),
+        PubSubMessage::MetaData(message) => {
+            Content::MetaData(message.data_set_writer_id, Box::new(message.meta_data))
+        }
         PubSubMessage::Status(message) => Content::Status(message.status),
         PubSubMessage::Other { .. } => Content::Unknown,
     };
@@ -208,9 +246,13 @@ fn check_publisher(factory: &FactoryId, publisher: &str) -> Result<(), Refusal> 
 }
 
 fn forged(factory: &FactoryId, claimed: &str) -> Refusal {
-    metrics::counter!("verbund_forged_messages_total", "factory" => factory.to_string()).increment(1);
+    metrics::counter!("verbund_forged_messages_total", "factory" => factory.to_string())
+        .increment(1);
     let claimed: String = claimed.chars().take(80).collect();
-    ("FORGED_PUBLISHER", format!("The message came from {factory} and claims to be of {claimed:?}."))
+    (
+        "FORGED_PUBLISHER",
+        format!("The message came from {factory} and claims to be of {claimed:?}."),
+    )
 }
 
 fn reports(factory: &FactoryId, message: NetworkMessage) -> Result<Content, Refusal> {
@@ -219,7 +261,8 @@ fn reports(factory: &FactoryId, message: NetworkMessage) -> Result<Content, Refu
         if let Some(publisher) = part.publisher_id.as_deref() {
             check_publisher(factory, publisher)?;
         }
-        let missing = |what: &str| ("NO_SEQUENCE", format!("DataSetMessage {position} has no {what}."));
+        let missing =
+            |what: &str| ("NO_SEQUENCE", format!("DataSetMessage {position} has no {what}."));
         let writer = part.data_set_writer_id.ok_or_else(|| missing("DataSetWriterId"))?;
         let epoch = part.meta_data_version.map_or(0, |version| version.major);
         if part.kind == DataSetMessageKind::KeepAlive {
@@ -240,18 +283,25 @@ fn report(
     position: usize,
 ) -> Result<IncomingReport, Refusal> {
     let text = |name: &'static str| {
-        part.text(name).ok_or_else(|| ("NO_REQUEST", format!("DataSetMessage {position} has no {name}.")))
+        part.text(name)
+            .ok_or_else(|| ("NO_REQUEST", format!("DataSetMessage {position} has no {name}.")))
     };
-    let invalid = |error: asi_model::InvalidId| ("NO_REQUEST", format!("DataSetMessage {position}: {error}."));
+    let invalid = |error: asi_model::InvalidId| {
+        ("NO_REQUEST", format!("DataSetMessage {position}: {error}."))
+    };
     let request = RequestKey {
-        operation_network_id: OperationNetworkId::new(text("operationNetworkId")?).map_err(invalid)?,
+        operation_network_id: OperationNetworkId::new(text("operationNetworkId")?)
+            .map_err(invalid)?,
         operation_id: OperationId::new(text("operationId")?).map_err(invalid)?,
-        dynamic_data_request_id: DynamicDataRequestId::new(text("dynamicDataRequestId")?).map_err(invalid)?,
+        dynamic_data_request_id: DynamicDataRequestId::new(text("dynamicDataRequestId")?)
+            .map_err(invalid)?,
     };
     let shopfloor_timestamp = part.field("shopfloorTimestamp").and_then(time_of);
     let is_field = |name: &str| {
         !RESERVED.contains(&name)
-            && !name.strip_suffix("Unit").is_some_and(|base| part.fields.iter().any(|field| *field.name == *base))
+            && !name
+                .strip_suffix("Unit")
+                .is_some_and(|base| part.fields.iter().any(|field| *field.name == *base))
     };
     let fields = part
         .fields

@@ -21,8 +21,8 @@ use crate::{
     store::StoreError,
 };
 
-/// When holders of leases were heard. Kept in memory and in spans of time, not in times of day, so that neither a
-/// jumping clock nor a restart takes a lease from anybody.
+/// When holders of leases were heard. Kept in memory and in spans of time, not in times of day, so
+/// that neither a jumping clock nor a restart takes a lease from anybody.
 #[derive(Debug)]
 pub(super) struct Signs {
     silence: Duration,
@@ -79,7 +79,8 @@ impl Applier<'_> {
     ) -> Result<(), StoreError> {
         let before = self.lease(factory).await?.cloned();
         let former = before.as_ref().map(|lease| lease.holder.host.clone());
-        let (lease, verdict) = FactoryLease::ask(before, request, self.signs.is_silent(factory), self.now);
+        let (lease, verdict) =
+            FactoryLease::ask(before, request, self.signs.is_silent(factory), self.now);
         match verdict {
             Verdict::Renewed => self.signs.heard(factory),
             Verdict::Passed => {
@@ -108,11 +109,14 @@ impl Applier<'_> {
         metrics::counter!("verbund_lease_requests_total", "result" => result).increment(1);
         self.work.leases().put(factory, &lease).await?;
         self.effects.has_outgoing = true;
-        // Where two read at one address a broker may serve them in turns, so that each would get the other's answers for
-        // ever: of two equal ones each gets one.
+        // Where two read at one address a broker may serve them in turns, so that each would get
+        // the other's answers for ever: of two equal ones each gets one.
         let copies = if lease.contenders.is_empty() { 1 } else { 2 };
         for _ in 0..copies {
-            self.work.outbox().add(&lease.answer(request, verdict, self.signs.silence, self.now)).await?;
+            self.work
+                .outbox()
+                .add(&lease.answer(request, verdict, self.signs.silence, self.now))
+                .await?;
         }
         self.leases.insert(factory.clone(), Some(lease));
         Ok(())

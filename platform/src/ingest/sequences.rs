@@ -1,8 +1,8 @@
 //! Which sequence numbers of a writer are held within an epoch.
 //!
-//! An epoch counts from zero. Numbers arrive in any order - after an outage the newest first, the backlog behind it -
-//! and may repeat; some never come, which the connector announces. So what is held is "all up to the highest, but for
-//! the missing ranges".
+//! An epoch counts from zero. Numbers arrive in any order - after an outage the newest first, the
+//! backlog behind it - and may repeat; some never come, which the connector announces. So what is
+//! held is "all up to the highest, but for the missing ranges".
 
 use std::collections::VecDeque;
 
@@ -16,7 +16,8 @@ pub struct SequenceSet {
     missing: VecDeque<(u32, u32)>,
 }
 
-/// Most missing numbers that one receipt lists per writer; a receipt with more would outgrow a message.
+/// Most missing numbers that one receipt lists per writer; a receipt with more would outgrow a
+/// message.
 const LISTED_MAX: usize = 1000;
 
 impl SequenceSet {
@@ -99,8 +100,9 @@ impl SequenceSet {
         new
     }
 
-    /// What to tell the connector; nothing where nothing is held. Where more numbers are missing than a receipt lists,
-    /// it tells only as far as the list reaches: a receipt never claims what is not held.
+    /// What to tell the connector; nothing where nothing is held. Where more numbers are missing
+    /// than a receipt lists, it tells only as far as the list reaches: a receipt never claims what
+    /// is not held.
     #[must_use]
     pub fn receipt(&self, data_set_writer_id: u16, epoch: u32) -> Option<WriterReceipt> {
         let through = self.through?;

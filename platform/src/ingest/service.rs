@@ -67,8 +67,8 @@ struct Batch {
 }
 
 impl Ingest {
-    /// A service over the store; knows the metadata that was received before. A connector that was not heard for the time
-    /// of `silence` may lose its lease to another one.
+    /// A service over the store; knows the metadata that was received before. A connector that was
+    /// not heard for the time of `silence` may lose its lease to another one.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -83,7 +83,9 @@ impl Ingest {
     ) -> Result<(Self, IngestHandle), StoreError> {
         let mut table = MetaDataTable::new();
         for (factory, body) in store.read().await?.meta_data().list().await? {
-            if let Ok(PubSubMessage::MetaData(message)) = decode(body.as_bytes()).map(|decoded| decoded.message) {
+            if let Ok(PubSubMessage::MetaData(message)) =
+                decode(body.as_bytes()).map(|decoded| decoded.message)
+            {
                 table.insert((factory, message.data_set_writer_id), message.meta_data);
             }
         }
@@ -91,7 +93,21 @@ impl Ingest {
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
         let (told_heard, signs) = (Mutex::default(), Signs::new(silence));
-        Ok((Self { store, live, reach, progress, clock, resend_after, signs, meta_data, batches, told_heard }, handle))
+        Ok((
+            Self {
+                store,
+                live,
+                reach,
+                progress,
+                clock,
+                resend_after,
+                signs,
+                meta_data,
+                batches,
+                told_heard,
+            },
+            handle,
+        ))
     }
 
     /// Runs until shutdown; what was taken by then is written.
@@ -100,8 +116,9 @@ impl Ingest {
     /// Never; a failing store is told to the senders, who bring the messages again.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
         let mut waiting = Vec::with_capacity(BATCHES_PER_WORK_MAX);
-        while let Some(count) =
-            shutdown.run_until_cancelled(self.batches.recv_many(&mut waiting, BATCHES_PER_WORK_MAX)).await
+        while let Some(count) = shutdown
+            .run_until_cancelled(self.batches.recv_many(&mut waiting, BATCHES_PER_WORK_MAX))
+            .await
         {
             if count == 0 {
                 return Ok(());
@@ -113,9 +130,9 @@ impl Ingest {
         Ok(())
     }
 
-    /// Writes batches in one transaction. Where that fails, each message is tried on its own, so that one that the
-    /// database refuses holds nobody else up. After one that cannot be stored at the moment all others wait, too, for none
-    /// may overtake it.
+    /// Writes batches in one transaction. Where that fails, each message is tried on its own, so
+    /// that one that the database refuses holds nobody else up. After one that cannot be stored at
+    /// the moment all others wait, too, for none may overtake it.
     async fn write(&self, batches: Vec<Batch>) {
         let started = std::time::Instant::now();
         let all: Vec<(&LogicalAddress, &[Incoming])> =
@@ -152,11 +169,15 @@ impl Ingest {
             return false;
         }
         // The database will always refuse it: a dead letter instead, so that the queue goes on.
-        let dead = dead_message(address, message, format!("It cannot be stored: {}.", chain(&error)));
+        let dead =
+            dead_message(address, message, format!("It cannot be stored: {}.", chain(&error)));
         self.write_once(&[(address, std::slice::from_ref(&dead))]).await.is_ok()
     }
 
-    async fn write_once(&self, batches: &[(&LogicalAddress, &[Incoming])]) -> Result<(), StoreError> {
+    async fn write_once(
+        &self,
+        batches: &[(&LogicalAddress, &[Incoming])],
+    ) -> Result<(), StoreError> {
         let mut work = self.store.begin().await?;
         let mut applier = Applier::new(&mut work, self.clock.now(), self.resend_after, &self.signs);
         for (address, messages) in batches {
@@ -200,7 +221,8 @@ impl Ingest {
         let now = std::time::Instant::now();
         let is_due = {
             let mut told = self.told_heard.lock();
-            let is_due = told.get(&factory_id).is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
+            let is_due =
+                told.get(&factory_id).is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
             if is_due {
                 told.insert(factory_id.clone(), now);
             }
@@ -209,7 +231,9 @@ impl Ingest {
         if is_due || heard.publisher_state.is_some() {
             let audience = self.store.read().await?.factories().concerned(&factory_id).await?;
             let publisher_state = heard.publisher_state.map(str::to_owned);
-            self.live.publish([LiveEvent::Factory { factory_id, last_seen_at, publisher_state }.to(audience)]);
+            self.live.publish([
+                LiveEvent::Factory { factory_id, last_seen_at, publisher_state }.to(audience)
+            ]);
         }
         Ok(())
     }
@@ -217,13 +241,20 @@ impl Ingest {
 
 #[async_trait]
 impl messaging::Inbox for IngestHandle {
-    async fn receive(&self, address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+    async fn receive(
+        &self,
+        address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
         let table = Arc::clone(&self.meta_data.read());
         let bytes: usize = deliveries.iter().map(|delivery| delivery.envelope.body.len()).sum();
         let decoded_address = address.clone();
         let decode_all = move || -> Vec<Incoming> {
             let known = KnownMetaData { factory: decoded_address.factory_id(), table: &table };
-            deliveries.iter().map(|delivery| understand(&decoded_address, delivery, &known)).collect()
+            deliveries
+                .iter()
+                .map(|delivery| understand(&decoded_address, delivery, &known))
+                .collect()
         };
         let messages = if bytes <= DECODED_INLINE_BYTES_MAX {
             decode_all()
@@ -240,7 +271,10 @@ impl messaging::Inbox for IngestHandle {
         }
         // No answer: the writer has ended, and what is missing in ours counts as released.
         let stored = answer.await.unwrap_or_default();
-        stored.into_iter().map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release }).collect()
+        stored
+            .into_iter()
+            .map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release })
+            .collect()
     }
 }
 
@@ -276,7 +310,9 @@ fn dead_message(address: &LogicalAddress, message: &Incoming, reason: String) ->
 fn is_refused(error: &StoreError) -> bool {
     match error {
         StoreError::Statement { source: sqlx::Error::Database(error), .. } => {
-            error.is_foreign_key_violation() || error.is_check_violation() || error.is_unique_violation()
+            error.is_foreign_key_violation()
+                || error.is_check_violation()
+                || error.is_unique_violation()
         }
         StoreError::Corrupt { .. } => true,
         _ => false,

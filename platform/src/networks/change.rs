@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asi_model::{
-    CollaborationId, FactoryId, OperationNetworkId, OrganisationId, messages::Fault, network::OperationNetwork,
+    CollaborationId, FactoryId, OperationNetworkId, OrganisationId, messages::Fault,
+    network::OperationNetwork,
 };
 
 use super::{author::Author, faults::faults, parts};
@@ -83,7 +84,8 @@ pub async fn put(
         .lookup(&author.scope, &change.collaboration_id)
         .await?
         .ok_or_else(|| ChangeError::NoCollaboration(change.collaboration_id.clone()))?;
-    let before = work.networks().lookup(&Scope::Platform, &change.network.operation_network_id).await?;
+    let before =
+        work.networks().lookup(&Scope::Platform, &change.network.operation_network_id).await?;
     if before.as_ref().is_some_and(|before| before.collaboration_id != change.collaboration_id) {
         return Err(ChangeError::OtherCollaboration);
     }
@@ -110,7 +112,8 @@ pub async fn put(
     take_effect(work, row, &collaboration, author, resend_after).await
 }
 
-/// Withdraws a network: at every factory its nodes and mappings go; the revision stays as a tombstone.
+/// Withdraws a network: at every factory its nodes and mappings go; the revision stays as a
+/// tombstone.
 ///
 /// # Errors
 /// [`ChangeError`]; then nothing of it happened once the work is dropped.
@@ -122,7 +125,12 @@ pub async fn withdraw(
 ) -> Result<Outcome, ChangeError> {
     let (before, collaboration) = lookup(work, id, author).await?;
     if before.withdrawn_at.is_some() {
-        return Ok(Outcome { revision: before.revision, is_changed: false, sent_to: Vec::new(), news: Vec::new() });
+        return Ok(Outcome {
+            revision: before.revision,
+            is_changed: false,
+            sent_to: Vec::new(),
+            news: Vec::new(),
+        });
     }
     let row = NetworkRow {
         revision: before.revision + 1,
@@ -145,8 +153,11 @@ pub(super) async fn lookup(
     if !author.may_plan {
         return Err(ChangeError::NotAllowed);
     }
-    let collaboration =
-        work.collaborations().lookup(&author.scope, &before.collaboration_id).await?.ok_or_else(not_found)?;
+    let collaboration = work
+        .collaborations()
+        .lookup(&author.scope, &before.collaboration_id)
+        .await?
+        .ok_or_else(not_found)?;
     Ok((before, collaboration))
 }
 
@@ -161,7 +172,9 @@ async fn take_effect(
     let id = row.network.operation_network_id.clone();
     work.networks().put(&row).await?;
     let is_withdrawn = row.withdrawn_at.is_some();
-    work.fields().replace(&id, &if is_withdrawn { Vec::new() } else { fields(&row.network) }).await?;
+    work.fields()
+        .replace(&id, &if is_withdrawn { Vec::new() } else { fields(&row.network) })
+        .await?;
     if !is_withdrawn {
         for (_, _, request) in row.network.requests() {
             work.recipients().replace(&id, request).await?;
@@ -175,8 +188,10 @@ async fn take_effect(
         return Err(ChangeError::Faulty(oversize));
     }
     let members = &collaboration.members;
-    let mut news =
-        vec![LiveEvent::Network { operation_network_id: id.clone(), revision: row.revision }.to(members.clone())];
+    let mut news = vec![
+        LiveEvent::Network { operation_network_id: id.clone(), revision: row.revision }
+            .to(members.clone()),
+    ];
     let mut sent_to = Vec::with_capacity(plan.len());
     for planned in plan {
         work.outbox().add(&planned.message).await?;
@@ -212,14 +227,20 @@ fn fields(network: &OperationNetwork) -> Vec<NewField> {
     let owners: std::collections::HashMap<_, _> = network
         .operation_list
         .iter()
-        .filter_map(|operation| Some((&operation.operation_id, operation.owning_factory_id.as_ref()?)))
+        .filter_map(|operation| {
+            Some((&operation.operation_id, operation.owning_factory_id.as_ref()?))
+        })
         .collect();
     network
         .fields()
         .enumerate()
         .filter_map(|(position, (key, _, _))| {
             let factory_id = (*owners.get(&key.request.operation_id)?).clone();
-            Some(NewField { key, factory_id, position: u32::try_from(position).unwrap_or(u32::MAX) })
+            Some(NewField {
+                key,
+                factory_id,
+                position: u32::try_from(position).unwrap_or(u32::MAX),
+            })
         })
         .collect()
 }

@@ -1,4 +1,5 @@
-//! What can be wrong with a network beyond the wire contract: it must fit the collaboration and the author's rights.
+//! What can be wrong with a network beyond the wire contract: it must fit the collaboration and the
+//! author's rights.
 
 use std::collections::HashMap;
 
@@ -10,7 +11,8 @@ use asi_model::{
 use super::author::Author;
 use crate::store::Collaboration;
 
-/// All faults at once. `before` is the revision in effect, whose requests the author need not answer for.
+/// All faults at once. `before` is the revision in effect, whose requests the author need not
+/// answer for.
 pub(super) fn faults(
     network: &OperationNetwork,
     before: Option<&OperationNetwork>,
@@ -18,15 +20,19 @@ pub(super) fn faults(
     author: &Author,
 ) -> Vec<Fault> {
     let mut faults = asi_model::validation::validate_network(network);
-    let known: HashMap<_, &DynamicDataRequest> =
-        before.iter().flat_map(|network| network.requests()).map(|(key, _, request)| (key, request)).collect();
+    let known: HashMap<_, &DynamicDataRequest> = before
+        .iter()
+        .flat_map(|network| network.requests())
+        .map(|(key, _, request)| (key, request))
+        .collect();
     for (index, operation) in network.operation_list.iter().enumerate() {
         let at = format!("/operationList/{index}");
         match &operation.owning_factory_id {
             None => faults.push(fault(
                 format!("{at}/owningFactoryId"),
                 "MISSING_OWNER",
-                "In a whole network every operation names the factory that carries it out.".to_owned(),
+                "In a whole network every operation names the factory that carries it out."
+                    .to_owned(),
             )),
             Some(factory) if !collaboration.factories.contains(factory) => faults.push(fault(
                 format!("{at}/owningFactoryId"),
@@ -39,13 +45,15 @@ pub(super) fn faults(
             faults.push(fault(
                 format!("{at}/stub"),
                 "STUB_IN_WHOLE",
-                "A whole network has no stubs; the platform makes them for each factory.".to_owned(),
+                "A whole network has no stubs; the platform makes them for each factory."
+                    .to_owned(),
             ));
         }
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
             let at = format!("{at}/dynamicDataRequestList/{number}");
-            let is_unchanged =
-                known.iter().any(|(key, old)| key.operation_id == operation.operation_id && **old == *request);
+            let is_unchanged = known
+                .iter()
+                .any(|(key, old)| key.operation_id == operation.operation_id && **old == *request);
             if !is_unchanged {
                 request_faults(request, &at, collaboration, author, &mut faults);
             }
@@ -70,7 +78,11 @@ fn request_faults(
         ));
     }
     let members = [(&request.requester_id, format!("{at}/requesterId"))].into_iter().chain(
-        request.recipient_list.iter().enumerate().map(|(index, id)| (id, format!("{at}/recipientList/{index}"))),
+        request
+            .recipient_list
+            .iter()
+            .enumerate()
+            .map(|(index, id)| (id, format!("{at}/recipientList/{index}"))),
     );
     for (organisation, pointer) in members {
         if !collaboration.members.contains(organisation) {

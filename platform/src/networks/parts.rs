@@ -1,4 +1,5 @@
-//! What each factory is sent of a revision. Pure: from the network and what was sent before to messages.
+//! What each factory is sent of a revision. Pure: from the network and what was sent before to
+//! messages.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -39,12 +40,14 @@ impl PlannedPart {
 /// Bodies beyond this are compressed; smaller ones stay readable for whoever looks into a queue.
 const COMPRESSED_FROM_BYTES: usize = 64 * 1024;
 
-/// What to send: to each factory whose part differs from what it was sent last, and a withdrawal to those that have no
-/// part any more.
+/// What to send: to each factory whose part differs from what it was sent last, and a withdrawal to
+/// those that have no part any more.
 pub(super) fn plan(row: &NetworkRow, before: &[Part], resend_after: Duration) -> Vec<PlannedPart> {
     let owners: BTreeSet<&FactoryId> = match row.withdrawn_at {
         Some(_) => BTreeSet::new(),
-        None => row.network.operation_list.iter().filter_map(|o| o.owning_factory_id.as_ref()).collect(),
+        None => {
+            row.network.operation_list.iter().filter_map(|o| o.owning_factory_id.as_ref()).collect()
+        }
     };
     let previous = |factory: &FactoryId| before.iter().find(|part| part.factory_id == *factory);
     let mut planned = Vec::new();
@@ -72,7 +75,14 @@ pub(super) fn plan(row: &NetworkRow, before: &[Part], resend_after: Duration) ->
             operation_network_id: row.network.operation_network_id.clone(),
             revision: row.revision,
         });
-        planned.push(planned_part(row, &old.factory_id, &message, message_id, String::new(), resend_after));
+        planned.push(planned_part(
+            row,
+            &old.factory_id,
+            &message,
+            message_id,
+            String::new(),
+            resend_after,
+        ));
     }
     planned
 }
@@ -104,7 +114,11 @@ fn planned_part(
 }
 
 /// A message to a factory as a row to send.
-pub(crate) fn outgoing(factory: &FactoryId, message: &PlatformMessage, now: DateTime) -> NewOutgoing {
+pub(crate) fn outgoing(
+    factory: &FactoryId,
+    message: &PlatformMessage,
+    now: DateTime,
+) -> NewOutgoing {
     let body = serde_json::to_vec(message).expect("messages have text keys only");
     let is_large = body.len() > COMPRESSED_FROM_BYTES;
     let envelope = Envelope::new(message.message_id().clone(), message.message_type(), body);
@@ -116,7 +130,9 @@ pub(crate) fn outgoing(factory: &FactoryId, message: &PlatformMessage, now: Date
         correlation_id: None,
         created_at: now,
         time_to_live: None,
-        content_encoding: envelope.content_encoding.map(|ContentEncoding::Gzip| ContentEncoding::Gzip),
+        content_encoding: envelope
+            .content_encoding
+            .map(|ContentEncoding::Gzip| ContentEncoding::Gzip),
         body: envelope.body,
     }
 }

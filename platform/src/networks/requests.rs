@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use asi_model::{DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest};
+use asi_model::{
+    DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest,
+};
 
 use super::{
     author::Author,
@@ -27,7 +29,11 @@ pub async fn add_request(
     if row.withdrawn_at.is_some() {
         return Err(ChangeError::NotFound(format!("operation network {network}")));
     }
-    let target = row.network.operation_list.iter_mut().find(|candidate| candidate.operation_id == *operation);
+    let target = row
+        .network
+        .operation_list
+        .iter_mut()
+        .find(|candidate| candidate.operation_id == *operation);
     let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
     if !list.contains(&request) {
         list.push(request);
@@ -48,10 +54,18 @@ pub async fn remove_request(
     resend_after: Duration,
 ) -> Result<Outcome, ChangeError> {
     let (mut row, _) = lookup(work, network, author).await?;
-    let not_found = || ChangeError::NotFound(format!("request {request} of {operation} in {network}"));
-    let target = row.network.operation_list.iter_mut().find(|candidate| candidate.operation_id == *operation);
+    let not_found =
+        || ChangeError::NotFound(format!("request {request} of {operation} in {network}"));
+    let target = row
+        .network
+        .operation_list
+        .iter_mut()
+        .find(|candidate| candidate.operation_id == *operation);
     let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
-    let position = list.iter().position(|known| known.dynamic_data_request_id == *request).ok_or_else(not_found)?;
+    let position = list
+        .iter()
+        .position(|known| known.dynamic_data_request_id == *request)
+        .ok_or_else(not_found)?;
     let is_own = author.organisation_id.as_ref() == Some(&list[position].requester_id);
     if !is_own && !author.is_administrator {
         return Err(ChangeError::NotAllowed);

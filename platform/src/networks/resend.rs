@@ -1,4 +1,5 @@
-//! Sending again what no factory has answered: a reconciler that compares what was sent with what was acknowledged.
+//! Sending again what no factory has answered: a reconciler that compares what was sent with what
+//! was acknowledged.
 
 use std::time::Duration;
 
@@ -68,15 +69,21 @@ impl Resender {
         Ok(count)
     }
 
-    /// The same content under a new message id: the old one may be known to the connector while its answer was lost.
+    /// The same content under a new message id: the old one may be known to the connector while its
+    /// answer was lost.
     async fn send_again(&self, work: &mut Work, mut part: Part) -> Result<(), StoreError> {
-        let Some(row) = work.networks().lookup(&Scope::Platform, &part.operation_network_id).await? else {
+        let Some(row) =
+            work.networks().lookup(&Scope::Platform, &part.operation_network_id).await?
+        else {
             return Ok(());
         };
         let now = self.clock.now();
         part.message_id = new_message_id();
         part.sent_at = now;
-        let wait = self.resend_after.saturating_mul(2_u32.saturating_pow(part.sent_count)).min(LONGEST_WAIT);
+        let wait = self
+            .resend_after
+            .saturating_mul(2_u32.saturating_pow(part.sent_count))
+            .min(LONGEST_WAIT);
         part.sent_count = part.sent_count.saturating_add(1);
         part.resend_at = now.after(wait);
         let message = if part.is_withdrawal {
@@ -87,8 +94,9 @@ impl Resender {
                 revision: part.revision,
             })
         } else {
-            let operation_network = serde_json::from_str(&part.document)
-                .map_err(|error| StoreError::Corrupt { column: "document", reason: error.to_string() })?;
+            let operation_network = serde_json::from_str(&part.document).map_err(|error| {
+                StoreError::Corrupt { column: "document", reason: error.to_string() }
+            })?;
             PlatformMessage::OperationNetwork(OperationNetworkMessage {
                 message_id: part.message_id.clone(),
                 factory_id: part.factory_id.clone(),

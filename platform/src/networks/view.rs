@@ -39,7 +39,8 @@ pub struct NetworkView {
     pub operations: Vec<OperationProgress>,
     /// The fields that concern the viewer.
     pub fields: Vec<FieldView>,
-    /// The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses nothing.
+    /// The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses
+    /// nothing.
     pub last_event_id: String,
 }
 
@@ -142,7 +143,8 @@ pub async fn view(
         })
         .collect();
     let operations = progress(&row.network, &fields);
-    let NetworkRow { collaboration_id, revision, network, updated_at, updated_by, withdrawn_at } = row;
+    let NetworkRow { collaboration_id, revision, network, updated_at, updated_by, withdrawn_at } =
+        row;
     Ok(Some(NetworkView {
         collaboration_id,
         revision,

@@ -20,7 +20,8 @@ use crate::{
     store::Store,
 };
 
-/// Runs the embedded broker alone, with the users and queues of the platform's database as they are now.
+/// Runs the embedded broker alone, with the users and queues of the platform's database as they are
+/// now.
 ///
 /// # Errors
 /// [`StartError`].
@@ -44,8 +45,9 @@ pub async fn start_broker_alone(
     Ok(reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
 }
 
-/// Opens the embedded broker, or prepares to use another one. The embedded one knows its users from then on: whoever
-/// waits at the door of a broker that starts again must not be refused, since a refused peer stays away for minutes.
+/// Opens the embedded broker, or prepares to use another one. The embedded one knows its users from
+/// then on: whoever waits at the door of a broker that starts again must not be refused, since a
+/// refused peer stays away for minutes.
 pub(super) async fn open(
     config: &PlatformConfig,
     reach: &Reach,
@@ -55,13 +57,13 @@ pub(super) async fn open(
     // Unique per running instance, so that a broker's log tells them apart.
     let container = format!("platform-{}", &random_token()[..8]);
     if let Some(external) = &config.broker.external {
-        let pem = match &external.root_certificates {
-            None => None,
-            Some(path) => Some(
-                std::fs::read_to_string(path)
-                    .map_err(|source| StartError::RootCertificates { path: path.clone(), source })?,
-            ),
-        };
+        let pem =
+            match &external.root_certificates {
+                None => None,
+                Some(path) => Some(std::fs::read_to_string(path).map_err(|source| {
+                    StartError::RootCertificates { path: path.clone(), source }
+                })?),
+            };
         let first = external.urls.first().ok_or(LinkError::NoBroker)?;
         let login = Login::new(&external.user_name, external.password.expose());
         let mut link = LinkConfig::new(first.clone(), login, container);
@@ -71,7 +73,8 @@ pub(super) async fn open(
             link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
         }
         let url = config.broker.public_url.as_ref().unwrap_or(first).to_string();
-        let access = BrokerAccess { url, profile: external.profile.clone(), root_certificate_pem: pem };
+        let access =
+            BrokerAccess { url, profile: external.profile.clone(), root_certificate_pem: pem };
         return Ok((None, access, link));
     }
 
@@ -85,23 +88,34 @@ pub(super) async fn open(
     names.dedup();
     let issued = authority.issue(&names, now.into())?;
     let tls = TlsIdentity { certificates_pem: issued.certificates_pem, key_pem: issued.key_pem };
-    let listener = Listener { address: config.broker.listen, tls: Some(tls.clone()), carrier: Carrier::Stream };
+    let listener = Listener {
+        address: config.broker.listen,
+        tls: Some(tls.clone()),
+        carrier: Carrier::Stream,
+    };
     let mut broker_config = BrokerConfig::new(listener, config.broker_database_path());
     if let Some(address) = config.broker.plain_listen {
         broker_config.listeners.push(Listener { address, tls: None, carrier: Carrier::Stream });
     }
     if let Some(address) = config.broker.websocket_listen {
-        broker_config.listeners.push(Listener { address, tls: Some(tls), carrier: Carrier::WebSocket });
+        broker_config.listeners.push(Listener {
+            address,
+            tls: Some(tls),
+            carrier: Carrier::WebSocket,
+        });
     }
     let (broker, handle) = Broker::new(broker_config, reach.users()).await?;
     let address = handle.local_addresses().first().copied().unwrap_or(config.broker.listen);
     reach.set_broker(handle);
 
     // We reach our own broker on this machine, whatever address it listens on for others.
-    let own_host = if address.ip().is_unspecified() { "localhost".to_owned() } else { host(address) };
-    let own_url: BrokerUrl =
-        format!("amqps://{own_host}:{}", address.port()).parse().expect("a host and a port make a broker address");
-    let mut link = LinkConfig::new(own_url.clone(), Login::new(PLATFORM_USER, reach.secret()), container);
+    let own_host =
+        if address.ip().is_unspecified() { "localhost".to_owned() } else { host(address) };
+    let own_url: BrokerUrl = format!("amqps://{own_host}:{}", address.port())
+        .parse()
+        .expect("a host and a port make a broker address");
+    let mut link =
+        LinkConfig::new(own_url.clone(), Login::new(PLATFORM_USER, reach.secret()), container);
     link.tls.roots = Roots::Pem(authority.root_pem().to_owned().into_bytes().into());
     if !address.ip().is_loopback() {
         link.tls.server_name = Some("localhost".to_owned());
@@ -136,10 +150,12 @@ mod tests {
              password = \"of the broker alone\"\nconsume = []\nproduce = []\n",
             folder.path()
         );
-        let config: PlatformConfig = daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
+        let config: PlatformConfig =
+            daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
         let store = Store::open(&config.database_path()).await.expect("a database");
         let reach = Reach::new(config.broker.users.clone());
-        let (broker, ..) = open(&config, &reach, &store, Clock::system().now()).await.expect("it opens");
+        let (broker, ..) =
+            open(&config, &reach, &store, Clock::system().now()).await.expect("it opens");
         assert!(broker.is_some(), "it is embedded, and does not run yet");
         for user in ["observer", PLATFORM_USER] {
             assert!(reach.users().user(user).is_some(), "{user}");

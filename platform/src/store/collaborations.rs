@@ -47,7 +47,8 @@ impl Collaborations<'_> {
     /// # Errors
     /// [`StoreError::Statement`], as for unknown members.
     pub async fn add(&mut self, collaboration: &Collaboration) -> Result<bool, StoreError> {
-        let sql = "INSERT INTO collaboration (collaboration_id, name, created_at) VALUES ($1, $2, $3)
+        let sql =
+            "INSERT INTO collaboration (collaboration_id, name, created_at) VALUES ($1, $2, $3)
                    ON CONFLICT (collaboration_id) DO NOTHING";
         let result = sqlx::query(sql)
             .bind(collaboration.collaboration_id.as_str())
@@ -72,8 +73,13 @@ impl Collaborations<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
-    pub async fn add_member(&mut self, id: &CollaborationId, member: &OrganisationId) -> Result<(), StoreError> {
-        let sql = "INSERT INTO collaboration_member (collaboration_id, organisation_id) VALUES ($1, $2)
+    pub async fn add_member(
+        &mut self,
+        id: &CollaborationId,
+        member: &OrganisationId,
+    ) -> Result<(), StoreError> {
+        let sql =
+            "INSERT INTO collaboration_member (collaboration_id, organisation_id) VALUES ($1, $2)
                    ON CONFLICT DO NOTHING";
         sqlx::query(sql)
             .bind(id.as_str())
@@ -88,7 +94,11 @@ impl Collaborations<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown factory.
-    pub async fn add_factory(&mut self, id: &CollaborationId, factory: &FactoryId) -> Result<(), StoreError> {
+    pub async fn add_factory(
+        &mut self,
+        id: &CollaborationId,
+        factory: &FactoryId,
+    ) -> Result<(), StoreError> {
         let sql = "INSERT INTO collaboration_factory (collaboration_id, factory_id) VALUES ($1, $2)
                    ON CONFLICT DO NOTHING";
         sqlx::query(sql)
@@ -126,7 +136,11 @@ impl Collaborations<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn lookup(&mut self, scope: &Scope, id: &CollaborationId) -> Result<Option<Collaboration>, StoreError> {
+    pub async fn lookup(
+        &mut self,
+        scope: &Scope,
+        id: &CollaborationId,
+    ) -> Result<Option<Collaboration>, StoreError> {
         let sql = "SELECT c.* FROM collaboration c
                    WHERE c.collaboration_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
                        SELECT 1 FROM collaboration_member m
@@ -161,8 +175,14 @@ impl Collaborations<'_> {
         Ok(Collaboration {
             name: row.column("name")?,
             created_at: row.time("created_at")?,
-            members: members.iter().map(|row| row.parsed("organisation_id")).collect::<Result<_, _>>()?,
-            factories: factories.iter().map(|row| row.parsed("factory_id")).collect::<Result<_, _>>()?,
+            members: members
+                .iter()
+                .map(|row| row.parsed("organisation_id"))
+                .collect::<Result<_, _>>()?,
+            factories: factories
+                .iter()
+                .map(|row| row.parsed("factory_id"))
+                .collect::<Result<_, _>>()?,
             collaboration_id,
         })
     }

@@ -29,7 +29,8 @@ const STATEMENTS_CACHED_MAX: usize = 256;
 /// The platform's database. Clones share the connections.
 #[derive(Debug, Clone)]
 pub struct Store {
-    /// One connection: SQLite has one writer, and waiting for it here is fairer and cheaper than in its lock.
+    /// One connection: SQLite has one writer, and waiting for it here is fairer and cheaper than in
+    /// its lock.
     writer: SqlitePool,
     readers: SqlitePool,
 }
@@ -54,15 +55,24 @@ impl Store {
         let failed = |source| StoreError::Open { path: path.to_owned(), source };
         let writer = SqlitePoolOptions::new()
             .max_connections(1)
-            // A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever.
-            .before_acquire(|connection, _| Box::pin(async move { Ok(!connection.is_in_transaction()) }))
+            // A full disk makes SQLite roll back by itself, which the driver takes for an open
+            // transaction for ever.
+            .before_acquire(|connection, _| {
+                Box::pin(async move { Ok(!connection.is_in_transaction()) })
+            })
             .connect_with(options.clone())
             .await
             .map_err(failed)?;
         let migrations = MIGRATIONS
             .into_iter()
             .map(|(version, name, sql)| {
-                Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+                Migration::new(
+                    version,
+                    name.into(),
+                    MigrationType::Simple,
+                    sql.into_sql_str(),
+                    false,
+                )
             })
             .collect();
         Migrator::with_migrations(migrations).run(&writer).await.map_err(StoreError::Migrate)?;
@@ -79,9 +89,12 @@ impl Store {
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn begin(&self) -> Result<Work, StoreError> {
-        // IMMEDIATE takes the write lock at once, so that no statement fails half-way for lack of it.
+        // IMMEDIATE takes the write lock at once, so that no statement fails half-way for lack of
+        // it.
         let begun = self.writer.begin_with("BEGIN IMMEDIATE").await;
-        begun.map(|transaction| Work { transaction }).map_err(StoreError::during("begin a transaction"))
+        begun
+            .map(|transaction| Work { transaction })
+            .map_err(StoreError::during("begin a transaction"))
     }
 
     /// Begins a unit of work that only reads, on one consistent state.

@@ -106,7 +106,11 @@ impl Credentials<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn use_token(&mut self, hash: &[u8; 32], now: DateTime) -> Result<Option<FactoryId>, StoreError> {
+    pub async fn use_token(
+        &mut self,
+        hash: &[u8; 32],
+        now: DateTime,
+    ) -> Result<Option<FactoryId>, StoreError> {
         let sql = "UPDATE enrolment_token SET used_at = $2
                    WHERE token_hash = $1 AND used_at IS NULL AND expires_at > $2 RETURNING factory_id";
         let row = sqlx::query(sql)
@@ -122,7 +126,11 @@ impl Credentials<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn add(&mut self, credential: &BrokerCredential, now: DateTime) -> Result<(), StoreError> {
+    pub async fn add(
+        &mut self,
+        credential: &BrokerCredential,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
         let sql = "INSERT INTO broker_credential (holder_kind, holder_id, secret_hash, created_at)
                    VALUES ($1, $2, $3, $4)";
         sqlx::query(sql)
@@ -158,12 +166,13 @@ impl Credentials<'_> {
                 .await
                 .map_err(StoreError::during("revoke enrolment tokens"))?;
         }
-        let result = sqlx::query("DELETE FROM broker_credential WHERE holder_kind = $1 AND holder_id = $2")
-            .bind(holder.kind())
-            .bind(holder.id())
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("revoke credentials"))?;
+        let result =
+            sqlx::query("DELETE FROM broker_credential WHERE holder_kind = $1 AND holder_id = $2")
+                .bind(holder.kind())
+                .bind(holder.id())
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("revoke credentials"))?;
         Ok(result.rows_affected())
     }
 

@@ -98,7 +98,11 @@ impl DeadLetters<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn list(&mut self, before: Option<u64>, limit: u32) -> Result<Vec<DeadLetter>, StoreError> {
+    pub async fn list(
+        &mut self,
+        before: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<DeadLetter>, StoreError> {
         let sql = "SELECT dead_letter_id, address, message_id, subject, code, reason, received_at, replayed_at,
                        LENGTH(body) AS bytes FROM dead_letter WHERE dead_letter_id < $1
                    ORDER BY dead_letter_id DESC LIMIT $2";

@@ -109,7 +109,11 @@ impl Factories<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn lookup(&mut self, scope: &Scope, id: &FactoryId) -> Result<Option<Factory>, StoreError> {
+    pub async fn lookup(
+        &mut self,
+        scope: &Scope,
+        id: &FactoryId,
+    ) -> Result<Option<Factory>, StoreError> {
         Ok(self.list(scope).await?.into_iter().find(|factory| factory.factory_id == *id))
     }
 

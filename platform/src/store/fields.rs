@@ -1,7 +1,8 @@
 //! The fields that are asked for: what was decided about them, and their current values.
 
 use asi_model::{
-    DateTime, FactoryId, FieldKey, FieldName, OperationId, OperationNetworkId, OrganisationId, RequestKey, StatusCode,
+    DateTime, FactoryId, FieldKey, FieldName, OperationId, OperationNetworkId, OrganisationId,
+    RequestKey, StatusCode,
     messages::{Decision, DisclosureStatement, MappingState},
 };
 use sqlx::QueryBuilder;
@@ -80,12 +81,16 @@ impl Work {
 const ROWS_PER_STATEMENT: usize = 200;
 
 impl Fields<'_> {
-    /// Makes these the fields that the network asks for. Decisions about fields that stay are kept; those about fields
-    /// that are gone go, with their current values.
+    /// Makes these the fields that the network asks for. Decisions about fields that stay are kept;
+    /// those about fields that are gone go, with their current values.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn replace(&mut self, network: &OperationNetworkId, fields: &[NewField]) -> Result<(), StoreError> {
+    pub async fn replace(
+        &mut self,
+        network: &OperationNetworkId,
+        fields: &[NewField],
+    ) -> Result<(), StoreError> {
         // A position below zero marks what the new revision has not named again.
         sqlx::query("UPDATE request_field SET position = -1 WHERE operation_network_id = $1")
             .bind(network.as_str())
@@ -127,11 +132,16 @@ impl Fields<'_> {
         Ok(())
     }
 
-    /// Stores a decision about a field of this factory, unless a later one is stored. Says whether it took effect.
+    /// Stores a decision about a field of this factory, unless a later one is stored. Says whether
+    /// it took effect.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn decide(&mut self, key: &FieldKey, decision: &Decision) -> Result<bool, StoreError> {
+    pub async fn decide(
+        &mut self,
+        key: &FieldKey,
+        decision: &Decision,
+    ) -> Result<bool, StoreError> {
         let sql = "UPDATE request_field SET mapping_state = $5, reason = $6, disclosure = $7, decided_at = $8
                    WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
                      AND factory_id = $4 AND (decided_at IS NULL OR decided_at <= $8)";
@@ -204,17 +214,25 @@ impl Fields<'_> {
                       received_at = excluded.received_at
                   WHERE (excluded.epoch, excluded.sequence) > (field_value.epoch, field_value.sequence)",
             );
-            query.build().execute(&mut *self.0).await.map_err(StoreError::during("store values"))?;
+            query
+                .build()
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("store values"))?;
         }
         Ok(())
     }
 
-    /// The fields of a network that concern the viewer: as recipient with their values, as owner of the factory that is
-    /// asked without. In the order of the document.
+    /// The fields of a network that concern the viewer: as recipient with their values, as owner of
+    /// the factory that is asked without. In the order of the document.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn list(&mut self, scope: &Scope, network: &OperationNetworkId) -> Result<Vec<FieldRow>, StoreError> {
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        network: &OperationNetworkId,
+    ) -> Result<Vec<FieldRow>, StoreError> {
         let sql = "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
                        v.report_timestamp, v.received_at
                    FROM (SELECT f.*, (CASE WHEN CAST($2 AS TEXT) IS NULL OR EXISTS (
@@ -237,7 +255,8 @@ impl Fields<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Who may know of a decision about a request's field: its recipients and the owner of the factory.
+    /// Who may know of a decision about a request's field: its recipients and the owner of the
+    /// factory.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -1,4 +1,5 @@
-//! Messages as they came. Storing one says whether it is new: repeats are discarded in the transaction of their effect.
+//! Messages as they came. Storing one says whether it is new: repeats are discarded in the
+//! transaction of their effect.
 
 use std::collections::HashSet;
 
@@ -59,7 +60,11 @@ impl Inbox<'_> {
                     .push_bind(&message.body);
             });
             query.push(" ON CONFLICT (address, message_id) DO NOTHING RETURNING message_id");
-            let rows = query.build().fetch_all(&mut *self.0).await.map_err(StoreError::during("store messages"))?;
+            let rows = query
+                .build()
+                .fetch_all(&mut *self.0)
+                .await
+                .map_err(StoreError::during("store messages"))?;
             for row in &rows {
                 new.insert(row.parsed("message_id")?);
             }

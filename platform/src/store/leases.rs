@@ -24,12 +24,16 @@ impl Leases<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn lookup(&mut self, factory: &FactoryId) -> Result<Option<FactoryLease>, StoreError> {
-        let row = sqlx::query("SELECT lease_number, holder, contenders FROM lease WHERE factory_id = $1")
-            .bind(factory.as_str())
-            .fetch_optional(&mut *self.0)
-            .await
-            .map_err(StoreError::during("look a lease up"))?;
+    pub async fn lookup(
+        &mut self,
+        factory: &FactoryId,
+    ) -> Result<Option<FactoryLease>, StoreError> {
+        let row =
+            sqlx::query("SELECT lease_number, holder, contenders FROM lease WHERE factory_id = $1")
+                .bind(factory.as_str())
+                .fetch_optional(&mut *self.0)
+                .await
+                .map_err(StoreError::during("look a lease up"))?;
         row.map(|row| {
             Ok(FactoryLease {
                 number: row.unsigned("lease_number")?,
@@ -44,7 +48,11 @@ impl Leases<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown factory.
-    pub async fn put(&mut self, factory: &FactoryId, lease: &FactoryLease) -> Result<(), StoreError> {
+    pub async fn put(
+        &mut self,
+        factory: &FactoryId,
+        lease: &FactoryLease,
+    ) -> Result<(), StoreError> {
         let sql = "INSERT INTO lease (factory_id, lease_number, holder, contenders) VALUES ($1, $2, $3, $4)
                    ON CONFLICT (factory_id) DO UPDATE SET lease_number = excluded.lease_number,
                        holder = excluded.holder, contenders = excluded.contenders";

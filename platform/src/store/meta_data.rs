@@ -23,7 +23,13 @@ impl MetaData<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn put(&mut self, factory: &FactoryId, writer: u16, now: DateTime, body: &str) -> Result<(), StoreError> {
+    pub async fn put(
+        &mut self,
+        factory: &FactoryId,
+        writer: u16,
+        now: DateTime,
+        body: &str,
+    ) -> Result<(), StoreError> {
         let sql = "INSERT INTO writer_meta_data (factory_id, data_set_writer_id, received_at, body)
                    VALUES ($1, $2, $3, $4) ON CONFLICT (factory_id, data_set_writer_id) DO UPDATE SET
                        received_at = excluded.received_at, body = excluded.body";
@@ -55,7 +61,8 @@ impl MetaData<'_> {
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn put_offer(&mut self, offer: &AssetOffer, now: DateTime) -> Result<(), StoreError> {
-        let sql = "INSERT INTO asset_offer (factory_id, asset_id, kind_list, description, received_at)
+        let sql =
+            "INSERT INTO asset_offer (factory_id, asset_id, kind_list, description, received_at)
                    VALUES ($1, $2, $3, $4, $5) ON CONFLICT (factory_id, asset_id) DO UPDATE SET
                        kind_list = excluded.kind_list, description = excluded.description,
                        received_at = excluded.received_at";

@@ -110,7 +110,11 @@ impl Networks<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn lookup(&mut self, scope: &Scope, id: &OperationNetworkId) -> Result<Option<NetworkRow>, StoreError> {
+    pub async fn lookup(
+        &mut self,
+        scope: &Scope,
+        id: &OperationNetworkId,
+    ) -> Result<Option<NetworkRow>, StoreError> {
         let sql = "SELECT n.* FROM operation_network n
                    WHERE n.operation_network_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
                        SELECT 1 FROM collaboration_member m
@@ -128,7 +132,12 @@ impl Networks<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn list(&mut self, scope: &Scope, after: &str, limit: u32) -> Result<Vec<NetworkSummary>, StoreError> {
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        after: &str,
+        limit: u32,
+    ) -> Result<Vec<NetworkSummary>, StoreError> {
         let sql = "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
                        (SELECT MAX(v.received_at) FROM field_value v
                         WHERE v.operation_network_id = n.operation_network_id

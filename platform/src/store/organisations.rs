@@ -77,11 +77,12 @@ impl Organisations<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn exists(&mut self, id: &OrganisationId) -> Result<bool, StoreError> {
-        let found: Option<i64> = sqlx::query_scalar("SELECT 1 FROM organisation WHERE organisation_id = $1")
-            .bind(id.as_str())
-            .fetch_optional(&mut *self.0)
-            .await
-            .map_err(StoreError::during("look an organisation up"))?;
+        let found: Option<i64> =
+            sqlx::query_scalar("SELECT 1 FROM organisation WHERE organisation_id = $1")
+                .bind(id.as_str())
+                .fetch_optional(&mut *self.0)
+                .await
+                .map_err(StoreError::during("look an organisation up"))?;
         Ok(found.is_some())
     }
 }

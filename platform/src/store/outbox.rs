@@ -3,7 +3,8 @@
 use asi_model::{DateTime, MessageId};
 use bytes::Bytes;
 use messaging::{
-    Backlog, ContentEncoding, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow,
+    Backlog, ContentEncoding, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome,
+    SendOutcome, SpoolRow,
 };
 
 use super::{
@@ -92,7 +93,8 @@ impl Outbox<'_> {
         row.unsigned("waiting")
     }
 
-    /// Messages that wait, for the link. Nothing of the platform's is a report row: all travels in its order.
+    /// Messages that wait, for the link. Nothing of the platform's is a report row: all travels in
+    /// its order.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -100,7 +102,8 @@ impl Outbox<'_> {
         if fetch.lane != Lane::Control {
             return Ok(Vec::new());
         }
-        let sql = "SELECT * FROM outbox WHERE outbox_id > $1 AND outbox_id <= $2 AND parked_code IS NULL
+        let sql =
+            "SELECT * FROM outbox WHERE outbox_id > $1 AND outbox_id <= $2 AND parked_code IS NULL
                    ORDER BY outbox_id LIMIT $3";
         let rows = sqlx::query(sql)
             .bind(fetch.after.0)
@@ -123,16 +126,20 @@ impl Outbox<'_> {
                     sqlx::query("DELETE FROM outbox WHERE outbox_id = $1").bind(outcome.id.0)
                 }
                 SendOutcome::Rejected(_) => {
-                    sqlx::query("UPDATE outbox SET attempts = attempts + 1 WHERE outbox_id = $1").bind(outcome.id.0)
-                }
-                SendOutcome::Parked(rejection) => {
-                    sqlx::query("UPDATE outbox SET parked_code = $2, parked_reason = $3 WHERE outbox_id = $1")
+                    sqlx::query("UPDATE outbox SET attempts = attempts + 1 WHERE outbox_id = $1")
                         .bind(outcome.id.0)
-                        .bind(rejection.code.clone())
-                        .bind(rejection.reason.clone())
                 }
+                SendOutcome::Parked(rejection) => sqlx::query(
+                    "UPDATE outbox SET parked_code = $2, parked_reason = $3 WHERE outbox_id = $1",
+                )
+                .bind(outcome.id.0)
+                .bind(rejection.code.clone())
+                .bind(rejection.reason.clone()),
             };
-            query.execute(&mut *self.0).await.map_err(StoreError::during("record what became of a message"))?;
+            query
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("record what became of a message"))?;
         }
         Ok(())
     }
@@ -173,8 +180,10 @@ fn read(row: &DatabaseRow) -> Result<SpoolRow, StoreError> {
     let ttl: Option<i64> = row.column("time_to_live_ms")?;
     let encoding: Option<String> = row.column("content_encoding")?;
     let body: Vec<u8> = row.column("body")?;
-    let mut envelope = Envelope::new(row.parsed("message_id")?, row.column::<String>("subject")?, body);
-    envelope.content_encoding = encoding.filter(|name| name == "gzip").map(|_| ContentEncoding::Gzip);
+    let mut envelope =
+        Envelope::new(row.parsed("message_id")?, row.column::<String>("subject")?, body);
+    envelope.content_encoding =
+        encoding.filter(|name| name == "gzip").map(|_| ContentEncoding::Gzip);
     envelope.correlation_id = row.parsed_option("correlation_id")?;
     envelope.creation_time = Some(row.time("created_at")?.into());
     envelope.ttl = ttl.and_then(|ms| u64::try_from(ms).ok()).map(std::time::Duration::from_millis);

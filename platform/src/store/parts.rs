@@ -119,11 +119,16 @@ impl Parts<'_> {
         Ok(())
     }
 
-    /// Lets everything that is in effect at a factory be sent once more, as when another connector speaks for it.
+    /// Lets everything that is in effect at a factory be sent once more, as when another connector
+    /// speaks for it.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn send_again(&mut self, factory: &FactoryId, now: DateTime) -> Result<(), StoreError> {
+    pub async fn send_again(
+        &mut self,
+        factory: &FactoryId,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
         let sql = "UPDATE network_part SET state = 'SENT', sent_count = 0, resend_at = $2
                    WHERE factory_id = $1 AND state != 'REJECTED'";
         sqlx::query(sql)
@@ -139,12 +144,17 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn of_network(&mut self, network: &OperationNetworkId) -> Result<Vec<Part>, StoreError> {
-        let rows = sqlx::query("SELECT * FROM network_part WHERE operation_network_id = $1 ORDER BY factory_id")
-            .bind(network.as_str())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list parts"))?;
+    pub async fn of_network(
+        &mut self,
+        network: &OperationNetworkId,
+    ) -> Result<Vec<Part>, StoreError> {
+        let rows = sqlx::query(
+            "SELECT * FROM network_part WHERE operation_network_id = $1 ORDER BY factory_id",
+        )
+        .bind(network.as_str())
+        .fetch_all(&mut *self.0)
+        .await
+        .map_err(StoreError::during("list parts"))?;
         rows.iter().map(read).collect()
     }
 
@@ -170,8 +180,9 @@ impl Parts<'_> {
         row.as_ref().map(read).transpose()
     }
 
-    /// Parts that nobody has answered in time and that are not waiting to be sent anyway, most overdue first. A part
-    /// sent at a time yet to come was sent by a clock that has been set back since, and counts as overdue.
+    /// Parts that nobody has answered in time and that are not waiting to be sent anyway, most
+    /// overdue first. A part sent at a time yet to come was sent by a clock that has been set back
+    /// since, and counts as overdue.
     ///
     /// # Errors
     /// [`StoreError`].

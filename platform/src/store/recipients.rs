@@ -19,7 +19,8 @@ impl Work {
 }
 
 impl Recipients<'_> {
-    /// Makes the request's list the one in effect. Those of requests that are gone stay, for the reports of their time.
+    /// Makes the request's list the one in effect. Those of requests that are gone stay, for the
+    /// reports of their time.
     ///
     /// # Errors
     /// [`StoreError::Statement`].

@@ -130,7 +130,11 @@ impl Reports<'_> {
                     .push_bind(i64::from(report.is_replay))
                     .push_bind(document(&report.fields));
             });
-            query.build().execute(&mut *self.0).await.map_err(StoreError::during("store reports"))?;
+            query
+                .build()
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("store reports"))?;
         }
         Ok(())
     }
@@ -139,7 +143,11 @@ impl Reports<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn list(&mut self, scope: &Scope, query: &ReportQuery) -> Result<Vec<Report>, StoreError> {
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        query: &ReportQuery,
+    ) -> Result<Vec<Report>, StoreError> {
         let sql = "SELECT p.* FROM report p
                    WHERE p.report_id > $2
                      AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)

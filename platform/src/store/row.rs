@@ -13,7 +13,10 @@ pub(super) type DatabaseRow = <Database as sqlx::Database>::Row;
 /// Columns as our types. All columns are written by this crate, so a mismatch is a corrupt store.
 pub(super) trait Columns {
     /// A column as a native type.
-    fn column<'r, T: Decode<'r, Database> + Type<Database>>(&'r self, name: &'static str) -> Result<T, StoreError>;
+    fn column<'r, T: Decode<'r, Database> + Type<Database>>(
+        &'r self,
+        name: &'static str,
+    ) -> Result<T, StoreError>;
 
     /// A text column as an identifier or another type with a text form.
     fn parsed<T: FromStr<Err: Display>>(&self, name: &'static str) -> Result<T, StoreError> {
@@ -22,7 +25,10 @@ pub(super) trait Columns {
     }
 
     /// A text column that may be null.
-    fn parsed_option<T: FromStr<Err: Display>>(&self, name: &'static str) -> Result<Option<T>, StoreError> {
+    fn parsed_option<T: FromStr<Err: Display>>(
+        &self,
+        name: &'static str,
+    ) -> Result<Option<T>, StoreError> {
         let text: Option<String> = self.column(name)?;
         text.map(|text| text.parse().map_err(|error: T::Err| corrupt(name, &error))).transpose()
     }
@@ -55,7 +61,10 @@ impl Columns for DatabaseRow
 where
     &'static str: ColumnIndex<DatabaseRow>,
 {
-    fn column<'r, T: Decode<'r, Database> + Type<Database>>(&'r self, name: &'static str) -> Result<T, StoreError> {
+    fn column<'r, T: Decode<'r, Database> + Type<Database>>(
+        &'r self,
+        name: &'static str,
+    ) -> Result<T, StoreError> {
         self.try_get(name).map_err(StoreError::during("read a column"))
     }
 }
@@ -66,10 +75,12 @@ fn corrupt(column: &'static str, reason: &dyn Display) -> StoreError {
 
 /// A document for its column. Our documents are maps with text keys, which always serialise.
 pub(super) fn document<T: Serialize + ?Sized>(value: &T) -> String {
-    serde_json::to_string(value).expect("documents of the store have text keys and no foreign serialisers")
+    serde_json::to_string(value)
+        .expect("documents of the store have text keys and no foreign serialisers")
 }
 
-/// An unsigned number for its column; SQL knows signed ones only, and none of ours comes near the limit.
+/// An unsigned number for its column; SQL knows signed ones only, and none of ours comes near the
+/// limit.
 pub(super) fn signed(number: u64) -> i64 {
     i64::try_from(number).unwrap_or(i64::MAX)
 }

@@ -5,10 +5,12 @@ use asi_model::OrganisationId;
 /// What part of the partners' data a query may see.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scope {
-    /// The platform itself: ingest, sending, reconciling. Never handed to an API handler that shows partners' data.
+    /// The platform itself: ingest, sending, reconciling. Never handed to an API handler that shows
+    /// partners' data.
     Platform,
-    /// What an administrator needs to run the platform: organisations, factories, collaborations, networks - but no
-    /// reports, values or decisions beyond those of the organisation that the administrator looks for.
+    /// What an administrator needs to run the platform: organisations, factories, collaborations,
+    /// networks - but no reports, values or decisions beyond those of the organisation that the
+    /// administrator looks for.
     Administration {
         /// The administrator's organisation, if any.
         looking_for: Option<OrganisationId>,
@@ -23,8 +25,8 @@ pub enum Scope {
 const NOBODY: &str = "";
 
 impl Scope {
-    /// For statements on structure: the organisation whose membership is required, or nothing where all is visible.
-    /// Used as `(CAST($n AS TEXT) IS NULL OR ... = $n)`.
+    /// For statements on structure: the organisation whose membership is required, or nothing where
+    /// all is visible. Used as `(CAST($n AS TEXT) IS NULL OR ... = $n)`.
     pub(super) fn member(&self) -> Option<&str> {
         match self {
             Self::Platform | Self::Administration { .. } => None,
@@ -33,11 +35,14 @@ impl Scope {
         }
     }
 
-    /// For statements on reports and decisions: the recipient that is required, or nothing where all is visible.
+    /// For statements on reports and decisions: the recipient that is required, or nothing where
+    /// all is visible.
     pub(super) fn recipient(&self) -> Option<&str> {
         match self {
             Self::Platform => None,
-            Self::Administration { looking_for } => Some(looking_for.as_ref().map_or(NOBODY, OrganisationId::as_str)),
+            Self::Administration { looking_for } => {
+                Some(looking_for.as_ref().map_or(NOBODY, OrganisationId::as_str))
+            }
             Self::Organisation(id) => Some(id.as_str()),
             Self::Nothing => Some(NOBODY),
         }

@@ -1,6 +1,8 @@
 //! Tools: partners' programs that post data requests and receive reports over the broker.
 
-use asi_model::{DateTime, OperationNetworkId, OrganisationId, ToolId, network::DynamicDataRequest};
+use asi_model::{
+    DateTime, OperationNetworkId, OrganisationId, ToolId, network::DynamicDataRequest,
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -44,7 +46,8 @@ impl Tools<'_> {
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
     pub async fn add(&mut self, tool: &Tool) -> Result<bool, StoreError> {
-        let sql = "INSERT INTO tool (tool_id, organisation_id, name, created_at) VALUES ($1, $2, $3, $4)
+        let sql =
+            "INSERT INTO tool (tool_id, organisation_id, name, created_at) VALUES ($1, $2, $3, $4)
                    ON CONFLICT (tool_id) DO NOTHING";
         let result = sqlx::query(sql)
             .bind(tool.tool_id.as_str())
@@ -103,7 +106,8 @@ impl Tools<'_> {
             .await
             .map_err(StoreError::during("forget a request's tool"))?;
         if let Some(tool) = &request.dynamic_data_request_publisher_id {
-            let sql = "INSERT INTO request_tool (operation_network_id, dynamic_data_request_id, tool_id)
+            let sql =
+                "INSERT INTO request_tool (operation_network_id, dynamic_data_request_id, tool_id)
                        VALUES ($1, $2, $3)";
             sqlx::query(sql)
                 .bind(network.as_str())
@@ -116,11 +120,16 @@ impl Tools<'_> {
         Ok(())
     }
 
-    /// The tools that receive a request's reports: the one it names, where it is known and its organisation a recipient.
+    /// The tools that receive a request's reports: the one it names, where it is known and its
+    /// organisation a recipient.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn of_request(&mut self, network: &OperationNetworkId, request: &str) -> Result<Vec<ToolId>, StoreError> {
+    pub async fn of_request(
+        &mut self,
+        network: &OperationNetworkId,
+        request: &str,
+    ) -> Result<Vec<ToolId>, StoreError> {
         let sql = "SELECT t.tool_id FROM request_tool rt
                    JOIN tool t ON t.tool_id = rt.tool_id
                    JOIN request_recipient r ON r.operation_network_id = rt.operation_network_id

@@ -48,10 +48,9 @@ impl fmt::Display for Role {
 impl FromStr for Role {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|role| role.as_str().eq_ignore_ascii_case(text))
-            .ok_or_else(|| format!("a role is ADMINISTRATOR, PLANNER or VIEWER, but this is {text:?}"))
+        Self::ALL.into_iter().find(|role| role.as_str().eq_ignore_ascii_case(text)).ok_or_else(
+            || format!("a role is ADMINISTRATOR, PLANNER or VIEWER, but this is {text:?}"),
+        )
     }
 }
 
@@ -81,8 +80,14 @@ impl Users<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
-    pub async fn put(&mut self, user: &User, password: &PasswordHash, now: DateTime) -> Result<(), StoreError> {
-        let sql = "INSERT INTO user_account (user_name, password_hash, role, organisation_id, created_at)
+    pub async fn put(
+        &mut self,
+        user: &User,
+        password: &PasswordHash,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
+        let sql =
+            "INSERT INTO user_account (user_name, password_hash, role, organisation_id, created_at)
                    VALUES ($1, $2, $3, $4, $5)
                    ON CONFLICT (user_name) DO UPDATE SET password_hash = excluded.password_hash,
                        role = excluded.role, organisation_id = excluded.organisation_id";
@@ -118,7 +123,10 @@ impl Users<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn lookup(&mut self, user_name: &str) -> Result<Option<(User, PasswordHash)>, StoreError> {
+    pub async fn lookup(
+        &mut self,
+        user_name: &str,
+    ) -> Result<Option<(User, PasswordHash)>, StoreError> {
         let row = sqlx::query("SELECT * FROM user_account WHERE user_name = $1")
             .bind(user_name)
             .fetch_optional(&mut *self.0)
@@ -131,7 +139,11 @@ impl Users<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn put_session(&mut self, session: &StoredSession, now: DateTime) -> Result<(), StoreError> {
+    pub async fn put_session(
+        &mut self,
+        session: &StoredSession,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
         sqlx::query("DELETE FROM session WHERE expires_at <= $1")
             .bind(now.ticks())
             .execute(&mut *self.0)
@@ -153,11 +165,13 @@ impl Users<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn session(&mut self, id: &SessionId) -> Result<Option<StoredSession>, StoreError> {
-        let row = sqlx::query("SELECT user_name, csrf_token, expires_at FROM session WHERE session_id = $1")
-            .bind(id.as_str())
-            .fetch_optional(&mut *self.0)
-            .await
-            .map_err(StoreError::during("look a session up"))?;
+        let row = sqlx::query(
+            "SELECT user_name, csrf_token, expires_at FROM session WHERE session_id = $1",
+        )
+        .bind(id.as_str())
+        .fetch_optional(&mut *self.0)
+        .await
+        .map_err(StoreError::during("look a session up"))?;
         let Some(row) = row else { return Ok(None) };
         Ok(Some(StoredSession {
             id: id.clone(),

@@ -209,7 +209,13 @@ impl Writers<'_> {
             .await
             .map_err(StoreError::during("list gaps"))?;
         rows.iter()
-            .map(|row| Ok((row.unsigned("first_sequence")?, row.unsigned("last_sequence")?, row.json("cause")?)))
+            .map(|row| {
+                Ok((
+                    row.unsigned("first_sequence")?,
+                    row.unsigned("last_sequence")?,
+                    row.json("cause")?,
+                ))
+            })
             .collect()
     }
 }

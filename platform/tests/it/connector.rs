@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use async_trait::async_trait;
 use messaging::{
-    Delivery, Envelope, Inbox, Link, LinkConfig, LinkHandle, LogicalAddress, Login, Roots, Settlement,
+    Delivery, Envelope, Inbox, Link, LinkConfig, LinkHandle, LogicalAddress, Login, Roots,
+    Settlement,
     spool::memory::{AcceptedReports, MemorySpool},
 };
 use parking_lot::Mutex;
@@ -18,11 +19,18 @@ struct Memory(Mutex<Vec<(String, Value)>>);
 
 #[async_trait]
 impl Inbox for Memory {
-    async fn receive(&self, _address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+    async fn receive(
+        &self,
+        _address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
         let mut received = self.0.lock();
         for delivery in &deliveries {
             let body = delivery.envelope.unpacked(4 << 20).expect("a body");
-            received.push((delivery.envelope.subject.clone(), serde_json::from_slice(&body).expect("JSON")));
+            received.push((
+                delivery.envelope.subject.clone(),
+                serde_json::from_slice(&body).expect("JSON"),
+            ));
         }
         vec![Settlement::Accept; deliveries.len()]
     }
@@ -40,15 +48,26 @@ pub struct Peer {
 impl Peer {
     /// A connector that has just enrolled.
     pub async fn enrolled(world: &World, admin: &Api, factory: &str) -> Self {
-        let token = admin.post(&format!("/factories/{factory}/enrolment-tokens"), json!({})).await.expect_ok();
-        let enrolment = world.anonymous().post("/enrolments", json!({ "token": token["token"] })).await.expect_ok();
+        let token = admin
+            .post(&format!("/factories/{factory}/enrolment-tokens"), json!({}))
+            .await
+            .expect_ok();
+        let enrolment = world
+            .anonymous()
+            .post("/enrolments", json!({ "token": token["token"] }))
+            .await
+            .expect_ok();
         Self::connector(&enrolment, factory)
     }
 
     /// A connector with the credential of an enrolment.
     pub fn connector(enrolment: &Value, factory: &str) -> Self {
         let reads = LogicalAddress::FactoryRequests(factory.parse().expect("valid"));
-        Self::start(enrolment, reads, LogicalAddress::FactoryIngress(factory.parse().expect("valid")))
+        Self::start(
+            enrolment,
+            reads,
+            LogicalAddress::FactoryIngress(factory.parse().expect("valid")),
+        )
     }
 
     /// A tool with its credential.
@@ -60,11 +79,14 @@ impl Peer {
     pub fn start(credential: &Value, reads: LogicalAddress, writes: LogicalAddress) -> Self {
         let text = |name: &str| credential[name].as_str().expect("a text").to_owned();
         let url = text("brokerUrl").parse().expect("a broker's address");
-        let mut config = LinkConfig::new(url, Login::new(text("userName"), text("password")), "test-peer");
+        let mut config =
+            LinkConfig::new(url, Login::new(text("userName"), text("password")), "test-peer");
         config.tls.roots = Roots::Pem(text("rootCertificatePem").into_bytes().into());
         config.consumed = vec![reads];
-        let (spool, received) = (Arc::new(MemorySpool::new(AcceptedReports::Leave)), Arc::new(Memory::default()));
-        let (link, handle) = Link::new(config, Arc::clone(&spool) as _, Arc::clone(&received) as _).expect("a link");
+        let (spool, received) =
+            (Arc::new(MemorySpool::new(AcceptedReports::Leave)), Arc::new(Memory::default()));
+        let (link, handle) =
+            Link::new(config, Arc::clone(&spool) as _, Arc::clone(&received) as _).expect("a link");
         let shutdown = CancellationToken::new();
         tokio::spawn(link.run(shutdown.clone()));
         Self { link: handle, spool, received, writes, shutdown }
@@ -99,7 +121,9 @@ impl Peer {
         eventually(subject, || async {
             let received = self.received.0.lock();
             let found = received.iter().find(|(kind, body)| kind == subject && is_wanted(body));
-            found.map(|(_, body)| body.clone()).ok_or_else(|| format!("{} messages", received.len()))
+            found
+                .map(|(_, body)| body.clone())
+                .ok_or_else(|| format!("{} messages", received.len()))
         })
         .await
     }
@@ -115,7 +139,9 @@ impl Peer {
     }
 
     pub fn answer(&self, part: &Value, result: &str, faults: Value) {
-        let network = part["operationNetwork"]["operationNetworkId"].as_str().or(part["operationNetworkId"].as_str());
+        let network = part["operationNetwork"]["operationNetworkId"]
+            .as_str()
+            .or(part["operationNetworkId"].as_str());
         self.send(
             "acknowledgement",
             &json!({ "messageType": "acknowledgement", "messageId": platform::clock::new_message_id(),

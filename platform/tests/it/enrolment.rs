@@ -48,7 +48,11 @@ async fn a_token_works_once_and_two_credentials_are_alive() {
     let newest = Peer::connector(&third, "FOR_MUC");
     is_up(&newest).await;
     is_down(&retired).await;
-    world.anonymous().post("/enrolments", json!({ "token": "made-up" })).await.expect_problem(403, "TOKEN_REFUSED");
+    world
+        .anonymous()
+        .post("/enrolments", json!({ "token": "made-up" }))
+        .await
+        .expect_problem(403, "TOKEN_REFUSED");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -67,7 +71,8 @@ async fn a_connector_reads_and_writes_its_own_addresses_only() {
     let world = World::start().await;
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
     let token = admin.post("/factories/INS_HAM/enrolment-tokens", json!({})).await.expect_ok();
-    let enrolment = world.anonymous().post("/enrolments", json!({ "token": token["token"] })).await.expect_ok();
+    let enrolment =
+        world.anonymous().post("/enrolments", json!({ "token": token["token"] })).await.expect_ok();
     let spy = Peer::start(
         &enrolment,
         messaging::LogicalAddress::FactoryRequests("FOR_MUC".parse().expect("valid")),

@@ -33,7 +33,8 @@ impl World {
 
     async fn open(&mut self) {
         let lifecycle = Lifecycle::new();
-        let (platform, handle) = Platform::open(self.config(), Clock::system(), &lifecycle).await.expect("it opens");
+        let (platform, handle) =
+            Platform::open(self.config(), Clock::system(), &lifecycle).await.expect("it opens");
         platform.start(&lifecycle);
         self.running = Some((lifecycle, handle));
     }
@@ -78,7 +79,10 @@ impl World {
 
     pub async fn sign_in(&self, user: &str, password: &str) -> Api {
         let mut api = self.anonymous();
-        let session = api.post("/session", json!({ "userName": user, "password": password })).await.expect_ok();
+        let session = api
+            .post("/session", json!({ "userName": user, "password": password }))
+            .await
+            .expect_ok();
         api.csrf = session["csrfToken"].as_str().map(str::to_owned);
         api
     }
@@ -190,14 +194,21 @@ impl Live {
             if let Some(end) = self.text.find("\n\n") {
                 let event: String = self.text.drain(..end + 2).collect();
                 let line = |key: &str| {
-                    event.lines().find_map(|line| line.strip_prefix(key)).map(|rest| rest.trim().to_owned())
+                    event
+                        .lines()
+                        .find_map(|line| line.strip_prefix(key))
+                        .map(|rest| rest.trim().to_owned())
                 };
-                if let (Some(id), Some(name), Some(data)) = (line("id:"), line("event:"), line("data:")) {
+                if let (Some(id), Some(name), Some(data)) =
+                    (line("id:"), line("event:"), line("data:"))
+                {
                     return (id, name, serde_json::from_str(&data).expect("JSON"));
                 }
                 continue;
             }
-            let chunk = tokio::time::timeout(PATIENCE, self.response.chunk()).await.expect("an event in time");
+            let chunk = tokio::time::timeout(PATIENCE, self.response.chunk())
+                .await
+                .expect("an event in time");
             let chunk = chunk.expect("no error").expect("the stream goes on");
             self.text.push_str(std::str::from_utf8(&chunk).expect("UTF-8"));
         }

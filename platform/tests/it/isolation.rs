@@ -1,5 +1,6 @@
-//! Over *every* operation of the description: nobody gets in without a session, and a stranger learns nothing of a
-//! collaboration it has no part in. A new operation that no case covers fails the test.
+//! Over *every* operation of the description: nobody gets in without a session, and a stranger
+//! learns nothing of a collaboration it has no part in. A new operation that no case covers fails
+//! the test.
 
 use serde_json::{Value, json};
 
@@ -12,8 +13,16 @@ use crate::{
 const OPEN: [&str; 2] = ["POST /session", "POST /enrolments"];
 
 /// What must not appear in any answer to a stranger.
-const SECRETS: [&str; 8] =
-    ["frame-4711", "MakeFrame1", "ReqResponse1", "FOR_MUC", "INS_HAM", "acme-aero", "Frame order", "progressStatus"];
+const SECRETS: [&str; 8] = [
+    "frame-4711",
+    "MakeFrame1",
+    "ReqResponse1",
+    "FOR_MUC",
+    "INS_HAM",
+    "acme-aero",
+    "Frame order",
+    "progressStatus",
+];
 
 fn operations() -> Vec<(String, String)> {
     let description: Value = serde_json::to_value(platform::api::openapi()).expect("it serialises");
@@ -56,13 +65,17 @@ fn filled(method: &str, path: &str) -> (String, Option<Value>) {
             Some(json!({ "factoryId": "FOR_MUC", "text": "Hello" }))
         }
         ("POST", "/organisations") => Some(json!({ "organisationId": "new", "name": "new" })),
-        ("POST", "/factories") => Some(json!({ "factoryId": "NEW", "organisationId": "stranger", "name": "new" })),
-        ("POST", "/factories/{factoryId}/lease/handovers") => Some(json!({ "instanceId": "b" })),
-        ("POST", "/tools") => Some(json!({ "toolId": "NEW", "organisationId": "stranger", "name": "new" })),
-        ("POST", "/collaborations") => Some(json!({ "collaborationId": "new", "name": "new" })),
-        ("PUT", "/users/{userName}") => {
-            Some(json!({ "password": "correct horse battery", "role": "ADMINISTRATOR", "organisationId": "stranger" }))
+        ("POST", "/factories") => {
+            Some(json!({ "factoryId": "NEW", "organisationId": "stranger", "name": "new" }))
         }
+        ("POST", "/factories/{factoryId}/lease/handovers") => Some(json!({ "instanceId": "b" })),
+        ("POST", "/tools") => {
+            Some(json!({ "toolId": "NEW", "organisationId": "stranger", "name": "new" }))
+        }
+        ("POST", "/collaborations") => Some(json!({ "collaborationId": "new", "name": "new" })),
+        ("PUT", "/users/{userName}") => Some(
+            json!({ "password": "correct horse battery", "role": "ADMINISTRATOR", "organisationId": "stranger" }),
+        ),
         _ => Some(json!({})),
     };
     (filled, body)
@@ -161,7 +174,10 @@ async fn members_see_the_network_but_only_recipients_the_values() {
     let (fields, reports, last) = field_of("acme-aero").await;
     assert_eq!((&fields[0]["mappingState"], reports), (&json!("REFUSED"), 1));
     assert_eq!(fields[0]["value"], json!(null), "a refused field shows no value");
-    assert!(!last.is_string() && fields.as_array().is_some_and(|fields| fields.len() == 2), "{fields}");
+    assert!(
+        !last.is_string() && fields.as_array().is_some_and(|fields| fields.len() == 2),
+        "{fields}"
+    );
     // The maker decided itself, but the values belong to the recipients.
     let (fields, reports, last) = field_of("frames-munich").await;
     assert_eq!(

@@ -17,7 +17,10 @@ async fn a_request_reaches_the_factory_and_its_answer_the_page() {
     let mut live = buyer.live(None).await;
 
     let changed = story::put_network(&buyer, story::network()).await;
-    assert_eq!(changed, json!({ "revision": 1, "isChanged": true, "sentTo": ["FOR_MUC", "INS_HAM"] }));
+    assert_eq!(
+        changed,
+        json!({ "revision": 1, "isChanged": true, "sentTo": ["FOR_MUC", "INS_HAM"] })
+    );
     let part = munich.receive("operation-network", |_| true).await;
     assert_eq!(
         (&part["revision"], &part["factoryId"], &part["collaborationId"]),
@@ -33,11 +36,17 @@ async fn a_request_reaches_the_factory_and_its_answer_the_page() {
             break (id, event);
         }
     };
-    assert_eq!((&event["factoryId"], &event["operationNetworkId"]), (&json!("FOR_MUC"), &json!(NETWORK)));
+    assert_eq!(
+        (&event["factoryId"], &event["operationNetworkId"]),
+        (&json!("FOR_MUC"), &json!(NETWORK))
+    );
 
     munich.send("decision", &story::decision("MAPPED", None));
     let (_, event) = live.next("decision").await;
-    assert_eq!((&event["key"]["fieldName"], &event["mappingState"]), (&json!("progressStatus"), &json!("MAPPED")));
+    assert_eq!(
+        (&event["key"]["fieldName"], &event["mappingState"]),
+        (&json!("progressStatus"), &json!("MAPPED"))
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -50,10 +59,16 @@ async fn a_value_reaches_the_page_once_however_often_it_is_delivered() {
     munich.send("ua-data", &story::report("m1", 0, 3));
     let (_, event) = live.next("value").await;
     let field = &event["fields"][0];
-    assert_eq!((&field["value"], &field["status"], &field["sequence"]), (&json!("3"), &json!("Good"), &json!(0)));
+    assert_eq!(
+        (&field["value"], &field["status"], &field["sequence"]),
+        (&json!("3"), &json!("Good"), &json!(0))
+    );
     assert_eq!(field["sourceTimestamp"], "2019-04-18T18:20:05Z");
     let (_, event) = live.next("progress").await;
-    assert_eq!((&event["operationId"], &event["percentComplete"]), (&json!("MakeFrame1"), &json!(25.0)));
+    assert_eq!(
+        (&event["operationId"], &event["percentComplete"]),
+        (&json!("MakeFrame1"), &json!(25.0))
+    );
 
     // The same message, the same report in another message, then a newer one.
     munich.send("ua-data", &story::report("m1", 0, 3));
@@ -62,8 +77,12 @@ async fn a_value_reaches_the_page_once_however_often_it_is_delivered() {
     let view = story::value_is(&buyer, "4").await;
     assert_eq!(view["operations"][0]["quantity"], 4.0);
     let reports = buyer.get(&format!("/reports?network={NETWORK}")).await.expect_ok();
-    let sequences: Vec<_> =
-        reports["items"].as_array().expect("reports").iter().map(|r| r["sequence"].clone()).collect();
+    let sequences: Vec<_> = reports["items"]
+        .as_array()
+        .expect("reports")
+        .iter()
+        .map(|r| r["sequence"].clone())
+        .collect();
     assert_eq!(sequences, [0, 1]);
     let (_, event) = live.next("value").await;
     assert_eq!(event["fields"][0]["value"], "4", "what was repeated is not told again");
@@ -76,23 +95,36 @@ async fn after_an_outage_the_newest_value_stays_in_front_of_the_backlog() {
     munich.send("ua-data", &story::report("m9", 9, 90));
     story::value_is(&buyer, "90").await;
     for sequence in 0..9 {
-        munich.send("ua-data", &story::report(&format!("m{sequence}"), sequence, u64::from(sequence)));
+        munich.send(
+            "ua-data",
+            &story::report(&format!("m{sequence}"), sequence, u64::from(sequence)),
+        );
     }
     eventually("all are held", || async {
         let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
-        if writer["received"] == 10 && writer["missingCount"] == 0 { Ok(()) } else { Err(writer.to_string()) }
+        if writer["received"] == 10 && writer["missingCount"] == 0 {
+            Ok(())
+        } else {
+            Err(writer.to_string())
+        }
     })
     .await;
     story::value_is(&buyer, "90").await;
-    let newest = buyer.get(&format!("/reports?network={NETWORK}&newest=true&limit=2")).await.expect_ok();
-    let sequences: Vec<_> =
-        newest["items"].as_array().expect("reports").iter().map(|r| r["sequence"].clone()).collect();
+    let newest =
+        buyer.get(&format!("/reports?network={NETWORK}&newest=true&limit=2")).await.expect_ok();
+    let sequences: Vec<_> = newest["items"]
+        .as_array()
+        .expect("reports")
+        .iter()
+        .map(|r| r["sequence"].clone())
+        .collect();
     assert_eq!(sequences, [7, 8], "the newest in the order of arrival: {newest}");
     let first = buyer.get(&format!("/reports?network={NETWORK}&limit=1")).await.expect_ok();
     assert_eq!(first["items"][0]["sequence"], 9);
     let after = first["nextCursor"].as_str().expect("another page");
-    let second = buyer.get(&format!("/reports?network={NETWORK}&limit=1&after={after}")).await.expect_ok();
+    let second =
+        buyer.get(&format!("/reports?network={NETWORK}&limit=1&after={after}")).await.expect_ok();
     assert_eq!(second["items"][0]["sequence"], 0);
 }
 
@@ -113,7 +145,10 @@ async fn a_restart_keeps_everything_and_the_page_is_told_to_load_afresh() {
     }
     let values = |view: &serde_json::Value| {
         let fields = view["fields"].as_array().cloned().unwrap_or_default();
-        fields.into_iter().map(|field| (field["key"].clone(), field["value"].clone())).collect::<Vec<_>>()
+        fields
+            .into_iter()
+            .map(|field| (field["key"].clone(), field["value"].clone()))
+            .collect::<Vec<_>>()
     };
     assert_eq!(values(&after), values(&before));
     let mut live = buyer.live(before["lastEventId"].as_str()).await;
@@ -162,11 +197,19 @@ async fn an_unanswered_part_is_sent_again_until_it_is() {
     })
     .await;
     let part = munich.receive("operation-network", |_| true).await;
-    munich.answer(&part, "REJECTED", json!([{ "pointer": "/operationNetwork", "code": "NO", "message": "No." }]));
+    munich.answer(
+        &part,
+        "REJECTED",
+        json!([{ "pointer": "/operationNetwork", "code": "NO", "message": "No." }]),
+    );
     eventually("the rejection", || async {
         let view = admin.get(&network_path()).await.expect_ok();
         let part = view["parts"][0].clone();
-        if part["state"] == "REJECTED" && part["faultList"][0]["code"] == "NO" { Ok(()) } else { Err(part.to_string()) }
+        if part["state"] == "REJECTED" && part["faultList"][0]["code"] == "NO" {
+            Ok(())
+        } else {
+            Err(part.to_string())
+        }
     })
     .await;
 }
@@ -179,7 +222,10 @@ async fn comments_go_both_ways() {
     let said = json!({ "factoryId": "FOR_MUC", "text": "When do you start?", "fieldName": "progressStatus" });
     buyer.post(&comments, said).await.expect_ok();
     let heard = munich.receive("comment", |_| true).await;
-    assert_eq!((&heard["text"], &heard["authorId"]), (&json!("When do you start?"), &json!("acme-aero-planner")));
+    assert_eq!(
+        (&heard["text"], &heard["authorId"]),
+        (&json!("When do you start?"), &json!("acme-aero-planner"))
+    );
     munich.send(
         "comment",
         &json!({ "messageType": "comment", "messageId": "c2", "factoryId": "FOR_MUC",
@@ -187,7 +233,8 @@ async fn comments_go_both_ways() {
     );
     eventually("the answer", || async {
         let list = buyer.get(&comments).await.expect_ok();
-        let texts: Vec<_> = list["items"].as_array().expect("a list").iter().map(|c| c["text"].clone()).collect();
+        let texts: Vec<_> =
+            list["items"].as_array().expect("a list").iter().map(|c| c["text"].clone()).collect();
         if texts == ["When do you start?", "Tomorrow."] { Ok(()) } else { Err(list.to_string()) }
     })
     .await;
@@ -197,7 +244,10 @@ async fn comments_go_both_ways() {
 async fn pages_hear_that_a_factory_lives_and_catch_up_from_the_beginning() {
     let world = World::start().await;
     let (_, buyer, _munich, _hamburg) = story::accepted(&world).await;
-    let newest = buyer.get(&network_path()).await.expect_ok()["lastEventId"].as_str().expect("an id").to_owned();
+    let newest = buyer.get(&network_path()).await.expect_ok()["lastEventId"]
+        .as_str()
+        .expect("an id")
+        .to_owned();
     let beginning = format!("{}-0", newest.split('-').next().expect("a mark"));
     let mut live = buyer.live(Some(&beginning)).await;
     let (_, first, _) = live.any().await;

@@ -1,4 +1,5 @@
-//! Of several connectors with one credential one speaks for its factory; a copy beside it is refused by name.
+//! Of several connectors with one credential one speaks for its factory; a copy beside it is
+//! refused by name.
 
 use messaging::LogicalAddress;
 use serde_json::{Value, json};
@@ -12,7 +13,8 @@ use crate::{
 /// The same credential, also reading what is said about the lease.
 fn with_leases(peer: &Peer) {
     let factory: asi_model::FactoryId = "FOR_MUC".parse().expect("valid");
-    let addresses = [LogicalAddress::FactoryRequests(factory.clone()), LogicalAddress::FactoryLeases(factory)];
+    let addresses =
+        [LogicalAddress::FactoryRequests(factory.clone()), LogicalAddress::FactoryLeases(factory)];
     peer.link.set_consumed(addresses.to_vec());
 }
 
@@ -28,7 +30,10 @@ async fn ask(peer: &Peer, instance: &str, place: &str) -> Value {
 
 async fn dead_letters(admin: &Api, count: usize) -> Vec<Value> {
     eventually("dead letters", || async {
-        let letters = admin.get("/dead-letters").await.expect_ok()["items"].as_array().cloned().unwrap_or_default();
+        let letters = admin.get("/dead-letters").await.expect_ok()["items"]
+            .as_array()
+            .cloned()
+            .unwrap_or_default();
         if letters.len() == count { Ok(letters) } else { Err(format!("{letters:?}")) }
     })
     .await
@@ -48,16 +53,26 @@ async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
     story::value_is(&buyer, "3").await;
 
     let copy = ask(&munich, "b1", "there").await;
-    assert_eq!((&copy["result"], &copy["holder"]["host"]), (&json!("REFUSED"), &json!("machine of here")));
+    assert_eq!(
+        (&copy["result"], &copy["holder"]["host"]),
+        (&json!("REFUSED"), &json!("machine of here"))
+    );
     let again = ask(&munich, "a2", "here").await;
-    assert_eq!((&again["result"], &again["leaseNumber"]), (&json!("GRANTED"), &json!(1)), "as after a crash");
+    assert_eq!(
+        (&again["result"], &again["leaseNumber"]),
+        (&json!("GRANTED"), &json!(1)),
+        "as after a crash"
+    );
     assert_eq!(again["contender"]["host"], "machine of there");
 
     // Under another lease nothing counts, and nothing is receipted or held to be a repeat later.
     munich.send_under(2, "ua-data", &story::report("m1", 1, 4));
     let letters = dead_letters(&admin, 1).await;
     assert_eq!(letters[0]["code"], "NOT_LEASED");
-    assert!(letters[0]["reason"].as_str().is_some_and(|reason| reason.contains("machine of here")), "{letters:?}");
+    assert!(
+        letters[0]["reason"].as_str().is_some_and(|reason| reason.contains("machine of here")),
+        "{letters:?}"
+    );
     munich.send_under(1, "ua-data", &story::report("m1", 1, 4));
     story::value_is(&buyer, "4").await;
 
@@ -66,8 +81,16 @@ async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
     for api in [&admin, &maker] {
         let lease = api.get("/factories/FOR_MUC/lease").await.expect_ok();
         let (holder, contender) = (&lease["holder"], &lease["contenders"][0]);
-        assert_eq!((&holder["instanceId"], &contender["instanceId"]), (&json!("a2"), &json!("b1")), "{lease}");
-        assert_eq!((&lease["leaseNumber"], &contender["isSecond"]), (&json!(1), &json!(true)), "{lease}");
+        assert_eq!(
+            (&holder["instanceId"], &contender["instanceId"]),
+            (&json!("a2"), &json!("b1")),
+            "{lease}"
+        );
+        assert_eq!(
+            (&lease["leaseNumber"], &contender["isSecond"]),
+            (&json!(1), &json!(true)),
+            "{lease}"
+        );
     }
     buyer.get("/factories/FOR_MUC/lease").await.expect_problem(404, "NOT_FOUND");
     let untold = admin.get("/factories/INS_HAM/lease").await.expect_ok();
@@ -90,7 +113,10 @@ async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
     let lease = admin.post(path, handover("b2")).await.expect_ok();
     assert_eq!((&lease["leaseNumber"], &lease["holder"]["instanceId"]), (&json!(2), &json!("b2")));
     let former = ask(&munich, "a3", "here").await;
-    assert_eq!((&former["result"], &former["holder"]["host"]), (&json!("REFUSED"), &json!("machine of there")));
+    assert_eq!(
+        (&former["result"], &former["holder"]["host"]),
+        (&json!("REFUSED"), &json!("machine of there"))
+    );
     assert_eq!(ask(&munich, "b3", "there").await["leaseNumber"], 2);
     // What the former connector had received is sent to the new one as well.
     let part = munich.receive("operation-network", |_| true).await;

@@ -1,4 +1,5 @@
-//! The platform as its users meet it: over HTTP, AMQP and server-sent events, with the real broker and database inside.
+//! The platform as its users meet it: over HTTP, AMQP and server-sent events, with the real broker
+//! and database inside.
 
 mod connector;
 mod enrolment;

@@ -10,7 +10,10 @@ fn the_committed_description_is_fresh() {
         std::fs::write(path, &current).expect("written");
     }
     let committed = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(committed == current, "platform/openapi.json is stale; run this test with UPDATE_OPENAPI=1");
+    assert!(
+        committed == current,
+        "platform/openapi.json is stale; run this test with UPDATE_OPENAPI=1"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -23,13 +26,22 @@ async fn the_description_is_served_and_unknown_routes_are_problems() {
     ids.sort();
     ids.dedup();
     assert_eq!(ids.len(), count, "operation ids are unique");
-    assert!(description["paths"]["/api/v1/operation-networks/{operationNetworkId}"]["put"].is_object());
+    assert!(
+        description["paths"]["/api/v1/operation-networks/{operationNetworkId}"]["put"].is_object()
+    );
     api.get("/nothing").await.expect_problem(404, "UNKNOWN_ROUTE");
-    api.call(reqwest::Method::PATCH, "/session", None).await.expect_problem(405, "METHOD_NOT_ALLOWED");
+    api.call(reqwest::Method::PATCH, "/session", None)
+        .await
+        .expect_problem(405, "METHOD_NOT_ALLOWED");
 }
 
 fn operation_ids(description: &serde_json::Value) -> Vec<String> {
     let paths = description["paths"].as_object().expect("paths");
-    let operations = paths.values().filter_map(|methods| methods.as_object()).flat_map(|methods| methods.values());
-    operations.map(|operation| operation["operationId"].as_str().expect("an id").to_owned()).collect()
+    let operations = paths
+        .values()
+        .filter_map(|methods| methods.as_object())
+        .flat_map(|methods| methods.values());
+    operations
+        .map(|operation| operation["operationId"].as_str().expect("an id").to_owned())
+        .collect()
 }

@@ -15,7 +15,10 @@ async fn receipts_tell_what_is_missing_until_it_comes_or_is_announced() {
     munich.send("ua-data", &story::report("m0", 0, 1));
     munich.send("ua-data", &story::report("m4", 4, 5));
     let receipt = munich.receive("receipt", |receipt| entry(receipt)["throughSequence"] == 4).await;
-    assert_eq!((&entry(&receipt)["missingList"], &entry(&receipt)["epoch"]), (&json!([1, 2, 3]), &json!(608_926_829)));
+    assert_eq!(
+        (&entry(&receipt)["missingList"], &entry(&receipt)["epoch"]),
+        (&json!([1, 2, 3]), &json!(608_926_829))
+    );
 
     munich.send("ua-data", &story::report("m2", 2, 3));
     munich.receive("receipt", |receipt| entry(receipt)["missingList"] == json!([1, 3])).await;
@@ -47,7 +50,10 @@ async fn the_factory_owner_sees_its_writers_and_nobody_else_does() {
     for api in [&admin, &maker] {
         let writers = api.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
-        assert_eq!((&writer["throughSequence"], &writer["missing"]), (&json!(3), &json!([0, 1, 2])));
+        assert_eq!(
+            (&writer["throughSequence"], &writer["missing"]),
+            (&json!(3), &json!([0, 1, 2]))
+        );
     }
     buyer.get("/factories/FOR_MUC/writers").await.expect_problem(404, "NOT_FOUND");
 }

@@ -11,7 +11,11 @@ async fn dead_letter(admin: &Api, code: &str) -> Value {
     eventually(code, || async {
         let letters = admin.get("/dead-letters").await.expect_ok();
         let letters = letters["items"].as_array().cloned().unwrap_or_default();
-        letters.iter().find(|letter| letter["code"] == code).cloned().ok_or_else(|| format!("{letters:?}"))
+        letters
+            .iter()
+            .find(|letter| letter["code"] == code)
+            .cloned()
+            .ok_or_else(|| format!("{letters:?}"))
     })
     .await
 }
@@ -23,7 +27,8 @@ async fn a_forged_publisher_is_rejected_and_counted() {
     hamburg.send("ua-data", &story::report("forged", 0, 99));
     let letter = dead_letter(&admin, "FORGED_PUBLISHER").await;
     assert_eq!(letter["address"], "factory.INS_HAM.ingress");
-    let metrics = admin.client.get(format!("{}/metrics", world.url())).send().await.expect("an answer");
+    let metrics =
+        admin.client.get(format!("{}/metrics", world.url())).send().await.expect("an answer");
     let metrics = metrics.text().await.expect("text");
     assert!(metrics.contains("verbund_forged_messages_total{factory=\"INS_HAM\"}"), "{metrics}");
 
@@ -84,16 +89,27 @@ async fn a_network_with_faults_is_refused_with_all_of_them() {
     network["operationList"][0]["dynamicDataRequestList"][0]["recipientList"] = json!(["stranger"]);
     network["operationRelationList"][0]["successorOperationId"] = json!("Missing");
     let body = json!({ "collaborationId": "order", "operationNetwork": network });
-    let problem = buyer.put(&story::network_path(), body).await.expect_problem(422, "INVALID_DOCUMENT");
-    let pointers: Vec<&str> =
-        problem["faults"].as_array().expect("faults").iter().filter_map(|fault| fault["pointer"].as_str()).collect();
-    assert!(pointers.iter().all(|pointer| pointer.starts_with("/operationNetwork/operation")), "{pointers:?}");
+    let problem =
+        buyer.put(&story::network_path(), body).await.expect_problem(422, "INVALID_DOCUMENT");
+    let pointers: Vec<&str> = problem["faults"]
+        .as_array()
+        .expect("faults")
+        .iter()
+        .filter_map(|fault| fault["pointer"].as_str())
+        .collect();
+    assert!(
+        pointers.iter().all(|pointer| pointer.starts_with("/operationNetwork/operation")),
+        "{pointers:?}"
+    );
     buyer.get(&story::network_path()).await.expect_problem(404, "NOT_FOUND");
 
     // Requests are made in the own name, and viewers change nothing.
     let maker = story::planner(&world, "frames-munich").await;
     let body = json!({ "collaborationId": "order", "operationNetwork": story::network() });
-    let problem = maker.put(&story::network_path(), body.clone()).await.expect_problem(422, "INVALID_DOCUMENT");
+    let problem = maker
+        .put(&story::network_path(), body.clone())
+        .await
+        .expect_problem(422, "INVALID_DOCUMENT");
     assert_eq!(problem["faults"][0]["code"], "FOREIGN_REQUESTER");
     let viewer = world.sign_in("acme-aero-viewer", crate::harness::PASSWORD).await;
     viewer.put(&story::network_path(), body.clone()).await.expect_problem(403, "FORBIDDEN");
@@ -104,7 +120,10 @@ async fn a_network_with_faults_is_refused_with_all_of_them() {
         .client
         .put(format!("{}/api/v1{}", world.url(), story::network_path()))
         .header("if-match", "\"7\"")
-        .header("x-csrf-token", admin.get("/session").await.body["csrfToken"].as_str().expect("a token"))
+        .header(
+            "x-csrf-token",
+            admin.get("/session").await.body["csrfToken"].as_str().expect("a token"),
+        )
         .json(&body)
         .send()
         .await

@@ -1,5 +1,5 @@
-//! What must hold of any database behind the repositories. `fresh` is the one place that names one; a second database
-//! runs the same cases.
+//! What must hold of any database behind the repositories. `fresh` is the one place that names one;
+//! a second database runs the same cases.
 
 use asi_model::{
     DateTime, FieldKey, OperationNetworkId, RequestKey, StatusCode,
@@ -7,8 +7,8 @@ use asi_model::{
 };
 use messaging::{Fetch, Lane, LogicalAddress, Rejection, RowId, RowOutcome, SendOutcome};
 use platform::store::{
-    BrokerCredential, Collaboration, CurrentValue, Holder, NetworkRow, NewDeadLetter, NewField, NewInboxMessage,
-    NewOutgoing, Organisation, Scope, Store, Work,
+    BrokerCredential, Collaboration, CurrentValue, Holder, NetworkRow, NewDeadLetter, NewField,
+    NewInboxMessage, NewOutgoing, Organisation, Scope, Store, Work,
 };
 use serde_json::json;
 
@@ -33,9 +33,13 @@ fn id<T: std::str::FromStr<Err: std::fmt::Debug>>(text: &str) -> T {
 
 async fn house(work: &mut Work) {
     for name in ["a", "b"] {
-        let organisation = Organisation { organisation_id: id(name), name: name.into(), created_at: at(0) };
+        let organisation =
+            Organisation { organisation_id: id(name), name: name.into(), created_at: at(0) };
         assert!(work.organisations().add(&organisation).await.expect("stored"));
-        assert!(!work.organisations().add(&organisation).await.expect("stored"), "an id is taken once");
+        assert!(
+            !work.organisations().add(&organisation).await.expect("stored"),
+            "an id is taken once"
+        );
     }
     work.factories().add(&id("F"), &id("a"), "F", at(0)).await.expect("stored");
     let collaboration = Collaboration {
@@ -46,7 +50,9 @@ async fn house(work: &mut Work) {
         factories: vec![id("F")],
     };
     assert!(work.collaborations().add(&collaboration).await.expect("stored"));
-    let network = serde_json::from_value(json!({ "operationNetworkId": "net", "operationList": [] })).expect("valid");
+    let network =
+        serde_json::from_value(json!({ "operationNetworkId": "net", "operationList": [] }))
+            .expect("valid");
     let row = NetworkRow {
         collaboration_id: id("c"),
         revision: 1,
@@ -59,8 +65,11 @@ async fn house(work: &mut Work) {
 }
 
 fn field(name: &str) -> FieldKey {
-    let request =
-        RequestKey { operation_network_id: id("net"), operation_id: id("op"), dynamic_data_request_id: id("req") };
+    let request = RequestKey {
+        operation_network_id: id("net"),
+        operation_id: id("op"),
+        dynamic_data_request_id: id("req"),
+    };
     request.field(id(name))
 }
 
@@ -101,10 +110,26 @@ async fn scopes_hide_what_was_not_granted() {
         (Scope::Organisation(id("b")), false),
         (Scope::Nothing, false),
     ] {
-        assert_eq!(work.networks().lookup(&scope, &net).await.expect("read").is_some(), is_visible, "{scope:?}");
-        assert_eq!(work.networks().list(&scope, "", 10).await.expect("read").len() == 1, is_visible, "{scope:?}");
-        assert_eq!(work.factories().list(&scope).await.expect("read").len() == 1, is_visible, "{scope:?}");
-        assert_eq!(work.collaborations().list(&scope).await.expect("read").len() == 1, is_visible, "{scope:?}");
+        assert_eq!(
+            work.networks().lookup(&scope, &net).await.expect("read").is_some(),
+            is_visible,
+            "{scope:?}"
+        );
+        assert_eq!(
+            work.networks().list(&scope, "", 10).await.expect("read").len() == 1,
+            is_visible,
+            "{scope:?}"
+        );
+        assert_eq!(
+            work.factories().list(&scope).await.expect("read").len() == 1,
+            is_visible,
+            "{scope:?}"
+        );
+        assert_eq!(
+            work.collaborations().list(&scope).await.expect("read").len() == 1,
+            is_visible,
+            "{scope:?}"
+        );
     }
 }
 
@@ -127,10 +152,12 @@ async fn the_newest_two_credentials_of_each_holder_are_alive() {
     let mut work = store.begin().await.expect("begun");
     let mut credentials = work.credentials();
     for (holder, secret) in [("F", 1), ("F", 2), ("G", 9), ("F", 3)] {
-        let credential = BrokerCredential { holder: Holder::Factory(id(holder)), secret_hash: [secret; 32] };
+        let credential =
+            BrokerCredential { holder: Holder::Factory(id(holder)), secret_hash: [secret; 32] };
         credentials.add(&credential, at(0)).await.expect("stored");
     }
-    let alive: Vec<u8> = credentials.list().await.expect("read").iter().map(|known| known.secret_hash[0]).collect();
+    let alive: Vec<u8> =
+        credentials.list().await.expect("read").iter().map(|known| known.secret_hash[0]).collect();
     assert_eq!(alive, [2, 9, 3]);
     assert_eq!(credentials.revoke(&Holder::Factory(id("F"))).await.expect("revoked"), 2);
     assert_eq!(credentials.list().await.expect("read").len(), 1);
@@ -143,7 +170,9 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     house(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
-    for (epoch, sequence, number, expected) in [(2, 5, 1, 1), (2, 4, 2, 1), (2, 5, 3, 1), (1, 9, 4, 1), (3, 0, 5, 5)] {
+    for (epoch, sequence, number, expected) in
+        [(2, 5, 1, 1), (2, 4, 2, 1), (2, 5, 3, 1), (1, 9, 4, 1), (3, 0, 5, 5)]
+    {
         work.fields().put_values(&[value(epoch, sequence, number)]).await.expect("stored");
         let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
         let current = fields[0].current.as_ref().map(|current| current.value.clone());
@@ -152,7 +181,10 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     // A field that is no longer asked for takes its value along.
     work.fields().replace(&id("net"), &[]).await.expect("stored");
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
-    assert_eq!(work.fields().list(&Scope::Platform, &id("net")).await.expect("read")[0].current, None);
+    assert_eq!(
+        work.fields().list(&Scope::Platform, &id("net")).await.expect("read")[0].current,
+        None
+    );
 }
 
 #[tokio::test]
@@ -181,7 +213,11 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
         (MappingState::Refused, 9, "F", false),
         (MappingState::Refused, 11, "G", false),
     ] {
-        let taken = work.fields().decide(&field("count"), &decision(state, seconds, factory)).await.expect("stored");
+        let taken = work
+            .fields()
+            .decide(&field("count"), &decision(state, seconds, factory))
+            .await
+            .expect("stored");
         assert_eq!(taken, is_taken, "{state:?} at {seconds} by {factory}");
     }
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
@@ -199,7 +235,11 @@ async fn messages_are_new_once_per_address() {
         received_at: at(seconds),
         body: "{}".into(),
     };
-    let first = work.inbox().store("x", &[message("1", 0), message("2", 9), message("1", 9)]).await.expect("stored");
+    let first = work
+        .inbox()
+        .store("x", &[message("1", 0), message("2", 9), message("1", 9)])
+        .await
+        .expect("stored");
     assert_eq!(first.len(), 2);
     assert!(work.inbox().store("x", &[message("1", 9)]).await.expect("stored").is_empty());
     assert_eq!(work.inbox().store("y", &[message("1", 9)]).await.expect("stored").len(), 1);
@@ -228,7 +268,8 @@ async fn outgoing_messages_wait_in_order_until_they_are_gone_or_parked() {
     let fetch = Fetch { lane: Lane::Control, after: RowId(0), through: None, limit: 10 };
     let rows = work.outbox().fetch(fetch).await.expect("read");
     assert_eq!(rows.iter().map(|row| row.id.0).collect::<Vec<_>>(), [1, 2, 3]);
-    let outcome = |number: usize, outcome| RowOutcome { id: rows[number].id, outcome, at: at(9).into() };
+    let outcome =
+        |number: usize, outcome| RowOutcome { id: rows[number].id, outcome, at: at(9).into() };
     let rejection = || Rejection { code: "c".into(), reason: "r".into() };
     let outcomes = [
         outcome(0, SendOutcome::Accepted),

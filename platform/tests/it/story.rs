@@ -16,7 +16,8 @@ pub async fn set_up(world: &World) -> Api {
         admin.post("/organisations", json!({ "organisationId": id, "name": id })).await.expect_ok();
         for role in ["PLANNER", "VIEWER"] {
             let user = format!("/users/{id}-{}", role.to_lowercase());
-            let body = json!({ "password": crate::harness::PASSWORD, "role": role, "organisationId": id });
+            let body =
+                json!({ "password": crate::harness::PASSWORD, "role": role, "organisationId": id });
             admin.put(&user, body).await.expect_ok();
         }
     }
@@ -63,7 +64,9 @@ pub fn network_path() -> String {
 }
 
 pub async fn put_network(api: &Api, network: Value) -> Value {
-    api.put(&network_path(), json!({ "collaborationId": "order", "operationNetwork": network })).await.expect_ok()
+    api.put(&network_path(), json!({ "collaborationId": "order", "operationNetwork": network }))
+        .await
+        .expect_ok()
 }
 
 /// A report of FOR_MUC as the wire contract shows it.
@@ -113,7 +116,11 @@ pub async fn parts_are(api: &Api, state: &str) -> Value {
     eventually(state, || async {
         let view = api.get(&network_path()).await.expect_ok();
         let parts = view["parts"].as_array().cloned().unwrap_or_default();
-        if parts.iter().all(|part| part["state"] == state) { Ok(view) } else { Err(view["parts"].to_string()) }
+        if parts.iter().all(|part| part["state"] == state) {
+            Ok(view)
+        } else {
+            Err(view["parts"].to_string())
+        }
     })
     .await
 }
@@ -122,7 +129,11 @@ pub async fn parts_are(api: &Api, state: &str) -> Value {
 pub async fn value_is(api: &Api, value: &str) -> Value {
     eventually("the value", || async {
         let view = api.get(&network_path()).await.expect_ok();
-        let field = view["fields"].as_array().and_then(|fields| fields.first()).cloned().unwrap_or_default();
+        let field = view["fields"]
+            .as_array()
+            .and_then(|fields| fields.first())
+            .cloned()
+            .unwrap_or_default();
         if field["value"] == value { Ok(view) } else { Err(field.to_string()) }
     })
     .await

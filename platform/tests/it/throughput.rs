@@ -7,8 +7,8 @@ use serde_json::json;
 
 use crate::{harness::World, story};
 
-/// Far under what a release build does on one core, and far over what a shop floor sends: a guard against the loss of
-/// batching, not a benchmark.
+/// Far under what a release build does on one core, and far over what a shop floor sends: a guard
+/// against the loss of batching, not a benchmark.
 const REPORTS_PER_SECOND_MIN: f64 = 1_000.0;
 const BATCHES: u32 = 20;
 const REPORTS_PER_MESSAGE: u32 = 10;
@@ -45,7 +45,8 @@ fn batch(number: u32) -> Vec<Delivery> {
 fn message(number: u32) -> Delivery {
     let first = number * REPORTS_PER_MESSAGE;
     let mut body = story::report(&format!("m{number}"), first, 1);
-    let parts = (first..first + REPORTS_PER_MESSAGE).map(|sequence| story::data_set_message(sequence, sequence.into()));
+    let parts = (first..first + REPORTS_PER_MESSAGE)
+        .map(|sequence| story::data_set_message(sequence, sequence.into()));
     body["Messages"] = parts.collect();
     let id = format!("m{number}").parse().expect("valid");
     Delivery {

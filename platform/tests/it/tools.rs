@@ -12,7 +12,8 @@ use crate::{
 async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
     let world = World::start().await;
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
-    let tool = json!({ "toolId": "Monitoring", "organisationId": "acme-aero", "name": "Monitoring" });
+    let tool =
+        json!({ "toolId": "Monitoring", "organisationId": "acme-aero", "name": "Monitoring" });
     admin.post("/tools", tool).await.expect_ok();
     let credential = admin.post("/tools/Monitoring/credentials", json!({})).await.expect_ok();
     let tool = Peer::tool(&credential, "Monitoring");
@@ -26,20 +27,24 @@ async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
     assert_eq!((&answer["result"], &answer["revision"]), (&json!("ACCEPTED"), &json!(2)));
     munich.receive("operation-network", |part| part["revision"] == 2).await;
 
-    // A request put by hand that names the tool counts as well, for whichever tool is known by then.
+    // A request put by hand that names the tool counts as well, for whichever tool is known by
+    // then.
     let mut network = story::network();
-    network["operationList"][0]["dynamicDataRequestList"][0]["dynamicDataRequestPublisherId"] = json!("Monitoring");
-    network["operationList"][0]["dynamicDataRequestList"].as_array_mut().expect("a list").push(story::request_of_tool(
-        "FromTool",
-        "acme-aero",
-        "Monitoring",
-    ));
+    network["operationList"][0]["dynamicDataRequestList"][0]["dynamicDataRequestPublisherId"] =
+        json!("Monitoring");
+    network["operationList"][0]["dynamicDataRequestList"]
+        .as_array_mut()
+        .expect("a list")
+        .push(story::request_of_tool("FromTool", "acme-aero", "Monitoring"));
     story::put_network(&buyer, network).await;
 
     // In somebody else's name it is refused.
     tool.send("data-request", &ask("t2", story::request("Foreign", "frames-munich")));
     let answer = tool.receive("acknowledgement", |answer| answer["correlationId"] == "t2").await;
-    assert_eq!((&answer["result"], &answer["faultList"][0]["code"]), (&json!("REJECTED"), &json!("FOREIGN_REQUESTER")));
+    assert_eq!(
+        (&answer["result"], &answer["faultList"][0]["code"]),
+        (&json!("REJECTED"), &json!("FOREIGN_REQUESTER"))
+    );
 
     // One message with reports of three requests: the tool gets the two that name it.
     let mut both = story::report("m1", 0, 3);
@@ -53,7 +58,8 @@ async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
     munich.send("ua-data", &both);
     let forwarded = tool.receive("ua-data", |_| true).await;
     let messages = forwarded["Messages"].as_array().expect("a list");
-    let values: Vec<_> = messages.iter().map(|part| part["Payload"]["progressStatus"]["Body"].clone()).collect();
+    let values: Vec<_> =
+        messages.iter().map(|part| part["Payload"]["progressStatus"]["Body"].clone()).collect();
     assert_eq!(values, ["3", "7"], "{forwarded}");
     story::value_is(&buyer, "3").await;
 }

@@ -1,8 +1,9 @@
 //! Does what the server has agree with what it told us?
 //!
-//! A subscription may be dead although keep-alives arrive: the connection looks green and no data comes. So values that
-//! have not been notified for a while are read now and then. Where the read value differs from the last notified one,
-//! and it still does after another while without a notification, the subscription is taken for stalled.
+//! A subscription may be dead although keep-alives arrive: the connection looks green and no data
+//! comes. So values that have not been notified for a while are read now and then. Where the read
+//! value differs from the last notified one, and it still does after another while without a
+//! notification, the subscription is taken for stalled.
 
 use std::{
     collections::HashMap,
@@ -16,7 +17,8 @@ use crate::ShopFloorError;
 
 /// Inputs looked at per round.
 const INPUTS_PER_ROUND: usize = 100;
-/// Longest pause between suspicions once they proved useless: a server may deliver differently what it lets read.
+/// Longest pause between suspicions once they proved useless: a server may deliver differently what
+/// it lets read.
 const PAUSE_MAX: Duration = Duration::from_secs(3600);
 
 /// Where the audit of a session stands.
@@ -37,7 +39,11 @@ pub(super) struct Stalls {
 
 impl Stalls {
     fn pause(&self, interval: Duration) -> Duration {
-        if self.count == 0 { interval } else { interval.saturating_mul(1 << self.count.min(16)).min(PAUSE_MAX) }
+        if self.count == 0 {
+            interval
+        } else {
+            interval.saturating_mul(1 << self.count.min(16)).min(PAUSE_MAX)
+        }
     }
 
     fn note(&mut self) {
@@ -72,7 +78,9 @@ impl Audit {
         self.position = position;
         let seen: Vec<_> = seen
             .into_iter()
-            .filter(|seen| seen.at.elapsed() > self.interval + 2 * subscriptions.sampling_of(seen.input))
+            .filter(|seen| {
+                seen.at.elapsed() > self.interval + 2 * subscriptions.sampling_of(seen.input)
+            })
             .filter_map(|seen| Some((subscriptions.node_of(seen.input)?, seen)))
             .collect();
         let nodes: Vec<NodeId> = seen.iter().map(|(node, _)| node.clone()).collect();
@@ -105,7 +113,8 @@ impl Audit {
 /// The same value and quality, times aside. NaN is the same as NaN.
 fn is_same(notified: &DataValue, read: &DataValue) -> bool {
     notified.status.0 & 0xFFFF_0000 == read.status.0 & 0xFFFF_0000
-        && (notified.value == read.value || format!("{:?}", notified.value) == format!("{:?}", read.value))
+        && (notified.value == read.value
+            || format!("{:?}", notified.value) == format!("{:?}", read.value))
 }
 
 #[cfg(test)]

@@ -35,8 +35,9 @@ struct Bare {
     type_definition: Option<NodeId>,
 }
 
-/// The children of a node from the one at `from` on, at most `limit` of them, and where the next ones begin. A server
-/// with a hundred thousand children below one folder is asked for the details of those only that are shown.
+/// The children of a node from the one at `from` on, at most `limit` of them, and where the next
+/// ones begin. A server with a hundred thousand children below one folder is asked for the details
+/// of those only that are shown.
 pub(crate) async fn browse(
     connection: &Connection,
     parent: Option<&ModelNodeId>,
@@ -48,23 +49,33 @@ pub(crate) async fn browse(
         None => ObjectId::ObjectsFolder.into(),
     };
     let end = from.saturating_add(limit);
-    // Repeated references may use up some of these; they are few, and then a page is a little shorter.
+    // Repeated references may use up some of these; they are few, and then a page is a little
+    // shorter.
     let asked_for = end.saturating_add(1).min(CHILDREN_MAX);
-    let children = references(connection, vec![downward(parent)], asked_for).await?.pop().unwrap_or_default();
+    let children =
+        references(connection, vec![downward(parent)], asked_for).await?.pop().unwrap_or_default();
     let next = (children.len() > end).then_some(end);
     let mut seen = HashSet::new();
     let bare = children
         .into_iter()
         .take(end)
         .enumerate()
-        .filter(|(_, child)| child.node_id.server_index == 0 && seen.insert(child.node_id.node_id.clone()))
+        .filter(|(_, child)| {
+            child.node_id.server_index == 0 && seen.insert(child.node_id.node_id.clone())
+        })
         .filter(|(index, _)| *index >= from)
-        .map(|(_, child)| Bare { id: child.node_id.node_id, type_definition: non_null(child.type_definition.node_id) })
+        .map(|(_, child)| Bare {
+            id: child.node_id.node_id,
+            type_definition: non_null(child.type_definition.node_id),
+        })
         .collect();
     Ok((details(connection, bare).await?, next))
 }
 
-pub(crate) async fn describe(connection: &Connection, node: &ModelNodeId) -> Result<BrowsedNode, ShopFloorError> {
+pub(crate) async fn describe(
+    connection: &Connection,
+    node: &ModelNodeId,
+) -> Result<BrowsedNode, ShopFloorError> {
     let described = describe_many(connection, std::slice::from_ref(node)).await?.pop();
     described.ok_or(ShopFloorError::Refused { status: asi_model::StatusCode::BAD_NODE_ID_UNKNOWN })
 }
@@ -77,7 +88,8 @@ pub(crate) async fn describe_many(
     if nodes.len() > FOUND_MAX {
         return Err(ShopFloorError::LimitReached { what: "nodes to describe", limit: FOUND_MAX });
     }
-    let ids: Vec<NodeId> = nodes.iter().map(|node| to_stack(connection, node)).collect::<Result<_, _>>()?;
+    let ids: Vec<NodeId> =
+        nodes.iter().map(|node| to_stack(connection, node)).collect::<Result<_, _>>()?;
     let type_of = |id: &NodeId| BrowseDescription {
         reference_type_id: ReferenceTypeId::HasTypeDefinition.into(),
         ..downward(id.clone())
@@ -97,7 +109,9 @@ pub(crate) async fn search(
 ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
     let wanted = text.to_lowercase();
     if wanted.is_empty() || wanted.len() > 1000 {
-        return Err(ShopFloorError::Invalid("a search needs a text of at most 1000 characters".into()));
+        return Err(ShopFloorError::Invalid(
+            "a search needs a text of at most 1000 characters".into(),
+        ));
     }
     let found_max = found_max.clamp(1, FOUND_MAX);
     let namespaces = connection.namespaces();
@@ -111,7 +125,8 @@ pub(crate) async fn search(
     })
     .await?;
     let (bare, paths): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-    let by_id: HashMap<_, _> = bare.iter().map(|bare| node_id_from_stack(&bare.id, &namespaces)).zip(paths).collect();
+    let by_id: HashMap<_, _> =
+        bare.iter().map(|bare| node_id_from_stack(&bare.id, &namespaces)).zip(paths).collect();
     let mut nodes = details(connection, bare).await?;
     for node in &mut nodes {
         node.browse_path = by_id.get(&node.node_id).cloned();
@@ -120,13 +135,14 @@ pub(crate) async fn search(
 }
 
 fn matches(child: &ReferenceDescription, wanted: &str) -> bool {
-    [&child.browse_name.name, &child.display_name.text]
-        .into_iter()
-        .any(|name| name.value().as_deref().is_some_and(|name| name.to_lowercase().contains(wanted)))
+    [&child.browse_name.name, &child.display_name.text].into_iter().any(|name| {
+        name.value().as_deref().is_some_and(|name| name.to_lowercase().contains(wanted))
+    })
 }
 
 fn to_stack(connection: &Connection, node: &ModelNodeId) -> Result<NodeId, ShopFloorError> {
-    node_id_to_stack(node, &connection.namespaces()).map_err(|error| ShopFloorError::Invalid(error.to_string()))
+    node_id_to_stack(node, &connection.namespaces())
+        .map_err(|error| ShopFloorError::Invalid(error.to_string()))
 }
 
 fn non_null(id: NodeId) -> Option<NodeId> {
@@ -181,7 +197,10 @@ async fn follow(
         if is_enough {
             break;
         }
-        let Some(next) = answers.into_iter().next().filter(|next| next.status_code.is_good()) else { break };
+        let Some(next) = answers.into_iter().next().filter(|next| next.status_code.is_good())
+        else {
+            break;
+        };
         let more = next.references.unwrap_or_default();
         // A server that goes on forever without giving anything.
         if more.is_empty() {

@@ -53,7 +53,16 @@ impl Connection {
         let namespaces = RwLock::new(namespaces);
         let answered_at = Mutex::new(Instant::now());
         let types_loaded = OnceCell::new();
-        Self { inner: Arc::new(Inner { source, session, namespaces, limits, types_loaded, answered_at }) }
+        Self {
+            inner: Arc::new(Inner {
+                source,
+                session,
+                namespaces,
+                limits,
+                types_loaded,
+                answered_at,
+            }),
+        }
     }
 
     pub(super) fn session(&self) -> &Arc<Session> {
@@ -74,8 +83,8 @@ impl Connection {
         self.inner.types_loaded.initialized()
     }
 
-    /// Reads the server's data types, once per session; from then on structures are decoded. Returns whether they are
-    /// known.
+    /// Reads the server's data types, once per session; from then on structures are decoded.
+    /// Returns whether they are known.
     pub(super) async fn load_types(&self) -> bool {
         *self
             .inner
@@ -118,7 +127,10 @@ impl Connection {
     }
 
     /// Waits for an answer, no longer than [`ANSWER_TIMEOUT`].
-    pub(super) async fn ask<T>(&self, request: impl Future<Output = Result<T, Error>>) -> Result<T, ShopFloorError> {
+    pub(super) async fn ask<T>(
+        &self,
+        request: impl Future<Output = Result<T, Error>>,
+    ) -> Result<T, ShopFloorError> {
         match tokio::time::timeout(ANSWER_TIMEOUT, request).await {
             Ok(Ok(answer)) => {
                 *self.inner.answered_at.lock() = Instant::now();
@@ -139,7 +151,9 @@ impl Connection {
             | StatusCode::BadSessionIdInvalid
             | StatusCode::BadSessionClosed
             | StatusCode::BadSecureChannelClosed
-            | StatusCode::BadSecureChannelIdInvalid => ShopFloorError::NotConnected(self.inner.source.clone()),
+            | StatusCode::BadSecureChannelIdInvalid => {
+                ShopFloorError::NotConnected(self.inner.source.clone())
+            }
             status => ShopFloorError::Refused { status: status_from_stack(status) },
         }
     }

@@ -1,4 +1,5 @@
-//! What is known of a source by all sides: callers put in what they want, the source's task how it is doing.
+//! What is known of a source by all sides: callers put in what they want, the source's task how it
+//! is doing.
 
 use std::{
     collections::HashSet,
@@ -15,8 +16,8 @@ use tokio::sync::Notify;
 
 use super::{Connection, feed::Feed, now};
 use crate::{
-    ChosenEndpoint, InputKey, InputProblem, MonitorRequest, ServerLimits, SourceConfig, SourceId, SourceProblem,
-    SourceState, SourceStatus, service::Floor,
+    ChosenEndpoint, InputKey, InputProblem, MonitorRequest, ServerLimits, SourceConfig, SourceId,
+    SourceProblem, SourceState, SourceStatus, service::Floor,
 };
 
 /// Most inputs named in [`SourceStatus::not_live`].
@@ -153,7 +154,8 @@ impl Entry {
         self.wanted_changed.notified().await;
     }
 
-    /// What changed since the last call: each input with its request, `None` where it is not wanted any more.
+    /// What changed since the last call: each input with its request, `None` where it is not wanted
+    /// any more.
     pub(super) fn take_changed(&self) -> Vec<(InputKey, Option<Arc<MonitorRequest>>)> {
         let mut wanted = self.wanted.lock();
         let changed = std::mem::take(&mut wanted.changed);
@@ -171,7 +173,12 @@ impl Entry {
         self.wanted.lock().inputs.keys().copied().collect()
     }
 
-    pub(super) fn set_state(&self, floor: &Floor, state: SourceState, problem: Option<SourceProblem>) {
+    pub(super) fn set_state(
+        &self,
+        floor: &Floor,
+        state: SourceState,
+        problem: Option<SourceProblem>,
+    ) {
         let mut board = self.board.lock();
         if board.state != state || board.problem != problem {
             if board.state != state {
@@ -220,7 +227,10 @@ impl Entry {
     }
 
     /// Says why inputs are not live; `None` where that is over.
-    pub(super) fn note(&self, notes: impl IntoIterator<Item = (InputKey, Option<(StatusCode, String)>)>) {
+    pub(super) fn note(
+        &self,
+        notes: impl IntoIterator<Item = (InputKey, Option<(StatusCode, String)>)>,
+    ) {
         let mut board = self.board.lock();
         for (input, problem) in notes {
             match problem {
@@ -265,19 +275,32 @@ impl Entry {
             if board.feed.as_ref().is_some_and(|feed| feed.live() == wanted) {
                 return (wanted, Vec::new());
             }
-            let message = board.problem.as_ref().map_or_else(|| "not connected yet".into(), |p| p.message.clone());
+            let message = board
+                .problem
+                .as_ref()
+                .map_or_else(|| "not connected yet".into(), |p| p.message.clone());
             (board.feed.clone(), board.problems.clone(), message)
         };
         let wanted = self.wanted.lock();
         let live = feed.as_ref().map(|feed| feed.live_inputs()).unwrap_or_default();
-        let not_live = wanted.inputs.values().filter(|request| !live.contains(&request.input)).map(|request| {
-            let (status, reason) = match (problems.get(&request.input), &feed) {
-                (Some((status, reason)), _) => (*status, reason.clone()),
-                (None, Some(_)) => (StatusCode::BAD_WAITING_FOR_INITIAL_DATA, "waiting for the first value".to_owned()),
-                (None, None) => (StatusCode::BAD_NOT_CONNECTED, message.clone()),
-            };
-            InputProblem { input: request.input, node_id: request.node_id.clone(), status, reason }
-        });
+        let not_live = wanted.inputs.values().filter(|request| !live.contains(&request.input)).map(
+            |request| {
+                let (status, reason) = match (problems.get(&request.input), &feed) {
+                    (Some((status, reason)), _) => (*status, reason.clone()),
+                    (None, Some(_)) => (
+                        StatusCode::BAD_WAITING_FOR_INITIAL_DATA,
+                        "waiting for the first value".to_owned(),
+                    ),
+                    (None, None) => (StatusCode::BAD_NOT_CONNECTED, message.clone()),
+                };
+                InputProblem {
+                    input: request.input,
+                    node_id: request.node_id.clone(),
+                    status,
+                    reason,
+                }
+            },
+        );
         (wanted.inputs.len(), not_live.take(NOT_LIVE_MAX).collect())
     }
 }

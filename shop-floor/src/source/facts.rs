@@ -5,7 +5,9 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         client::Session,
-        types::{DataValue, Error, NodeId, ReadValueId, StatusCode, TimestampsToReturn, VariableId},
+        types::{
+            DataValue, Error, NodeId, ReadValueId, StatusCode, TimestampsToReturn, VariableId,
+        },
     },
     values::from_stack,
 };
@@ -38,7 +40,10 @@ const ASKED: [VariableId; 11] = [
 
 pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
     let refused = |reason: String| {
-        problem(SourceProblemKind::Refused, format!("The server does not tell its namespaces: {reason}."))
+        problem(
+            SourceProblemKind::Refused,
+            format!("The server does not tell its namespaces: {reason}."),
+        )
     };
     let ids: Vec<_> = ASKED.iter().map(|id| ReadValueId::from(NodeId::from(*id))).collect();
     let asked_at = now();
@@ -52,14 +57,16 @@ pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
     let namespaces = namespaces.ok_or_else(|| refused("the answer is no list of texts".into()))?;
     session.set_namespaces(namespaces.to_namespace_map());
 
-    let values: Vec<_> = answers.into_iter().map(|value| from_stack(value, &namespaces).value).collect();
+    let values: Vec<_> =
+        answers.into_iter().map(|value| from_stack(value, &namespaces).value).collect();
     let time = |index: usize| match values.get(index).and_then(Variant::as_scalar) {
         Some(asi_model::Scalar::DateTime(time)) if *time != DateTime::MIN => Some(*time),
         _ => None,
     };
     // Zero means: no limit.
     let limit = |index: usize| {
-        let number = values.get(index).and_then(Variant::as_scalar).and_then(asi_model::Scalar::as_i128)?;
+        let number =
+            values.get(index).and_then(Variant::as_scalar).and_then(asi_model::Scalar::as_i128)?;
         u32::try_from(number).ok().filter(|limit| *limit > 0)
     };
     let limits = ServerLimits {
@@ -83,7 +90,9 @@ async fn ask(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, E
         Err(error) if error.status() == StatusCode::BadTooManyOperations => {
             let mut answers = Vec::with_capacity(ids.len());
             for id in ids {
-                answers.extend(session.read(std::slice::from_ref(id), TimestampsToReturn::Both, 0.0).await?);
+                answers.extend(
+                    session.read(std::slice::from_ref(id), TimestampsToReturn::Both, 0.0).await?,
+                );
             }
             Ok(answers)
         }
@@ -94,10 +103,15 @@ async fn ask(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, E
 /// Asks whether the server runs; the time says nothing, the answer everything.
 pub(super) async fn is_running(session: &Session) -> bool {
     let id = ReadValueId::from(NodeId::from(VariableId::Server_ServerStatus_State));
-    let answer = tokio::time::timeout(ANSWER_TIMEOUT, session.read(&[id], TimestampsToReturn::Server, 0.0)).await;
+    let answer =
+        tokio::time::timeout(ANSWER_TIMEOUT, session.read(&[id], TimestampsToReturn::Server, 0.0))
+            .await;
     let Ok(Ok(values)) = answer else { return false };
-    let state =
-        values.into_iter().next().and_then(|value| value.value).and_then(|value| value.try_cast_to::<i32>().ok());
+    let state = values
+        .into_iter()
+        .next()
+        .and_then(|value| value.value)
+        .and_then(|value| value.try_cast_to::<i32>().ok());
     // Running 0, or a state in which it still delivers: Test 6 and CommunicationFault 5.
     matches!(state, None | Some(0 | 5 | 6))
 }

@@ -25,7 +25,8 @@ use tokio::sync::Notify;
 use super::{Connection, entry::Entry};
 use crate::{InputChange, InputKey, outbox::Outbox};
 
-/// The info bits that say that a queue overflowed (OPC 10000-4 §7.39.1: InfoType DataValue, Overflow).
+/// The info bits that say that a queue overflowed (OPC 10000-4 §7.39.1: InfoType DataValue,
+/// Overflow).
 const OVERFLOW_BITS: u32 = 0x0000_0480;
 
 /// How long a freed client handle rests.
@@ -38,7 +39,8 @@ pub(crate) struct Feed {
     slots: Mutex<Slots>,
     live: AtomicUsize,
     is_closed: AtomicBool,
-    /// When each subscription was last heard of; `None` while it has no items and nothing is to be heard.
+    /// When each subscription was last heard of; `None` while it has no items and nothing is to be
+    /// heard.
     heard: Mutex<Vec<Option<Instant>>>,
     /// Woken when a structure arrived that needs the server's data types.
     pub(super) types_needed: Notify,
@@ -50,7 +52,8 @@ pub(crate) struct Feed {
 struct Slots {
     /// By client handle; handle 0 is never used.
     slots: Vec<Option<Slot>>,
-    /// Handles that are free again, and since when: what was queued for the old item must not reach a new one.
+    /// Handles that are free again, and since when: what was queued for the old item must not reach
+    /// a new one.
     free: VecDeque<(Instant, u32)>,
 }
 
@@ -92,7 +95,13 @@ impl Feed {
 
     pub(super) fn live_inputs(&self) -> HashSet<InputKey> {
         let slots = self.slots.lock();
-        slots.slots.iter().flatten().filter(|slot| slot.last.is_some()).map(|slot| slot.input).collect()
+        slots
+            .slots
+            .iter()
+            .flatten()
+            .filter(|slot| slot.last.is_some())
+            .map(|slot| slot.input)
+            .collect()
     }
 
     /// A new subscription's place among those that are listened to.
@@ -107,7 +116,8 @@ impl Feed {
         self.heard.lock()[subscription].get_or_insert_with(Instant::now);
     }
 
-    /// The longest time that any subscription with items has been silent; `None` while there is none.
+    /// The longest time that any subscription with items has been silent; `None` while there is
+    /// none.
     pub(super) fn silence(&self) -> Option<Duration> {
         self.heard.lock().iter().flatten().map(Instant::elapsed).max()
     }
@@ -168,8 +178,14 @@ impl Feed {
         self.accept(values);
     }
 
-    /// The last notified values of up to `count` inputs, from `start` on, that are older than `age`.
-    pub(super) fn last_seen(&self, start: usize, count: usize, older_than: Instant) -> (Vec<LastSeen>, usize) {
+    /// The last notified values of up to `count` inputs, from `start` on, that are older than
+    /// `age`.
+    pub(super) fn last_seen(
+        &self,
+        start: usize,
+        count: usize,
+        older_than: Instant,
+    ) -> (Vec<LastSeen>, usize) {
         let slots = self.slots.lock();
         let total = slots.slots.len();
         let mut seen = Vec::new();
@@ -179,7 +195,8 @@ impl Feed {
                 break;
             }
             if let Some(slot) = &slots.slots[position]
-                && let Some(value) = slot.last.as_ref().filter(|_| slot.last_at < older_than && !slot.is_held)
+                && let Some(value) =
+                    slot.last.as_ref().filter(|_| slot.last_at < older_than && !slot.is_held)
             {
                 seen.push(LastSeen {
                     handle: u32::try_from(position).unwrap_or(0),
@@ -209,7 +226,9 @@ impl Feed {
         }
         for (handle, value) in values {
             // A handle may be freed while its last notification is on the way.
-            let Some(slot) = slots.slots.get_mut(handle as usize).and_then(Option::as_mut) else { continue };
+            let Some(slot) = slots.slots.get_mut(handle as usize).and_then(Option::as_mut) else {
+                continue;
+            };
             if slot.last.is_none() {
                 self.live.fetch_add(1, Ordering::Relaxed);
             }
@@ -249,7 +268,11 @@ impl Listener {
 }
 
 impl OnSubscriptionNotificationCore for Listener {
-    fn on_subscription_notification(&mut self, message: NotificationMessage, _items: MonitoredItemMap<'_>) {
+    fn on_subscription_notification(
+        &mut self,
+        message: NotificationMessage,
+        _items: MonitoredItemMap<'_>,
+    ) {
         // Any publish response is a sign of life, with or without data.
         self.feed.heard.lock()[self.subscription] = Some(Instant::now());
         self.feed.entry.meter.sign_of_life(0);
@@ -277,7 +300,8 @@ impl OnSubscriptionNotificationCore for Listener {
 pub(super) fn is_undecoded(value: &DataValue) -> bool {
     let is_raw = |scalar: &Scalar| match scalar {
         Scalar::ExtensionObject(object) => {
-            matches!(object.body, ExtensionBody::Binary(_)) && object.type_id.node_id.namespace != Namespace::Ua
+            matches!(object.body, ExtensionBody::Binary(_))
+                && object.type_id.node_id.namespace != Namespace::Ua
         }
         _ => false,
     };

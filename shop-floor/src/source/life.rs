@@ -59,14 +59,21 @@ impl Memory {
     }
 
     fn knows_path_of(&self, request: &MonitorRequest) -> bool {
-        request.options.browse_path.is_some() || self.learned.get(&request.node_id).is_some_and(Option::is_some)
+        request.options.browse_path.is_some()
+            || self.learned.get(&request.node_id).is_some_and(Option::is_some)
     }
 
     /// Nodes of these requests that hang nobody knows where, each once.
-    fn unknown_of<'r>(&self, requests: impl Iterator<Item = &'r Arc<MonitorRequest>>) -> Vec<NodeId> {
+    fn unknown_of<'r>(
+        &self,
+        requests: impl Iterator<Item = &'r Arc<MonitorRequest>>,
+    ) -> Vec<NodeId> {
         let room = PATHS_MAX.saturating_sub(self.learned.len());
-        let nodes = requests.filter(|request| request.options.browse_path.is_none()).map(|request| &request.node_id);
-        let unknown = nodes.filter(|node| !self.learned.contains_key(*node) && !self.moved.contains_key(*node));
+        let nodes = requests
+            .filter(|request| request.options.browse_path.is_none())
+            .map(|request| &request.node_id);
+        let unknown = nodes
+            .filter(|node| !self.learned.contains_key(*node) && !self.moved.contains_key(*node));
         unknown.collect::<HashSet<_>>().into_iter().take(room).cloned().collect()
     }
 }
@@ -103,8 +110,12 @@ pub(super) async fn live(
     let server = Some((facts.started_at, facts.namespaces.uris()));
     let is_same_server = memory.server == server;
     memory.server = server;
-    let connection =
-        Connection::new(config.source_id.clone(), Arc::clone(&link.session), facts.namespaces, facts.limits);
+    let connection = Connection::new(
+        config.source_id.clone(),
+        Arc::clone(&link.session),
+        facts.namespaces,
+        facts.limits,
+    );
     let feed = Arc::new(Feed::new(Arc::clone(entry), floor.outbox.clone(), connection.clone()));
     entry.begin(connection.clone(), link.endpoint.clone(), facts.clock_ahead_ms, Arc::clone(&feed));
     entry.meter.sign_of_life(0);
@@ -149,7 +160,8 @@ pub(super) async fn live(
     feed.close();
     entry.end();
     let value = DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, Some(now()));
-    let lost = entry.wanted_inputs().into_iter().map(|input| InputChange { input, value: value.clone() });
+    let lost =
+        entry.wanted_inputs().into_iter().map(|input| InputChange { input, value: value.clone() });
     floor.outbox.push(lost.collect());
     match ended {
         None => Ended::Stopped,
@@ -157,9 +169,14 @@ pub(super) async fn live(
     }
 }
 
-/// Waits until nothing has been heard for too long. While items are created, which keeps servers busy, any answer is a
-/// sign of life; else each subscription must send its keep-alives.
-async fn silence(connection: &Connection, feed: &Feed, max: Duration, is_busy: &AtomicBool) -> SourceProblem {
+/// Waits until nothing has been heard for too long. While items are created, which keeps servers
+/// busy, any answer is a sign of life; else each subscription must send its keep-alives.
+async fn silence(
+    connection: &Connection,
+    feed: &Feed,
+    max: Duration,
+    is_busy: &AtomicBool,
+) -> SourceProblem {
     let mut tick = tokio::time::interval(max / 10);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
     loop {
@@ -167,7 +184,10 @@ async fn silence(connection: &Connection, feed: &Feed, max: Duration, is_busy: &
         let Some(silence) = feed.silence() else { continue };
         let is_excused = is_busy.load(Ordering::Relaxed) && connection.silence() <= max;
         if silence > max && !is_excused {
-            return problem(Kind::Stalled, format!("Nothing was heard for {:.1} s.", silence.as_secs_f64()));
+            return problem(
+                Kind::Stalled,
+                format!("Nothing was heard for {:.1} s.", silence.as_secs_f64()),
+            );
         }
     }
 }
@@ -193,13 +213,19 @@ impl Session<'_> {
     async fn work(&mut self, memory: &mut Memory, is_same_server: bool) -> SourceProblem {
         match self.try_work(memory, is_same_server).await {
             Ok(problem) => problem,
-            Err(ShopFloorError::NotConnected(_)) => problem(Kind::ConnectionLost, "The server closed the session."),
+            Err(ShopFloorError::NotConnected(_)) => {
+                problem(Kind::ConnectionLost, "The server closed the session.")
+            }
             Err(error @ ShopFloorError::Timeout(_)) => problem(Kind::Stalled, format!("{error}.")),
             Err(error) => problem(Kind::Refused, format!("{error}.")),
         }
     }
 
-    async fn try_work(&mut self, memory: &mut Memory, is_same_server: bool) -> Result<SourceProblem, ShopFloorError> {
+    async fn try_work(
+        &mut self,
+        memory: &mut Memory,
+        is_same_server: bool,
+    ) -> Result<SourceProblem, ShopFloorError> {
         self.entry.set_state(self.floor, SourceState::Subscribing, None);
         let wanted = self.entry.take_all();
         if !is_same_server {
@@ -258,11 +284,18 @@ impl Session<'_> {
     }
 
     /// The regular round: is the server there, refused items, audit, browse paths.
-    async fn look_after(&mut self, memory: &mut Memory) -> Result<Option<SourceProblem>, ShopFloorError> {
-        if self.feed.silence().is_none() && self.asked_at.elapsed() > self.config.silence_max() / 2 {
+    async fn look_after(
+        &mut self,
+        memory: &mut Memory,
+    ) -> Result<Option<SourceProblem>, ShopFloorError> {
+        if self.feed.silence().is_none() && self.asked_at.elapsed() > self.config.silence_max() / 2
+        {
             self.asked_at = Instant::now();
             if !facts::is_running(self.connection.session()).await {
-                return Ok(Some(problem(Kind::Stalled, "The server does not run or does not answer.")));
+                return Ok(Some(problem(
+                    Kind::Stalled,
+                    "The server does not run or does not answer.",
+                )));
             }
             self.entry.meter.sign_of_life(0);
         }
@@ -282,9 +315,15 @@ impl Session<'_> {
     }
 
     /// Finds nodes that another node's id now names, before they are subscribed.
-    async fn look_for_moved(&self, wanted: &[Arc<MonitorRequest>], memory: &mut Memory) -> Result<(), ShopFloorError> {
-        let with_path: Vec<_> =
-            wanted.iter().filter_map(|request| Some((Arc::clone(request), memory.path_of(request)?))).collect();
+    async fn look_for_moved(
+        &self,
+        wanted: &[Arc<MonitorRequest>],
+        memory: &mut Memory,
+    ) -> Result<(), ShopFloorError> {
+        let with_path: Vec<_> = wanted
+            .iter()
+            .filter_map(|request| Some((Arc::clone(request), memory.path_of(request)?)))
+            .collect();
         memory.moved = paths::moved(&self.connection, &with_path).await?;
         if !memory.moved.is_empty() {
             tracing::info!(source.id = %self.config.source_id, nodes = memory.moved.len(),
@@ -296,11 +335,14 @@ impl Session<'_> {
     /// Learns where monitored nodes hang, a few at a time.
     async fn learn_paths(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
         let is_new = self.to_learn.is_none();
-        let to_learn = self.to_learn.get_or_insert_with(|| memory.unknown_of(self.subscriptions.monitored()));
+        let to_learn =
+            self.to_learn.get_or_insert_with(|| memory.unknown_of(self.subscriptions.monitored()));
         let few = to_learn.split_off(to_learn.len().saturating_sub(PATHS_PER_TICK));
         let are_last = !few.is_empty() && to_learn.is_empty();
         let namespaces = self.connection.namespaces();
-        let known = few.into_iter().filter_map(|node| Some((node_id_to_stack(&node, &namespaces).ok()?, node)));
+        let known = few
+            .into_iter()
+            .filter_map(|node| Some((node_id_to_stack(&node, &namespaces).ok()?, node)));
         let (ids, nodes): (Vec<_>, Vec<_>) = known.unzip();
         if !ids.is_empty() {
             let found = match paths::learn(&self.connection, &ids).await {
@@ -313,7 +355,11 @@ impl Session<'_> {
         }
         // Counting looks at every input: not after each few of many.
         if is_new || are_last {
-            let findable = self.subscriptions.monitored().filter(|request| memory.knows_path_of(request)).count();
+            let findable = self
+                .subscriptions
+                .monitored()
+                .filter(|request| memory.knows_path_of(request))
+                .count();
             self.entry.set_findable(findable);
         }
         Ok(())

@@ -6,9 +6,9 @@ use asi_model::values::{NodeId as ModelNodeId, QualifiedName as ModelName};
 use opcua_stack::{
     NamespaceTable,
     opcua::types::{
-        AttributeId, BrowseDescription, BrowseDirection, BrowsePath as StackPath, BrowseResultMaskFlags, NodeId,
-        ObjectId, ReadValueId, ReferenceDescription, ReferenceTypeId, RelativePath, RelativePathElement,
-        TimestampsToReturn, Variant,
+        AttributeId, BrowseDescription, BrowseDirection, BrowsePath as StackPath,
+        BrowseResultMaskFlags, NodeId, ObjectId, ReadValueId, ReferenceDescription,
+        ReferenceTypeId, RelativePath, RelativePathElement, TimestampsToReturn, Variant,
     },
     values::{node_id_to_stack, qualified_name_from_stack, qualified_name_to_stack},
 };
@@ -19,11 +19,17 @@ use crate::{BrowsePath, MonitorRequest, ShopFloorError, input::PATH_ELEMENTS_MAX
 /// Paths per request where the server declares no limit: translating is dear for servers.
 const PATHS_PER_REQUEST: usize = 200;
 
-pub(crate) async fn browse_path(connection: &Connection, node: &ModelNodeId) -> Result<BrowsePath, ShopFloorError> {
+pub(crate) async fn browse_path(
+    connection: &Connection,
+    node: &ModelNodeId,
+) -> Result<BrowsePath, ShopFloorError> {
     let namespaces = connection.namespaces();
-    let id = node_id_to_stack(node, &namespaces).map_err(|error| ShopFloorError::Invalid(error.to_string()))?;
+    let id = node_id_to_stack(node, &namespaces)
+        .map_err(|error| ShopFloorError::Invalid(error.to_string()))?;
     let found = learn(connection, &[id]).await?.pop().flatten();
-    found.ok_or_else(|| ShopFloorError::Invalid(format!("{node} does not hang below the Objects folder")))
+    found.ok_or_else(|| {
+        ShopFloorError::Invalid(format!("{node} does not hang below the Objects folder"))
+    })
 }
 
 /// The nodes at each path, from the Objects folder; none where nothing is there.
@@ -33,9 +39,13 @@ pub(super) async fn translate(
 ) -> Result<Vec<Vec<NodeId>>, ShopFloorError> {
     let namespaces = connection.namespaces();
     let mut found = vec![Vec::new(); paths.len()];
-    let known: Vec<(usize, StackPath)> =
-        paths.iter().enumerate().filter_map(|(index, path)| Some((index, stack_path(path, &namespaces)?))).collect();
-    let per_request = per_request(connection.limits().paths_per_translate_max).min(PATHS_PER_REQUEST);
+    let known: Vec<(usize, StackPath)> = paths
+        .iter()
+        .enumerate()
+        .filter_map(|(index, path)| Some((index, stack_path(path, &namespaces)?)))
+        .collect();
+    let per_request =
+        per_request(connection.limits().paths_per_translate_max).min(PATHS_PER_REQUEST);
     for chunk in known.chunks(per_request) {
         let requests: Vec<_> = chunk.iter().map(|(_, path)| path.clone()).collect();
         let session = connection.session();
@@ -44,7 +54,9 @@ pub(super) async fn translate(
             let targets = answer.targets.into_iter().flatten();
             // Any other index than the highest means that the path leads to another server.
             found[*index] = targets
-                .filter(|target| target.remaining_path_index == u32::MAX && target.target_id.server_index == 0)
+                .filter(|target| {
+                    target.remaining_path_index == u32::MAX && target.target_id.server_index == 0
+                })
                 .map(|target| target.target_id.node_id)
                 .collect();
         }
@@ -96,7 +108,10 @@ pub(super) async fn learn(
         for (node, answer) in level.drain(..).zip(answers) {
             let parent = answer.into_iter().find(|reference| reference.node_id.server_index == 0);
             if let Some(ReferenceDescription { node_id, browse_name, .. }) = &parent {
-                names.insert(node_id.node_id.clone(), qualified_name_from_stack(browse_name, &namespaces));
+                names.insert(
+                    node_id.node_id.clone(),
+                    qualified_name_from_stack(browse_name, &namespaces),
+                );
                 next.push(node_id.node_id.clone());
             }
             parents.insert(node, parent.map(|parent| parent.node_id.node_id));
@@ -145,10 +160,17 @@ pub(super) async fn browse_names(
     let namespaces = connection.namespaces();
     let mut names = Vec::with_capacity(nodes.len());
     for chunk in nodes.chunks(per_request(connection.limits().nodes_per_read_max)) {
-        let ids: Vec<_> = chunk.iter().map(|node| ReadValueId::new(node.clone(), AttributeId::BrowseName)).collect();
-        let answers = connection.ask(connection.session().read(&ids, TimestampsToReturn::Neither, 0.0)).await?;
+        let ids: Vec<_> = chunk
+            .iter()
+            .map(|node| ReadValueId::new(node.clone(), AttributeId::BrowseName))
+            .collect();
+        let answers = connection
+            .ask(connection.session().read(&ids, TimestampsToReturn::Neither, 0.0))
+            .await?;
         names.extend(answers.into_iter().map(|answer| match answer.value {
-            Some(Variant::QualifiedName(name)) => Some(qualified_name_from_stack(&name, &namespaces)),
+            Some(Variant::QualifiedName(name)) => {
+                Some(qualified_name_from_stack(&name, &namespaces))
+            }
             _ => None,
         }));
     }
@@ -158,7 +180,8 @@ pub(super) async fn browse_names(
 
 /// Finds nodes that are not (any more) what their path says: each with the node that is there now.
 ///
-/// An id that was given to another node after a restart would otherwise silently deliver another variable.
+/// An id that was given to another node after a restart would otherwise silently deliver another
+/// variable.
 pub(super) async fn moved(
     connection: &Connection,
     requests: &[(Arc<MonitorRequest>, BrowsePath)],
@@ -186,6 +209,8 @@ pub(super) async fn moved(
     Ok(suspects
         .into_iter()
         .zip(found)
-        .filter_map(|((request, _), targets)| Some((request.node_id.clone(), targets.into_iter().next()?)))
+        .filter_map(|((request, _), targets)| {
+            Some((request.node_id.clone(), targets.into_iter().next()?))
+        })
         .collect())
 }

@@ -3,11 +3,12 @@
 use asi_model::values::{self as model, DataValue, NodeId};
 use opcua_stack::{
     opcua::types::{
-        AttributeId, CallMethodRequest, NumericRange, ReadValueId, StatusCode, TimestampsToReturn, WriteValue,
+        AttributeId, CallMethodRequest, NumericRange, ReadValueId, StatusCode, TimestampsToReturn,
+        WriteValue,
     },
     values::{
-        ConversionError, from_stack, node_id_from_stack, node_id_to_stack, status_from_stack, to_stack,
-        variant_from_stack, variant_to_stack,
+        ConversionError, from_stack, node_id_from_stack, node_id_to_stack, status_from_stack,
+        to_stack, variant_from_stack, variant_to_stack,
     },
 };
 
@@ -17,9 +18,15 @@ use crate::{CallOutcome, ShopFloorError};
 /// Most values of one request from a caller.
 const VALUES_MAX: usize = 100_000;
 
-pub(crate) async fn read(connection: &Connection, nodes: &[NodeId]) -> Result<Vec<DataValue>, ShopFloorError> {
+pub(crate) async fn read(
+    connection: &Connection,
+    nodes: &[NodeId],
+) -> Result<Vec<DataValue>, ShopFloorError> {
     let values = read_attributes(connection, nodes, AttributeId::Value).await?;
-    if values.iter().any(is_undecoded) && !connection.are_types_settled() && connection.load_types().await {
+    if values.iter().any(is_undecoded)
+        && !connection.are_types_settled()
+        && connection.load_types().await
+    {
         return read_attributes(connection, nodes, AttributeId::Value).await;
     }
     Ok(values)
@@ -33,7 +40,8 @@ pub(super) async fn read_attributes(
 ) -> Result<Vec<DataValue>, ShopFloorError> {
     check_count(nodes.len())?;
     let namespaces = connection.namespaces();
-    let mut values = vec![DataValue::status_only(model::StatusCode::BAD_NODE_ID_UNKNOWN, None); nodes.len()];
+    let mut values =
+        vec![DataValue::status_only(model::StatusCode::BAD_NODE_ID_UNKNOWN, None); nodes.len()];
     let known: Vec<(usize, ReadValueId)> = nodes
         .iter()
         .enumerate()
@@ -44,7 +52,8 @@ pub(super) async fn read_attributes(
         .collect();
     for chunk in known.chunks(per_request(connection.limits().nodes_per_read_max)) {
         let ids: Vec<_> = chunk.iter().map(|(_, id)| id.clone()).collect();
-        let answers = connection.ask(connection.session().read(&ids, TimestampsToReturn::Both, 0.0)).await?;
+        let answers =
+            connection.ask(connection.session().read(&ids, TimestampsToReturn::Both, 0.0)).await?;
         for ((index, _), answer) in chunk.iter().zip(answers) {
             values[*index] = from_stack(answer, &namespaces);
         }
@@ -58,8 +67,9 @@ pub(crate) async fn write(
 ) -> Result<Vec<model::StatusCode>, ShopFloorError> {
     check_count(values.len())?;
     let mut namespaces = connection.namespaces();
-    let has_structure =
-        values.iter().any(|(_, value)| value.value.built_in_type() == Some(model::BuiltInType::ExtensionObject));
+    let has_structure = values
+        .iter()
+        .any(|(_, value)| value.value.built_in_type() == Some(model::BuiltInType::ExtensionObject));
     if has_structure && connection.load_types().await {
         namespaces = connection.namespaces();
     }
@@ -116,8 +126,16 @@ pub(crate) fn parse_range(text: &str) -> Option<NumericRange> {
     text.parse().ok().filter(|range| *range != NumericRange::None)
 }
 
-fn write_value(node_id: opcua_stack::opcua::types::NodeId, value: opcua_stack::opcua::types::DataValue) -> WriteValue {
-    WriteValue { node_id, attribute_id: AttributeId::Value as u32, index_range: NumericRange::None, value }
+fn write_value(
+    node_id: opcua_stack::opcua::types::NodeId,
+    value: opcua_stack::opcua::types::DataValue,
+) -> WriteValue {
+    WriteValue {
+        node_id,
+        attribute_id: AttributeId::Value as u32,
+        index_range: NumericRange::None,
+        value,
+    }
 }
 
 fn conversion_status(error: &ConversionError) -> model::StatusCode {
@@ -131,7 +149,10 @@ fn conversion_status(error: &ConversionError) -> model::StatusCode {
 
 fn check_count(count: usize) -> Result<(), ShopFloorError> {
     if count > VALUES_MAX {
-        return Err(ShopFloorError::LimitReached { what: "values in one request", limit: VALUES_MAX });
+        return Err(ShopFloorError::LimitReached {
+            what: "values in one request",
+            limit: VALUES_MAX,
+        });
     }
     Ok(())
 }

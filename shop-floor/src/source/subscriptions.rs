@@ -9,7 +9,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{Connection, connection::per_request, entry::Entry, feed::Feed, life::Memory, services::parse_range};
+use super::{
+    Connection, connection::per_request, entry::Entry, feed::Feed, life::Memory,
+    services::parse_range,
+};
 use crate::{InputKey, MonitorRequest, ShopFloorError, SourceConfig, outbox::Outbox};
 
 /// All subscriptions of a session; the only owner of them.
@@ -88,14 +91,15 @@ impl Subscriptions {
     /// How fast an input is sampled at most; older values than this may be looked at by the audit.
     pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
         match self.items.get(&input) {
-            Some(Item::Monitored { request, .. }) => {
-                Duration::from_secs_f64(request::sampling_ms(&request.options, self.publishing_ms()) / 1000.0)
-            }
+            Some(Item::Monitored { request, .. }) => Duration::from_secs_f64(
+                request::sampling_ms(&request.options, self.publishing_ms()) / 1000.0,
+            ),
             _ => Duration::ZERO,
         }
     }
 
-    /// Brings the items to what is wanted: `changed` inputs with their requests, `None` where not wanted any more.
+    /// Brings the items to what is wanted: `changed` inputs with their requests, `None` where not
+    /// wanted any more.
     pub(super) async fn apply(
         &mut self,
         changed: Vec<(InputKey, Option<Arc<MonitorRequest>>)>,
@@ -104,7 +108,8 @@ impl Subscriptions {
         let mut to_delete = Vec::new();
         let mut to_create = Vec::new();
         for (input, wanted) in changed {
-            if let (Some(Item::Monitored { request, .. }), Some(wanted)) = (self.items.get(&input), &wanted)
+            if let (Some(Item::Monitored { request, .. }), Some(wanted)) =
+                (self.items.get(&input), &wanted)
                 && request == wanted
             {
                 continue;
@@ -134,14 +139,16 @@ impl Subscriptions {
             if *retry_at <= now {
                 due.push((Arc::clone(request), *attempts));
             } else {
-                self.next_retry = Some(self.next_retry.map_or(*retry_at, |next| next.min(*retry_at)));
+                self.next_retry =
+                    Some(self.next_retry.map_or(*retry_at, |next| next.min(*retry_at)));
             }
         }
         self.is_server_full = false;
         self.create(due, memory).await
     }
 
-    /// Deletes all items before the session is closed: servers exist that leak what is deleted with its subscription.
+    /// Deletes all items before the session is closed: servers exist that leak what is deleted with
+    /// its subscription.
     pub(super) async fn delete_all(&mut self) -> Result<(), ShopFloorError> {
         let items = self.items.drain().map(|(_, item)| item).collect();
         self.delete(items).await
@@ -161,7 +168,10 @@ impl Subscriptions {
             let id = subscription.id;
             for chunk in items.chunks(self.chunk) {
                 let ids: Vec<_> = chunk.iter().map(|(item_id, _)| *item_id).collect();
-                let deleted = self.connection.ask(self.connection.session().delete_monitored_items(id, &ids)).await;
+                let deleted = self
+                    .connection
+                    .ask(self.connection.session().delete_monitored_items(id, &ids))
+                    .await;
                 for (_, handle) in chunk {
                     self.feed.release(*handle);
                 }

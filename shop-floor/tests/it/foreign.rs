@@ -1,4 +1,5 @@
-//! Other people's servers: asyncua and node-opcua, killed and restarted with other ids, protected and not.
+//! Other people's servers: asyncua and node-opcua, killed and restarted with other ids, protected
+//! and not.
 
 use std::{
     path::{Path, PathBuf},
@@ -11,7 +12,8 @@ use asi_model::{
     values::{ExtensionBody, StructureValue},
 };
 use shop_floor::{
-    Identity, InputKey, MonitorOptions, SecurityChoice, SourceConfig, SourceId, SourceProblemKind, TrustState,
+    Identity, InputKey, MonitorOptions, SecurityChoice, SourceConfig, SourceId, SourceProblemKind,
+    TrustState,
 };
 use tempfile::TempDir;
 use tokio::{
@@ -55,8 +57,12 @@ async fn install() {
     static INSTALLED: OnceCell<()> = OnceCell::const_new();
     INSTALLED
         .get_or_init(|| async {
-            let installed = Command::new(repository().join("tests/foreign/setup.sh")).status().await;
-            assert!(installed.expect("the script runs").success(), "the foreign peers could not be installed");
+            let installed =
+                Command::new(repository().join("tests/foreign/setup.sh")).status().await;
+            assert!(
+                installed.expect("the script runs").success(),
+                "the foreign peers could not be installed"
+            );
         })
         .await;
 }
@@ -71,13 +77,15 @@ impl Peer {
         peer
     }
 
-    /// Kills the server, if it runs, and starts it with other indexes and ids; it is ready when this returns.
+    /// Kills the server, if it runs, and starts it with other indexes and ids; it is ready when
+    /// this returns.
     async fn restart(&mut self, before: u32, renumber: u32) {
         self.kill().await;
         let scripts = repository().join("shop-floor/tests/foreign");
         let mut command = match self.stack {
             Stack::Asyncua => {
-                let mut command = Command::new(repository().join("target/foreign/python/bin/python"));
+                let mut command =
+                    Command::new(repository().join("target/foreign/python/bin/python"));
                 command.arg(scripts.join("asyncua_server.py"));
                 if self.is_protected {
                     command.arg("--protected").arg(self.directory.path());
@@ -87,7 +95,10 @@ impl Peer {
             Stack::NodeOpcua => {
                 let mut command = Command::new("node");
                 command.env("NODE_PATH", repository().join("tests/foreign/node_modules"));
-                command.arg(scripts.join("node_opcua_server.js")).arg("--pki").arg(self.directory.path());
+                command
+                    .arg(scripts.join("node_opcua_server.js"))
+                    .arg("--pki")
+                    .arg(self.directory.path());
                 if self.is_protected {
                     command.arg("--protected");
                 }
@@ -137,9 +148,11 @@ impl Peer {
 
     fn source(&self) -> SourceConfig {
         let id = SourceId::new("machine").expect("valid");
-        let mut source = SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));
+        let mut source =
+            SourceConfig::new(id, &format!("opc.tcp://127.0.0.1:{}/machine", self.port));
         if self.is_protected {
-            source.identity = Identity::UserName { user_name: "connector".into(), password: "machine".into() };
+            source.identity =
+                Identity::UserName { user_name: "connector".into(), password: "machine".into() };
         } else {
             source.security = SecurityChoice::None;
         }
@@ -170,7 +183,8 @@ fn monitor_all(floor: &Floor, source: &SourceId, peer: &Peer) {
 
 /// How often servers are killed: as often as `FOREIGN_KILLS` says (`make foreign-kills`).
 fn kills(usual: u32) -> u32 {
-    std::env::var("FOREIGN_KILLS").map_or(usual, |kills| kills.parse().expect("FOREIGN_KILLS is a number"))
+    std::env::var("FOREIGN_KILLS")
+        .map_or(usual, |kills| kills.parse().expect("FOREIGN_KILLS is a number"))
 }
 
 /// Values, structures and types arrive, and after each of some kills all is live again within 5 s.
@@ -195,7 +209,10 @@ async fn is_a_good_source(stack: Stack, restarts: u32) {
     let found = floor.handle.search(&id, "temper", 10).await.expect("search");
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].node_id, peer.node(2));
-    assert_eq!(found[0].browse_path.as_ref().map(ToString::to_string).as_deref(), Some("Machine/Temperature"));
+    assert_eq!(
+        found[0].browse_path.as_ref().map(ToString::to_string).as_deref(),
+        Some("Machine/Temperature")
+    );
     until("all paths are learned", || floor.status(&id).findable == 4).await;
 
     for round in 1..=restarts {
@@ -211,12 +228,14 @@ async fn is_a_good_source(stack: Stack, restarts: u32) {
         assert!(returned.elapsed() < Duration::from_secs(5), "{:?}", returned.elapsed());
     }
     // No value of another node was ever taken for the counter's.
-    let is_counter =
-        |value: &DataValue| value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_)));
+    let is_counter = |value: &DataValue| {
+        value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_)))
+    };
     assert!(floor.heard(COUNTER).iter().all(is_counter));
 }
 
-/// While nobody was connected the server got other indexes and ids; what was kept with the mapping finds the variable.
+/// While nobody was connected the server got other indexes and ids; what was kept with the mapping
+/// finds the variable.
 async fn is_found_by_the_path_that_was_kept(stack: Stack) {
     let mut peer = Peer::start(stack, false).await;
     let id = peer.source().source_id;
@@ -230,15 +249,15 @@ async fn is_found_by_the_path_that_was_kept(stack: Stack) {
     let floor = Floor::start();
     floor.handle.put_source(peer.source()).expect("valid");
     let options = MonitorOptions { browse_path: Some(path), ..MonitorOptions::default() };
-    floor.handle.monitor(InputKey(COUNTER), id.clone(), peer.node(1), options).expect("a valid request");
+    floor
+        .handle
+        .monitor(InputKey(COUNTER), id.clone(), peer.node(1), options)
+        .expect("a valid request");
     peer.set(r#"{"counter": 41}"#).await;
     floor.until_value(COUNTER, 41_i32).await;
-    assert!(
-        floor
-            .heard(COUNTER)
-            .iter()
-            .all(|value| { value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_))) })
-    );
+    assert!(floor.heard(COUNTER).iter().all(|value| {
+        value.value.is_null() || matches!(value.value, Variant::Scalar(Scalar::Int32(_)))
+    }));
 }
 
 #[tokio::test]
@@ -258,7 +277,10 @@ async fn is_a_good_protected_source(stack: Stack) {
     let id = source.source_id.clone();
     floor.handle.put_source(source).expect("valid");
     let kind = SourceProblemKind::ServerCertificateUntrusted;
-    until("the certificate is shown", || floor.status(&id).problem.is_some_and(|problem| problem.kind == kind)).await;
+    until("the certificate is shown", || {
+        floor.status(&id).problem.is_some_and(|problem| problem.kind == kind)
+    })
+    .await;
     let shown = floor.handle.certificates().await.expect("certificates");
     floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");
     floor.until_connected(&id).await;

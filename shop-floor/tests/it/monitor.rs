@@ -29,7 +29,9 @@ async fn a_change_arrives_with_value_status_and_source_time() {
 
     let status = floor.status(&source);
     assert_eq!((status.inputs, status.live, status.not_live.len()), (1, 1, 0));
-    assert!(status.changes >= 3 && status.last_change_at.is_some() && status.clock_ahead_ms.is_some());
+    assert!(
+        status.changes >= 3 && status.last_change_at.is_some() && status.clock_ahead_ms.is_some()
+    );
 }
 
 #[tokio::test]
@@ -65,7 +67,10 @@ async fn structures_come_decoded_and_arrays_in_parts() {
     let source = floor.connect(&cell).await;
     floor.monitor(1, &source, node(&cell, "Energy.Power"));
     let part = MonitorOptions { index_range: Some("1:2".into()), ..MonitorOptions::default() };
-    floor.handle.monitor(InputKey(2), source.clone(), node(&cell, "Axes.Loads"), part).expect("valid");
+    floor
+        .handle
+        .monitor(InputKey(2), source.clone(), node(&cell, "Axes.Loads"), part)
+        .expect("valid");
 
     let structure = |value: &DataValue| -> Option<StructureValue> {
         match value.value.as_scalar()? {
@@ -77,7 +82,11 @@ async fn structures_come_decoded_and_arrays_in_parts() {
         }
     };
     until("a decoded structure", || floor.newest(1).as_ref().and_then(structure).is_some()).await;
-    let undecoded = floor.heard(1).iter().filter(|value| value.status.is_good() && structure(value).is_none()).count();
+    let undecoded = floor
+        .heard(1)
+        .iter()
+        .filter(|value| value.status.is_good() && structure(value).is_none())
+        .count();
     assert_eq!(undecoded, 0, "a structure is held back until its type is known");
     let power = structure(&floor.newest(1).expect("heard")).expect("a structure");
     assert_eq!(power.fields["SecondsAggregated"], Variant::from(10_u32));
@@ -110,7 +119,8 @@ async fn an_input_that_cannot_be_monitored_says_why() {
 
     let status = floor.status(&source);
     assert_eq!((status.inputs, status.live), (3, 1));
-    let reasons: Vec<_> = status.not_live.iter().map(|problem| (problem.input.0, problem.reason.clone())).collect();
+    let reasons: Vec<_> =
+        status.not_live.iter().map(|problem| (problem.input.0, problem.reason.clone())).collect();
     assert_eq!(reasons.len(), 2, "{reasons:?}");
     assert!(reasons[0].1.contains("does not know this node"), "{reasons:?}");
     assert!(reasons[1].1.contains("no namespace \"urn:another:machine\""), "{reasons:?}");
@@ -162,9 +172,12 @@ async fn a_small_server_is_filled_to_its_limits_and_the_rest_says_so() {
     assert_eq!((status.inputs, status.not_live.len()), (100, 40));
 
     // Room is used as soon as there is some.
-    let live: Vec<_> =
-        (0..100).filter(|input| status.not_live.iter().all(|problem| problem.input.0 != *input)).collect();
-    floor.handle.unmonitor_many(&live[..40].iter().map(|input| InputKey(*input)).collect::<Vec<_>>());
+    let live: Vec<_> = (0..100)
+        .filter(|input| status.not_live.iter().all(|problem| problem.input.0 != *input))
+        .collect();
+    floor
+        .handle
+        .unmonitor_many(&live[..40].iter().map(|input| InputKey(*input)).collect::<Vec<_>>());
     until("all that are left are live", || {
         let status = floor.status(&source);
         (status.inputs, status.live) == (60, 60)
@@ -178,14 +191,19 @@ async fn values_are_written_and_methods_called() {
     let cell = simulation.machine("Cell");
     let floor = Floor::start();
     let source = floor.connect(&cell).await;
-    let (order, counter) = (node(&cell, "Production.OrderId"), node(&cell, "Production.PartCounter"));
+    let (order, counter) =
+        (node(&cell, "Production.OrderId"), node(&cell, "Production.PartCounter"));
     floor.monitor(1, &source, order.clone());
     let value = |text: &str| DataValue { value: text.into(), ..DataValue::default() };
     let statuses = floor
         .handle
         .write(
             &source,
-            &[(order.clone(), value("4711")), (counter, value("7")), (NodeId::string("urn:x", "y"), value("1"))],
+            &[
+                (order.clone(), value("4711")),
+                (counter, value("7")),
+                (NodeId::string("urn:x", "y"), value("1")),
+            ],
         )
         .await
         .expect("the server answers");
@@ -195,10 +213,13 @@ async fn values_are_written_and_methods_called() {
     floor.until_value(1, "4711").await;
 
     let namespace = cell.config().namespace_uri();
-    let (object, method) =
-        (NodeId::string(&namespace, "Production"), NodeId::string(&namespace, "Production.StartJob"));
+    let (object, method) = (
+        NodeId::string(&namespace, "Production"),
+        NodeId::string(&namespace, "Production.StartJob"),
+    );
     let inputs = ["4712".into(), 12_u32.into()];
-    let outcome = floor.handle.call(&source, &object, &method, &inputs).await.expect("the server answers");
+    let outcome =
+        floor.handle.call(&source, &object, &method, &inputs).await.expect("the server answers");
     assert_eq!((outcome.status, outcome.outputs), (StatusCode::GOOD, vec![true.into()]));
     floor.until_value(1, "4712").await;
 

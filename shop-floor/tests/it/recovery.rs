@@ -8,15 +8,22 @@ use simulator::{Fault, Layout, MachineConfig, MachineHandle, MachineKind};
 
 use crate::support::{Floor, Simulation, node, until, within};
 
-const KEYS: [&str; 5] =
-    ["Production.PartCounter", "Status.StateText", "Spindle.Temperature", "Energy.Power", "Axes.Loads"];
+const KEYS: [&str; 5] = [
+    "Production.PartCounter",
+    "Status.StateText",
+    "Spindle.Temperature",
+    "Energy.Power",
+    "Axes.Loads",
+];
 
 /// A cell with inputs 0 to 4 on its [`KEYS`], all live.
 async fn watched_cell() -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
     watched_cell_with_silence(1000).await
 }
 
-async fn watched_cell_with_silence(ms: u32) -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
+async fn watched_cell_with_silence(
+    ms: u32,
+) -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
     let floor = Floor::start();
@@ -47,7 +54,10 @@ async fn a_killed_server_is_told_to_all_inputs_and_found_again_within_five_secon
     assert!(status.problem.is_some());
 
     cell.inject(Fault::Restart { layout: Layout::default(), down_ms: 0 }).await.expect("back");
-    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    within(Duration::from_secs(5), "all are live again", || {
+        floor.status(&source).live == KEYS.len()
+    })
+    .await;
     proves_to_be_live(&cell, &floor, 9001).await;
     assert_eq!(floor.status(&source).sessions, 2);
 }
@@ -58,7 +68,10 @@ async fn cut_connections_are_made_again() {
     for round in 0..3 {
         cell.inject(Fault::DropConnections).await.expect("cut");
         until("a new session", || floor.status(&source).sessions == round + 2).await;
-        within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+        within(Duration::from_secs(5), "all are live again", || {
+            floor.status(&source).live == KEYS.len()
+        })
+        .await;
     }
     proves_to_be_live(&cell, &floor, 9002).await;
 }
@@ -72,7 +85,10 @@ async fn a_hundred_faults_later_everything_is_live() {
     for round in 0..100_u32 {
         let dice = simulator::signals::hash(seed, 0, u64::from(round));
         let sessions = floor.status(&source).sessions;
-        let layout = Layout { namespaces_before: (dice >> 8) as u16 % 4, renumbered: (dice >> 16) as u32 % 3 };
+        let layout = Layout {
+            namespaces_before: (dice >> 8) as u16 % 4,
+            renumbered: (dice >> 16) as u32 % 3,
+        };
         match dice % 3 {
             0 => cell.inject(Fault::DropConnections).await,
             1 => cell.inject(Fault::Restart { layout, down_ms: 0 }).await,
@@ -101,7 +117,10 @@ async fn other_namespace_indexes_after_a_restart_do_not_matter() {
     let layout = Layout { namespaces_before: 3, renumbered: 0 };
     cell.inject(Fault::Restart { layout, down_ms: 0 }).await.expect("back");
     until("a new session", || floor.status(&source).sessions > before).await;
-    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    within(Duration::from_secs(5), "all are live again", || {
+        floor.status(&source).live == KEYS.len()
+    })
+    .await;
     proves_to_be_live(&cell, &floor, 9003).await;
 }
 
@@ -109,7 +128,8 @@ async fn other_namespace_indexes_after_a_restart_do_not_matter() {
 async fn renumbered_nodes_are_found_at_their_browse_paths() {
     let mut robot = MachineConfig::new("Robot1", MachineKind::Robot);
     robot.asset_id = Some("eDO".into());
-    let simulation = Simulation::of(vec![MachineConfig::new("Cell", MachineKind::MillingCell), robot]).await;
+    let simulation =
+        Simulation::of(vec![MachineConfig::new("Cell", MachineKind::MillingCell), robot]).await;
     let (cell, robot) = (simulation.machine("Cell"), simulation.machine("Robot1"));
     let floor = Floor::start();
     let (cell_source, robot_source) = (floor.connect(&cell).await, floor.connect(&robot).await);
@@ -149,8 +169,14 @@ async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
     cell.inject(Fault::StallSubscriptions).await.expect("stalled");
     let sessions = floor.status(&source).sessions;
     cell.set("Production.PartCounter", 2_u32).await.expect("set");
-    let took = within(Duration::from_secs(10), "a new session", || floor.status(&source).sessions > sessions).await;
-    assert!(took > Duration::from_millis(500), "one look is not enough to call it stalled: {took:?}");
+    let took = within(Duration::from_secs(10), "a new session", || {
+        floor.status(&source).sessions > sessions
+    })
+    .await;
+    assert!(
+        took > Duration::from_millis(500),
+        "one look is not enough to call it stalled: {took:?}"
+    );
     floor.until_value(0, 2_u32).await;
     proves_to_be_live(&cell, &floor, 3).await;
 }
@@ -171,12 +197,18 @@ async fn a_network_that_swallows_everything_is_noticed() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     cell.inject(Fault::HangNetwork).await.expect("hangs");
     until("it is noticed", || {
-        floor.status(&source).problem.is_some_and(|problem| problem.kind == SourceProblemKind::Stalled)
+        floor
+            .status(&source)
+            .problem
+            .is_some_and(|problem| problem.kind == SourceProblemKind::Stalled)
     })
     .await;
     floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
     cell.inject(Fault::None).await.expect("healed");
-    within(Duration::from_secs(8), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    within(Duration::from_secs(8), "all are live again", || {
+        floor.status(&source).live == KEYS.len()
+    })
+    .await;
     proves_to_be_live(&cell, &floor, 9004).await;
 }
 
@@ -205,7 +237,10 @@ async fn a_removed_source_tells_its_inputs_and_comes_back() {
     floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
     assert!(floor.handle.states().is_empty());
     floor.connect(&cell).await;
-    within(Duration::from_secs(5), "all are live again", || floor.status(&source).live == KEYS.len()).await;
+    within(Duration::from_secs(5), "all are live again", || {
+        floor.status(&source).live == KEYS.len()
+    })
+    .await;
 }
 
 #[tokio::test]

@@ -1,6 +1,8 @@
 //! Protected servers: trust both ways, users, endpoints.
 
-use shop_floor::{Identity, SecurityChoice, SecurityPolicy, SourceConfig, SourceId, SourceProblemKind, TrustState};
+use shop_floor::{
+    Identity, SecurityChoice, SecurityPolicy, SourceConfig, SourceId, SourceProblemKind, TrustState,
+};
 use simulator::{MachineConfig, MachineHandle, MachineKind, SecurityConfig, UserConfig};
 
 use crate::support::{Floor, Simulation, node, until};
@@ -18,8 +20,10 @@ fn protected(name: &str) -> MachineConfig {
 }
 
 fn source(machine: &MachineHandle, password: &str) -> SourceConfig {
-    let mut source = SourceConfig::new(SourceId::new(machine.name()).expect("valid"), machine.endpoint_url());
-    source.identity = Identity::UserName { user_name: "connector".into(), password: password.into() };
+    let mut source =
+        SourceConfig::new(SourceId::new(machine.name()).expect("valid"), machine.endpoint_url());
+    source.identity =
+        Identity::UserName { user_name: "connector".into(), password: password.into() };
     source
 }
 
@@ -43,7 +47,11 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
     assert_eq!(shown.len(), 1);
     assert_eq!(shown[0].trust, TrustState::Rejected);
     let offers = floor.handle.discover(press.endpoint_url()).await.expect("discovered");
-    assert!(offers.iter().all(|offer| offer.certificate_thumbprint.as_ref() == Some(&shown[0].thumbprint)));
+    assert!(
+        offers
+            .iter()
+            .all(|offer| offer.certificate_thumbprint.as_ref() == Some(&shown[0].thumbprint))
+    );
     assert!(offers.iter().all(|offer| offer.allows_user_name && !offer.allows_anonymous));
     floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");
 
@@ -54,11 +62,18 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
 
     // Then the password is wrong.
     floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("tries at once");
-    until("the password is refused", || problem(&floor, &id) == Some(SourceProblemKind::CredentialsRejected)).await;
+    until("the password is refused", || {
+        problem(&floor, &id) == Some(SourceProblemKind::CredentialsRejected)
+    })
+    .await;
     floor.handle.put_source(source(&press, "press")).expect("valid");
     floor.until_connected(&id).await;
     let endpoint = floor.status(&id).endpoint.expect("an endpoint");
-    assert_eq!(endpoint.security_policy, SecurityPolicy::Aes256Sha256RsaPss, "the strongest of the two");
+    assert_eq!(
+        endpoint.security_policy,
+        SecurityPolicy::Aes256Sha256RsaPss,
+        "the strongest of the two"
+    );
 
     floor.monitor(1, &id, node(&press, "Ram.Strokes"));
     press.set("Ram.Strokes", 99_u64).await.expect("set");
@@ -73,7 +88,8 @@ async fn an_unprotected_server_is_used_only_when_somebody_chose_so() {
     let mut source = SourceConfig::new(SourceId::new("Cell").expect("valid"), cell.endpoint_url());
     let id = source.source_id.clone();
     floor.handle.put_source(source.clone()).expect("valid");
-    until("it is refused", || problem(&floor, &id) == Some(SourceProblemKind::NoSuitableEndpoint)).await;
+    until("it is refused", || problem(&floor, &id) == Some(SourceProblemKind::NoSuitableEndpoint))
+        .await;
     source.security = SecurityChoice::None;
     floor.handle.put_source(source).expect("valid");
     floor.until_connected(&id).await;
@@ -82,10 +98,12 @@ async fn an_unprotected_server_is_used_only_when_somebody_chose_so() {
 #[tokio::test]
 async fn an_address_without_server_is_unreachable() {
     let floor = Floor::start();
-    let source = SourceConfig::new(SourceId::new("nothing").expect("valid"), "opc.tcp://127.0.0.1:1");
+    let source =
+        SourceConfig::new(SourceId::new("nothing").expect("valid"), "opc.tcp://127.0.0.1:1");
     let id = source.source_id.clone();
     floor.handle.put_source(source).expect("valid");
-    until("it is unreachable", || problem(&floor, &id) == Some(SourceProblemKind::Unreachable)).await;
+    until("it is unreachable", || problem(&floor, &id) == Some(SourceProblemKind::Unreachable))
+        .await;
     assert!(floor.handle.discover("opc.tcp://127.0.0.1:1").await.is_err());
     let http = SourceConfig::new(SourceId::new("http").expect("valid"), "http://127.0.0.1");
     assert!(floor.handle.put_source(http).is_err());

@@ -9,7 +9,8 @@ use std::{
 use asi_model::{DataValue, NodeId, StatusCode, Variant};
 use parking_lot::Mutex;
 use shop_floor::{
-    Config, InputKey, MonitorOptions, SecurityChoice, ShopFloor, ShopFloorHandle, SourceConfig, SourceId, SourceStatus,
+    Config, InputKey, MonitorOptions, SecurityChoice, ShopFloor, ShopFloorHandle, SourceConfig,
+    SourceId, SourceStatus,
 };
 use simulator::{MachineConfig, MachineHandle, MachineKind, Simulator, SimulatorHandle};
 use tempfile::TempDir;
@@ -56,7 +57,8 @@ pub struct Floor {
 impl Floor {
     pub fn start() -> Self {
         let directory = tempfile::tempdir().expect("a folder for certificates");
-        let config = Config::new(directory.path(), "Shop floor test", "urn:verbund:test:shop-floor");
+        let config =
+            Config::new(directory.path(), "Shop floor test", "urn:verbund:test:shop-floor");
         let (floor, handle, mut changes) = ShopFloor::new(config);
         let stop = CancellationToken::new();
         tokio::spawn(floor.run(stop.clone()));
@@ -82,7 +84,11 @@ impl Floor {
 
     /// Connects to a machine without protection whose silence is soon noticed.
     /// So many milliseconds without a sign of life are taken for a stall.
-    pub async fn connect_with_silence(&self, machine: &MachineHandle, silence_ms_max: u32) -> SourceId {
+    pub async fn connect_with_silence(
+        &self,
+        machine: &MachineHandle,
+        silence_ms_max: u32,
+    ) -> SourceId {
         let mut source = unprotected(machine);
         source.silence_ms_max = silence_ms_max;
         self.connect_to(source).await
@@ -96,12 +102,16 @@ impl Floor {
     }
 
     pub async fn until_connected(&self, id: &SourceId) {
-        until("the source is connected", || self.handle.states().iter().any(|s| s.source_id == *id && is_ready(s)))
-            .await;
+        until("the source is connected", || {
+            self.handle.states().iter().any(|s| s.source_id == *id && is_ready(s))
+        })
+        .await;
     }
 
     pub fn monitor(&self, input: u64, source: &SourceId, node: NodeId) {
-        self.handle.monitor(InputKey(input), source.clone(), node, MonitorOptions::default()).expect("a valid request");
+        self.handle
+            .monitor(InputKey(input), source.clone(), node, MonitorOptions::default())
+            .expect("a valid request");
     }
 
     /// All that was heard of an input.
@@ -130,7 +140,11 @@ impl Floor {
     }
 
     pub fn status(&self, id: &SourceId) -> SourceStatus {
-        self.handle.states().into_iter().find(|status| status.source_id == *id).expect("a configured source")
+        self.handle
+            .states()
+            .into_iter()
+            .find(|status| status.source_id == *id)
+            .expect("a configured source")
     }
 }
 

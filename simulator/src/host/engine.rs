@@ -37,10 +37,10 @@ impl Engine {
         speed: f64,
         epoch: DateTime,
     ) -> Self {
-        let is_counter =
-            |class: &Class| matches!(class, Class::Variable(plan) if matches!(plan.source, Source::Counter));
+        let is_counter = |class: &Class| matches!(class, Class::Variable(plan) if matches!(plan.source, Source::Counter));
         let nodes = blueprint.nodes.iter().enumerate();
-        let counters = nodes.filter(|(_, node)| is_counter(&node.class)).map(|(index, _)| index).collect();
+        let counters =
+            nodes.filter(|(_, node)| is_counter(&node.class)).map(|(index, _)| index).collect();
         Self {
             blueprint,
             seed: config.seed(seed),
@@ -64,16 +64,15 @@ impl Engine {
             return;
         }
         let now = now();
-        let moment = Moment { seed: self.seed, seconds: now.since(self.epoch).as_secs_f64() * self.speed };
+        let moment =
+            Moment { seed: self.seed, seconds: now.since(self.epoch).as_secs_f64() * self.speed };
         let at = self.machine_time(now);
         let mut changed = self.changed_signals(moment);
         changed.extend(self.changed_counters(moment));
         let blueprint = Arc::clone(&self.blueprint);
-        server.publish(
-            changed
-                .into_iter()
-                .map(|(index, value, status)| (blueprint.nodes[index].key.as_str(), data_value(value, status, at))),
-        );
+        server.publish(changed.into_iter().map(|(index, value, status)| {
+            (blueprint.nodes[index].key.as_str(), data_value(value, status, at))
+        }));
     }
 
     /// Holds a variable at a value; returns what is to be published.
@@ -123,7 +122,10 @@ impl Engine {
     }
 
     fn index_of(&self, key: &str) -> Option<usize> {
-        self.blueprint.nodes.iter().position(|node| node.key == key && matches!(node.class, Class::Variable(_)))
+        self.blueprint
+            .nodes
+            .iter()
+            .position(|node| node.key == key && matches!(node.class, Class::Variable(_)))
     }
 
     fn changed_signals(&mut self, moment: Moment) -> Vec<(usize, Variant, StatusCode)> {
@@ -137,7 +139,8 @@ impl Engine {
                 (None, Source::Written(_) | Source::Counter) => continue,
             };
             let status = self.status_of(&node.key, status);
-            let is_same = self.last.get(&index).is_some_and(|last| last.0 == value && last.1 == status);
+            let is_same =
+                self.last.get(&index).is_some_and(|last| last.0 == value && last.1 == status);
             if !is_same {
                 self.last.insert(index, (value.clone(), status));
                 changed.push((index, value, status));
@@ -146,7 +149,8 @@ impl Engine {
         changed
     }
 
-    /// Change number `n` sets counter `n % counters` to `n / counters + 1`; at first all are told their present value.
+    /// Change number `n` sets counter `n % counters` to `n / counters + 1`; at first all are told
+    /// their present value.
     fn changed_counters(&mut self, moment: Moment) -> Vec<(usize, Variant, StatusCode)> {
         let counters = self.counters.len() as u64;
         if counters == 0 {
@@ -164,7 +168,11 @@ impl Engine {
             }
         }
         for change in first..total {
-            changed.push((self.counters[(change % counters) as usize], value(change).into(), self.status));
+            changed.push((
+                self.counters[(change % counters) as usize],
+                value(change).into(),
+                self.status,
+            ));
         }
         self.counted = total.max(1);
         changed
@@ -180,7 +188,9 @@ impl Engine {
         if self.clock_ahead_ms >= 0 {
             now.after(ahead)
         } else {
-            DateTime::from_ticks(now.ticks() - i64::try_from(ahead.as_nanos() / 100).unwrap_or(i64::MAX))
+            DateTime::from_ticks(
+                now.ticks() - i64::try_from(ahead.as_nanos() / 100).unwrap_or(i64::MAX),
+            )
         }
     }
 }

@@ -20,10 +20,23 @@ pub struct MachineHandle {
 
 /// What a machine is told through its handle.
 pub(super) enum Command {
-    Set { key: String, value: Variant, status: StatusCode, reply: oneshot::Sender<Result<DateTime, SimulatorError>> },
-    Release { key: String, reply: oneshot::Sender<Result<(), SimulatorError>> },
-    Values { reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>> },
-    Inject { fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>> },
+    Set {
+        key: String,
+        value: Variant,
+        status: StatusCode,
+        reply: oneshot::Sender<Result<DateTime, SimulatorError>>,
+    },
+    Release {
+        key: String,
+        reply: oneshot::Sender<Result<(), SimulatorError>>,
+    },
+    Values {
+        reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>>,
+    },
+    Inject {
+        fault: Fault,
+        reply: oneshot::Sender<Result<(), SimulatorError>>,
+    },
 }
 
 impl MachineHandle {
@@ -62,8 +75,13 @@ impl MachineHandle {
     /// Sets a variable at once and holds it there; returns its source time.
     ///
     /// # Errors
-    /// [`SimulatorError`] when there is no such variable, the type differs, or the server does not run.
-    pub async fn set(&self, key: &str, value: impl Into<Variant>) -> Result<DateTime, SimulatorError> {
+    /// [`SimulatorError`] when there is no such variable, the type differs, or the server does not
+    /// run.
+    pub async fn set(
+        &self,
+        key: &str,
+        value: impl Into<Variant>,
+    ) -> Result<DateTime, SimulatorError> {
         self.set_with_status(key, value, StatusCode::GOOD).await
     }
 
@@ -98,7 +116,8 @@ impl MachineHandle {
         self.ask(|reply| Command::Values { reply }).await
     }
 
-    /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the server is back.
+    /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the
+    /// server is back.
     ///
     /// # Errors
     /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
@@ -111,7 +130,8 @@ impl MachineHandle {
     /// # Errors
     /// What the file system says.
     pub fn trust_rejected_clients(&self) -> std::io::Result<()> {
-        let (rejected, trusted) = (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));
+        let (rejected, trusted) =
+            (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));
         for entry in std::fs::read_dir(&rejected)? {
             let entry = entry?;
             std::fs::rename(entry.path(), trusted.join(entry.file_name()))?;
@@ -119,7 +139,10 @@ impl MachineHandle {
         Ok(())
     }
 
-    async fn ask<T>(&self, command: impl FnOnce(oneshot::Sender<T>) -> Command) -> Result<T, SimulatorError> {
+    async fn ask<T>(
+        &self,
+        command: impl FnOnce(oneshot::Sender<T>) -> Command,
+    ) -> Result<T, SimulatorError> {
         let (reply, answer) = oneshot::channel();
         self.commands.send(command(reply)).await.map_err(|_| SimulatorError::Stopped)?;
         answer.await.map_err(|_| SimulatorError::Stopped)

@@ -7,7 +7,8 @@ use crate::{
     blueprint::{Blueprint, Source, ids},
 };
 
-/// `Counter0` and so on, Int64, directly below the root. Together they change `changes_per_second` times.
+/// `Counter0` and so on, Int64, directly below the root. Together they change `changes_per_second`
+/// times.
 pub(super) fn bank(config: &MachineConfig) -> Blueprint {
     let mut blueprint = Blueprint::new(&config.namespace_uri());
     let root = blueprint.root(&config.name, ids::BASE_OBJECT_TYPE);

@@ -27,16 +27,22 @@ pub(super) fn conveyor(config: &MachineConfig) -> Blueprint {
     blueprint.is_analog(speed, Unit::METRE_PER_MINUTE, Some((0.0, 30.0)));
     let setpoint = blueprint.written(belt, "SpeedSetpoint", 12.0);
     blueprint.is_analog(setpoint, Unit::METRE_PER_MINUTE, Some((0.0, 30.0)));
-    blueprint.signal(belt, "Jam", T::Boolean, move |moment| production.at(moment).interruption.is_some().into());
-    blueprint.signal(belt, "JamCount", T::UInt32, move |moment| (production.at(moment).interruptions as u32).into());
+    blueprint.signal(belt, "Jam", T::Boolean, move |moment| {
+        production.at(moment).interruption.is_some().into()
+    });
+    blueprint.signal(belt, "JamCount", T::UInt32, move |moment| {
+        (production.at(moment).interruptions as u32).into()
+    });
 
     let items = blueprint.group(root, "Items");
-    blueprint.signal(items, "ItemCount", T::UInt64, move |moment| production.at(moment).parts.into());
+    blueprint
+        .signal(items, "ItemCount", T::UInt64, move |moment| production.at(moment).parts.into());
     blueprint.signal(items, "ItemsOnBelt", T::UInt16, move |moment| {
         ((5.0 + 4.0 * moment.noise(ITEMS, 15.0)).round() as u16).into()
     });
-    blueprint
-        .signal(items, "ItemAtBarrier", T::Boolean, move |moment| (production.at(moment).cycle_progress > 0.9).into());
+    blueprint.signal(items, "ItemAtBarrier", T::Boolean, move |moment| {
+        (production.at(moment).cycle_progress > 0.9).into()
+    });
 
     let motor = blueprint.group(root, "Motor");
     let temperature = blueprint.signal(motor, "Temperature", T::Float, move |moment| {

@@ -6,7 +6,9 @@ use asi_model::values::{Array, BuiltInType as T, DateTime, NodeId, Scalar, Varia
 
 use crate::{
     MachineConfig,
-    blueprint::{Blueprint, Class, POWER_AGGREGATE, POWER_AGGREGATE_FIELDS, Unit, english, ids, structure},
+    blueprint::{
+        Blueprint, Class, POWER_AGGREGATE, POWER_AGGREGATE_FIELDS, Unit, english, ids, structure,
+    },
     signals::{Moment, Production, Progress, quantised},
 };
 
@@ -91,8 +93,10 @@ fn state(progress: Progress) -> i32 {
 
 pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
     let cycle = config.cycle_seconds.unwrap_or(5.0);
-    let character =
-        Character { production: Production { cycle, period: 600.0, interruption: 25.0 }, power: (450.0, 6200.0) };
+    let character = Character {
+        production: Production { cycle, period: 600.0, interruption: 25.0 },
+        power: (450.0, 6200.0),
+    };
     let mut blueprint = Blueprint::new(&config.namespace_uri());
     let root = blueprint.root(&config.name, ids::BASE_OBJECT_TYPE);
     identification(&mut blueprint, root, "Fräswerk GmbH", "FW-500 5X", config);
@@ -107,7 +111,8 @@ pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
     });
     blueprint.is_analog(temperature, Unit::CELSIUS, Some((0.0, 120.0)));
     blueprint.describe(temperature, "Temperature of the spindle's front bearing");
-    let power = blueprint.signal(spindle, "Power", T::Double, move |moment| character.power(moment).into());
+    let power =
+        blueprint.signal(spindle, "Power", T::Double, move |moment| character.power(moment).into());
     blueprint.is_analog(power, Unit::WATT, Some((0.0, 15_000.0)));
     let speed = blueprint.signal(spindle, "Speed", T::Double, move |moment| {
         let turns = character.progress(moment).interruption.is_none();
@@ -119,7 +124,8 @@ pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
     let axes = blueprint.group(root, "Axes");
     let loads = blueprint.signal(axes, "Loads", T::Float, move |moment| {
         let load = |axis: u64| 30.0 + 25.0 * moment.noise(LOADS + axis, 1.5);
-        let elements = (0..5).map(|axis| Scalar::Float(quantised(load(axis), 0.5) as f32)).collect();
+        let elements =
+            (0..5).map(|axis| Scalar::Float(quantised(load(axis), 0.5) as f32)).collect();
         Variant::Array(Arc::new(Array { element_type: T::Float, elements, dimensions: None }))
     });
     blueprint.is_array(loads);
@@ -129,8 +135,10 @@ pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
 
 pub(super) fn press(config: &MachineConfig) -> Blueprint {
     let cycle = config.cycle_seconds.unwrap_or(2.0);
-    let character =
-        Character { production: Production { cycle, period: 900.0, interruption: 40.0 }, power: (900.0, 11_000.0) };
+    let character = Character {
+        production: Production { cycle, period: 900.0, interruption: 40.0 },
+        power: (900.0, 11_000.0),
+    };
     let mut blueprint = Blueprint::new(&config.namespace_uri());
     let root = blueprint.root(&config.name, ids::BASE_OBJECT_TYPE);
     identification(&mut blueprint, root, "Pressenbau AG", "PX 250", config);
@@ -145,7 +153,8 @@ pub(super) fn press(config: &MachineConfig) -> Blueprint {
         (parts + parts / 10).into()
     });
     let force = blueprint.signal(ram, "Force", T::Double, move |moment| {
-        let stroke = (character.progress(moment).cycle_progress * std::f64::consts::PI).sin().powi(4);
+        let stroke =
+            (character.progress(moment).cycle_progress * std::f64::consts::PI).sin().powi(4);
         quantised(2400.0 * stroke * (1.0 + 0.02 * moment.noise(SPEED, 2.0)), 1.0).into()
     });
     blueprint.is_analog(force, Unit::KILONEWTON, Some((0.0, 2500.0)));
@@ -156,25 +165,36 @@ pub(super) fn press(config: &MachineConfig) -> Blueprint {
     blueprint
 }
 
-fn identification(blueprint: &mut Blueprint, root: usize, maker: &str, model: &str, config: &MachineConfig) {
+fn identification(
+    blueprint: &mut Blueprint,
+    root: usize,
+    maker: &str,
+    model: &str,
+    config: &MachineConfig,
+) {
     let group = blueprint.group(root, "Identification");
-    for (name, value) in
-        [("Manufacturer", maker.to_owned()), ("Model", model.to_owned()), ("SerialNumber", config.serial_number())]
-    {
+    for (name, value) in [
+        ("Manufacturer", maker.to_owned()),
+        ("Model", model.to_owned()),
+        ("SerialNumber", config.serial_number()),
+    ] {
         blueprint.signal(group, name, T::String, move |_| value.as_str().into());
     }
 }
 
 fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
     let group = blueprint.group(root, "Production");
-    let parts = blueprint
-        .signal(group, "PartCounter", T::UInt32, move |moment| (character.progress(moment).parts as u32).into());
+    let parts = blueprint.signal(group, "PartCounter", T::UInt32, move |moment| {
+        (character.progress(moment).parts as u32).into()
+    });
     blueprint.describe(parts, "Parts made, good and bad");
     blueprint.signal(group, "GoodCounter", T::UInt32, move |moment| {
         let progress = character.progress(moment);
         ((progress.parts - progress.scrap) as u32).into()
     });
-    blueprint.signal(group, "ScrapCounter", T::UInt32, move |moment| (character.progress(moment).scrap as u32).into());
+    blueprint.signal(group, "ScrapCounter", T::UInt32, move |moment| {
+        (character.progress(moment).scrap as u32).into()
+    });
     let total = blueprint.signal(group, "TotalParts", T::UInt64, move |moment| {
         // The machine had a life before, longer than 32 or 53 bits can count.
         ((1_u64 << 53) + 1 + character.progress(moment).parts).into()
@@ -187,7 +207,8 @@ fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
         epoch.after(std::time::Duration::from_secs_f64(parts * character.production.cycle)).into()
     });
     let cycle = blueprint.signal(group, "CycleTime", T::Double, move |moment| {
-        quantised(character.production.cycle * (1.0 + 0.03 * moment.noise(SPEED, 20.0)), 0.01).into()
+        quantised(character.production.cycle * (1.0 + 0.03 * moment.noise(SPEED, 20.0)), 0.01)
+            .into()
     });
     blueprint.is_analog(cycle, Unit::SECOND, None);
     blueprint.signal(group, "CurrentProgram", T::String, move |moment| {
@@ -203,19 +224,26 @@ fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
 
 fn status(blueprint: &mut Blueprint, root: usize, character: Character) {
     let group = blueprint.group(root, "Status");
-    let number =
-        blueprint.signal(group, "MachineState", T::Int32, move |moment| state(character.progress(moment)).into());
+    let number = blueprint.signal(group, "MachineState", T::Int32, move |moment| {
+        state(character.progress(moment)).into()
+    });
     blueprint.describe(number, "0 Idle, 1 Running, 2 Interrupted, 3 Alarm");
     blueprint.signal(group, "StateText", T::String, move |moment| {
         STATES[usize::try_from(state(character.progress(moment))).unwrap_or(0)].into()
     });
-    blueprint.signal(group, "AlarmActive", T::Boolean, move |moment| (state(character.progress(moment)) == 3).into());
+    blueprint.signal(group, "AlarmActive", T::Boolean, move |moment| {
+        (state(character.progress(moment)) == 3).into()
+    });
     blueprint.signal(group, "AlarmText", T::LocalizedText, move |moment| {
-        let alarm = character.progress(moment).interruption.map(|kind| ALARMS[usize::from(kind) % ALARMS.len()]);
+        let alarm = character
+            .progress(moment)
+            .interruption
+            .map(|kind| ALARMS[usize::from(kind) % ALARMS.len()]);
         english(alarm.unwrap_or_default())
     });
-    blueprint
-        .signal(group, "AlarmCount", T::UInt32, move |moment| (character.progress(moment).interruptions as u32).into());
+    blueprint.signal(group, "AlarmCount", T::UInt32, move |moment| {
+        (character.progress(moment).interruptions as u32).into()
+    });
     let word = blueprint.signal(group, "StatusWord", T::UInt16, move |moment| {
         let progress = character.progress(moment);
         // Bit 0 powered, 1 running, 2 alarm, 3 door closed, 8 part in the clamp.
@@ -226,23 +254,28 @@ fn status(blueprint: &mut Blueprint, root: usize, character: Character) {
             (3, progress.interruption.is_none_or(|kind| kind % 4 != 2)),
             (8, progress.cycle_progress < 0.95),
         ];
-        bits.into_iter().filter(|(_, is_set)| *is_set).fold(0_u16, |word, (bit, _)| word | 1 << bit).into()
+        bits.into_iter()
+            .filter(|(_, is_set)| *is_set)
+            .fold(0_u16, |word, (bit, _)| word | 1 << bit)
+            .into()
     });
     blueprint.describe(word, "Bit 0 powered, 1 running, 2 alarm, 3 door closed, 8 part clamped");
 }
 
 fn energy(blueprint: &mut Blueprint, root: usize, character: Character) {
     let group = blueprint.group(root, "Energy");
-    let total =
-        blueprint.signal(group, "TotalEnergy", T::UInt64, move |moment| character.energy_watt_hours(moment).into());
+    let total = blueprint.signal(group, "TotalEnergy", T::UInt64, move |moment| {
+        character.energy_watt_hours(moment).into()
+    });
     blueprint.is_analog(total, Unit::WATT_HOUR, None);
     blueprint.signal(group, "OperatingSeconds", T::UInt64, move |moment| {
         (character.progress(moment).running_seconds as u64).into()
     });
     let data_type = NodeId::numeric(&blueprint.namespace_uri, POWER_AGGREGATE);
     let value_type = data_type.clone();
-    let power = blueprint
-        .signal(group, "Power", T::ExtensionObject, move |moment| character.power_aggregate(moment, &value_type));
+    let power = blueprint.signal(group, "Power", T::ExtensionObject, move |moment| {
+        character.power_aggregate(moment, &value_type)
+    });
     blueprint.has_data_type(power, data_type);
     blueprint.describe(power, "Power over the last ten seconds");
 }

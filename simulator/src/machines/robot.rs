@@ -1,4 +1,5 @@
-//! A six-axis robot as OPC 40010-1 (Robotics) lays it out below the DeviceSet of OPC 10000-100 (DI).
+//! A six-axis robot as OPC 40010-1 (Robotics) lays it out below the DeviceSet of OPC 10000-100
+//! (DI).
 
 use asi_model::values::{
     BuiltInType as T, Identifier, LocalizedText, Namespace, NodeId, QualifiedName, Scalar, Variant,
@@ -7,7 +8,8 @@ use asi_model::values::{
 use crate::{
     MachineConfig,
     blueprint::{
-        Blueprint, Class, NodePlan, POWER_AGGREGATE, POWER_AGGREGATE_FIELDS, Source, TypePlan, Unit, ids, structure,
+        Blueprint, Class, NodePlan, POWER_AGGREGATE, POWER_AGGREGATE_FIELDS, Source, TypePlan,
+        Unit, ids, structure,
     },
     signals::{Moment, Production, quantised},
 };
@@ -21,7 +23,8 @@ const AXES: u64 = 40;
 const MOTORS: u64 = 60;
 const PRODUCTION: Production = Production { cycle: 8.0, period: 720.0, interruption: 20.0 };
 /// How far each axis turns, in degrees to either side, and how long one swing takes in seconds.
-const SWINGS: [(f64, f64); 6] = [(120.0, 8.0), (60.0, 8.0), (80.0, 4.0), (150.0, 8.0), (90.0, 4.0), (300.0, 16.0)];
+const SWINGS: [(f64, f64); 6] =
+    [(120.0, 8.0), (60.0, 8.0), (80.0, 4.0), (150.0, 8.0), (90.0, 4.0), (300.0, 16.0)];
 
 fn of(namespace: &str, name: &str) -> QualifiedName {
     QualifiedName { namespace: Namespace::uri(namespace), name: Some(name.into()) }
@@ -59,7 +62,10 @@ pub(super) fn robot(config: &MachineConfig) -> Blueprint {
     blueprint.types = types();
     let device_set = blueprint.push(NodePlan {
         key: String::new(),
-        node_id: Some(NodeId { namespace: Namespace::uri(DI), identifier: Identifier::Numeric(5001) }),
+        node_id: Some(NodeId {
+            namespace: Namespace::uri(DI),
+            identifier: Identifier::Numeric(5001),
+        }),
         parent: None,
         name: of(DI, "DeviceSet"),
         description: Some("All devices of this server"),
@@ -85,7 +91,10 @@ fn constant(blueprint: &mut Blueprint, parent: usize, name: QualifiedName, value
 }
 
 fn text(text: &str) -> Variant {
-    Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText { locale: None, text: Some(text.into()) })))
+    Variant::Scalar(Scalar::LocalizedText(Box::new(LocalizedText {
+        locale: None,
+        text: Some(text.into()),
+    })))
 }
 
 fn identify(blueprint: &mut Blueprint, device: usize, model: &str, serial_number: &str) {
@@ -113,7 +122,9 @@ fn motion_device(blueprint: &mut Blueprint, devices: usize, config: &MachineConf
     constant(blueprint, device, of(ROBOTICS, "MotionDeviceCategory"), 1_i32.into());
     let parameters = blueprint.object(device, of(DI, "ParameterSet"), ids::BASE_OBJECT_TYPE);
     signal(blueprint, parameters, "InControl", T::Boolean, |_| true.into());
-    signal(blueprint, parameters, "OnPath", T::Boolean, |moment| PRODUCTION.at(moment).interruption.is_none().into());
+    signal(blueprint, parameters, "OnPath", T::Boolean, |moment| {
+        PRODUCTION.at(moment).interruption.is_none().into()
+    });
     let over = signal(blueprint, parameters, "SpeedOverride", T::Double, |moment| {
         (if PRODUCTION.at(moment).interruption.is_none() { 100.0 } else { 0.0 }).into()
     });
@@ -212,7 +223,11 @@ fn controller(blueprint: &mut Blueprint, controllers: usize, config: &MachineCon
     let task = blueprint.object(tasks, name, robotics(1011));
     let parameters = blueprint.object(task, of(DI, "ParameterSet"), ids::BASE_OBJECT_TYPE);
     signal(blueprint, parameters, "TaskProgramName", T::String, |moment| {
-        if (PRODUCTION.at(moment).parts / 20).is_multiple_of(2) { "PICK_FRAME".into() } else { "PALLETISE".into() }
+        if (PRODUCTION.at(moment).parts / 20).is_multiple_of(2) {
+            "PICK_FRAME".into()
+        } else {
+            "PALLETISE".into()
+        }
     });
     signal(blueprint, parameters, "TaskProgramLoaded", T::Boolean, |_| true.into());
     signal(blueprint, parameters, "ExecutionMode", T::Int32, |_| 1_i32.into());

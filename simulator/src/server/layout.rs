@@ -14,7 +14,8 @@ const FIRST_NUMBER: u32 = 5000;
 /// The namespaces besides 0 and the server's own, in their order.
 pub(super) fn namespaces(blueprint: &Blueprint, layout: Layout) -> Vec<String> {
     let before = layout.namespaces_before.min(NAMESPACES_BEFORE_MAX);
-    let mut own: Vec<String> = blueprint.type_namespaces.iter().map(|uri| (*uri).to_owned()).collect();
+    let mut own: Vec<String> =
+        blueprint.type_namespaces.iter().map(|uri| (*uri).to_owned()).collect();
     own.push(blueprint.namespace_uri.clone());
     if before > 0 {
         own.reverse();
@@ -35,7 +36,11 @@ pub(super) fn node_id(blueprint: &Blueprint, layout: Layout, index: usize) -> No
         Identifier::Numeric(FIRST_NUMBER + u32::try_from(place).expect("machines have few nodes"))
     } else {
         let key = if node.key.is_empty() { "Machine" } else { &node.key };
-        let text = if layout.renumbered == 0 { key.to_owned() } else { format!("{}:{key}", layout.renumbered) };
+        let text = if layout.renumbered == 0 {
+            key.to_owned()
+        } else {
+            format!("{}:{key}", layout.renumbered)
+        };
         Identifier::String(Arc::from(text))
     };
     NodeId { namespace: Namespace::uri(&blueprint.namespace_uri), identifier }

@@ -20,10 +20,16 @@ use opcua_stack::{
             CreateMonitoredItem,
             address_space::{AddressSpace, write_node_value},
             diagnostics::NamespaceMetadata,
-            node_manager::{MethodCall, RequestContext, ServerContext, WriteNode, memory::InMemoryNodeManagerImpl},
+            node_manager::{
+                MethodCall, RequestContext, ServerContext, WriteNode,
+                memory::InMemoryNodeManagerImpl,
+            },
         },
         sync::RwLock,
-        types::{AttributeId, DataEncoding, DataValue, NodeId, NumericRange, StatusCode, TimestampsToReturn, Variant},
+        types::{
+            AttributeId, DataEncoding, DataValue, NodeId, NumericRange, StatusCode,
+            TimestampsToReturn, Variant,
+        },
     },
 };
 
@@ -55,12 +61,14 @@ impl MachineNodes {
         context: &ServerContext,
         space: &mut AddressSpace,
     ) -> Self {
-        let (namespaces, table) = register_namespaces(blueprint, layout, &mut context.type_tree.write(), space);
+        let (namespaces, table) =
+            register_namespaces(blueprint, layout, &mut context.type_tree.write(), space);
         let table = add_power_aggregate(blueprint, table, space);
         let mut builder = Builder { blueprint, layout, table: &table, space, ids: Vec::new() };
         builder.add_types();
-        let ids: Vec<NodeId> =
-            (0..blueprint.nodes.len()).map(|index| builder.id(&layout::node_id(blueprint, layout, index))).collect();
+        let ids: Vec<NodeId> = (0..blueprint.nodes.len())
+            .map(|index| builder.id(&layout::node_id(blueprint, layout, index)))
+            .collect();
         builder.ids.clone_from(&ids);
         for (index, node) in blueprint.nodes.iter().enumerate() {
             builder.add(index, node);
@@ -117,7 +125,8 @@ impl InMemoryNodeManagerImpl for MachineNodes {
     ) {
         let space = space.read();
         for item in items {
-            // The stack takes a monitored item's part of an array out of what it is given, so it must be the whole.
+            // The stack takes a monitored item's part of an array out of what it is given, so it
+            // must be the whole.
             let node = match space.validate_node_read(context, item.item_to_monitor()) {
                 Ok(node) => node,
                 Err(status) => {
@@ -126,7 +135,12 @@ impl InMemoryNodeManagerImpl for MachineNodes {
                 }
             };
             let (range, encoding) = (NumericRange::None, DataEncoding::Binary);
-            let value = node.as_node().get_attribute(TimestampsToReturn::Both, AttributeId::Value, &range, &encoding);
+            let value = node.as_node().get_attribute(
+                TimestampsToReturn::Both,
+                AttributeId::Value,
+                &range,
+                &encoding,
+            );
             if let Some(value) = value {
                 item.set_initial_value(value);
             }
@@ -179,7 +193,8 @@ impl InMemoryNodeManagerImpl for MachineNodes {
                 call.set_status(StatusCode::BadInvalidArgument);
                 continue;
             };
-            let values = [(order, Variant::from(order_id.clone())), (quantity, Variant::from(*pieces))];
+            let values =
+                [(order, Variant::from(order_id.clone())), (quantity, Variant::from(*pieces))];
             for (id, value) in values {
                 if let Some(NodeType::Variable(node)) = space.find_mut(id) {
                     node.set_data_value(DataValue::new_now(value));
@@ -215,7 +230,11 @@ fn register_namespaces(
     for uri in layout::namespaces(blueprint, layout) {
         let namespace_index = types.namespaces_mut().add_namespace(&uri);
         space.add_namespace(&uri, namespace_index);
-        metadata.push(NamespaceMetadata { namespace_uri: uri, namespace_index, ..NamespaceMetadata::default() });
+        metadata.push(NamespaceMetadata {
+            namespace_uri: uri,
+            namespace_index,
+            ..NamespaceMetadata::default()
+        });
     }
     let mut uris: Vec<_> = types.namespaces().known_namespaces().iter().collect();
     uris.sort_by_key(|(_, index)| **index);
@@ -247,7 +266,8 @@ fn jobs(
     ids: &[NodeId],
     variables: &HashMap<String, Variable>,
 ) -> HashMap<NodeId, (NodeId, NodeId)> {
-    let methods = blueprint.nodes.iter().zip(ids).filter(|(node, _)| matches!(node.class, Class::StartJob));
+    let methods =
+        blueprint.nodes.iter().zip(ids).filter(|(node, _)| matches!(node.class, Class::StartJob));
     methods
         .filter_map(|(node, id)| {
             let group = node.key.rsplit_once('.')?.0;

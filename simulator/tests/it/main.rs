@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use asi_model::{DataValue, Scalar, StatusCode, Variant, values::BuiltInType};
 use simulator::{
-    Config, Fault, MachineConfig, MachineKind, Simulator, SimulatorError, SimulatorHandle, blueprint, signals::Moment,
+    Config, Fault, MachineConfig, MachineKind, Simulator, SimulatorError, SimulatorHandle,
+    blueprint, signals::Moment,
 };
 use tempfile::TempDir;
 use tokio::{
@@ -33,14 +34,24 @@ fn all_kinds() -> Vec<MachineConfig> {
 #[test]
 fn values_follow_from_seed_machine_and_time() {
     for machine in all_kinds() {
-        let (first, second) = (simulator::machines::blueprint(&machine), simulator::machines::blueprint(&machine));
+        let (first, second) =
+            (simulator::machines::blueprint(&machine), simulator::machines::blueprint(&machine));
         let mut differing = 0;
         for (a, b) in first.nodes.iter().zip(&second.nodes) {
-            let (blueprint::Class::Variable(a), blueprint::Class::Variable(b)) = (&a.class, &b.class) else { continue };
-            let (blueprint::Source::Signal(a), blueprint::Source::Signal(b)) = (&a.source, &b.source) else { continue };
+            let (blueprint::Class::Variable(a), blueprint::Class::Variable(b)) =
+                (&a.class, &b.class)
+            else {
+                continue;
+            };
+            let (blueprint::Source::Signal(a), blueprint::Source::Signal(b)) =
+                (&a.source, &b.source)
+            else {
+                continue;
+            };
             for seconds in [0.0, 0.5, 61.0, 86_400.0] {
                 assert_eq!(a(Moment { seed: 1, seconds }), b(Moment { seed: 1, seconds }));
-                differing += usize::from(a(Moment { seed: 1, seconds }) != a(Moment { seed: 2, seconds }));
+                differing +=
+                    usize::from(a(Moment { seed: 1, seconds }) != a(Moment { seed: 2, seconds }));
             }
         }
         assert!(differing > 5, "{}: another seed must show", machine.name);
@@ -58,8 +69,14 @@ async fn every_variable_has_a_value_of_its_type() {
             assert_eq!(value.value.built_in_type(), Some(built_in), "{key}");
         }
     }
-    let kinds: Vec<_> = handle.machine("Cell").expect("configured").values().await.expect("running");
-    for wanted in [BuiltInType::UInt64, BuiltInType::ExtensionObject, BuiltInType::LocalizedText, BuiltInType::UInt16] {
+    let kinds: Vec<_> =
+        handle.machine("Cell").expect("configured").values().await.expect("running");
+    for wanted in [
+        BuiltInType::UInt64,
+        BuiltInType::ExtensionObject,
+        BuiltInType::LocalizedText,
+        BuiltInType::UInt16,
+    ] {
         assert!(kinds.iter().any(|(_, built_in, _)| *built_in == wanted), "{wanted}");
     }
 }
@@ -70,7 +87,10 @@ async fn a_fixed_epoch_lets_counters_go_on_and_speed_hurries_them() {
     config.epoch = Some("2020-01-01T00:00:00Z".into());
     let (handle, _directory, _stop) = start(config).await;
     let parts = |values: Vec<(String, BuiltInType, DataValue)>| {
-        let found = values.into_iter().find(|(key, ..)| key == "Production.PartCounter").expect("a counter");
+        let found = values
+            .into_iter()
+            .find(|(key, ..)| key == "Production.PartCounter")
+            .expect("a counter");
         found.2.value.as_scalar().and_then(Scalar::as_i128).expect("a number")
     };
     let machine = handle.machine("Cell").expect("configured");
@@ -82,7 +102,10 @@ async fn a_fixed_epoch_lets_counters_go_on_and_speed_hurries_them() {
     let machine = handle.machine("Cell").expect("configured");
     let begun = Instant::now();
     while parts(machine.values().await.expect("running")) < 50 {
-        assert!(begun.elapsed() < Duration::from_secs(10), "50 parts take a quarter of a simulated second each");
+        assert!(
+            begun.elapsed() < Duration::from_secs(10),
+            "50 parts take a quarter of a simulated second each"
+        );
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
 }
@@ -118,7 +141,11 @@ async fn what_is_set_stays_until_it_is_released() {
 }
 
 /// One request to the control interface; status and body.
-async fn http(address: std::net::SocketAddr, request: &str, body: &str) -> (u16, serde_json::Value) {
+async fn http(
+    address: std::net::SocketAddr,
+    request: &str,
+    body: &str,
+) -> (u16, serde_json::Value) {
     let mut stream = TcpStream::connect(address).await.expect("it listens");
     let text = format!(
         "{request} HTTP/1.1\r\nhost: test\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
@@ -143,20 +170,37 @@ async fn the_control_interface_sets_reads_and_breaks() {
     let (status, machines) = http(address, "GET /machines", "").await;
     assert_eq!(status, 200);
     assert_eq!(machines[0]["name"], "Belt");
-    let (status, set) =
-        http(address, "POST /machines/Belt/variables/Items.ItemCount", r#"{"value": "9007199254740993"}"#).await;
+    let (status, set) = http(
+        address,
+        "POST /machines/Belt/variables/Items.ItemCount",
+        r#"{"value": "9007199254740993"}"#,
+    )
+    .await;
     assert_eq!(status, 200);
     let (_, variables) = http(address, "GET /machines/Belt/variables", "").await;
-    let count = variables.as_array().expect("a list").iter().find(|found| found["key"] == "Items.ItemCount");
+    let count = variables
+        .as_array()
+        .expect("a list")
+        .iter()
+        .find(|found| found["key"] == "Items.ItemCount");
     let count = count.expect("it is there");
     assert_eq!(count["value"], "9007199254740993");
     assert_eq!(count["type"], "UInt64");
     assert_eq!(count["nodeId"], "nsu=urn:verbund:simulator:Belt;s=Items.ItemCount");
     assert_eq!(count["sourceTimestamp"], set["sourceTimestamp"]);
     assert_eq!(http(address, "DELETE /machines/Belt/variables/Items.ItemCount", "").await.0, 204);
-    assert_eq!(http(address, "POST /machines/Belt/faults", r#"{"fault": "wrongClock", "aheadMs": 5000}"#).await.0, 204);
+    assert_eq!(
+        http(address, "POST /machines/Belt/faults", r#"{"fault": "wrongClock", "aheadMs": 5000}"#)
+            .await
+            .0,
+        204
+    );
 
-    let (status, problem) = http(address, "POST /machines/Belt/variables/Belt.Speed", r#"{"value": "fast"}"#).await;
-    assert_eq!((status, problem["title"].as_str()), (422, Some("the value must be of the type Double")));
+    let (status, problem) =
+        http(address, "POST /machines/Belt/variables/Belt.Speed", r#"{"value": "fast"}"#).await;
+    assert_eq!(
+        (status, problem["title"].as_str()),
+        (422, Some("the value must be of the type Double"))
+    );
     assert_eq!(http(address, "POST /machines/Lathe/faults", r#"{"fault": "kill"}"#).await.0, 404);
 }

@@ -1,8 +1,9 @@
 //! Ports for the programs that tests start: nobody listens there, and no other test draws them.
 //!
-//! A program is told its port before it binds it, and one that was killed binds it again later. In between the port must
-//! stay its own: a lock of the file system, held until this process ends, keeps it from other tests, and a range from
-//! which the operating system takes nothing keeps it from outgoing connections.
+//! A program is told its port before it binds it, and one that was killed binds it again later. In
+//! between the port must stay its own: a lock of the file system, held until this process ends,
+//! keeps it from other tests, and a range from which the operating system takes nothing keeps it
+//! from outgoing connections.
 
 use std::{
     env,
@@ -65,9 +66,17 @@ mod tests {
         let mine: HashSet<u16> = reserve::<200>().expect("free ports").into_iter().collect();
         assert_eq!(mine.len(), 200);
         for port in mine {
-            let lock = File::options().append(true).open(env::temp_dir().join("verbund-ports").join(port.to_string()));
-            assert!(matches!(lock.expect("a file").try_lock(), Err(TryLockError::WouldBlock)), "{port}");
-            assert!(TcpListener::bind((Ipv4Addr::LOCALHOST, port)).is_ok(), "{port} is free to be bound");
+            let lock = File::options()
+                .append(true)
+                .open(env::temp_dir().join("verbund-ports").join(port.to_string()));
+            assert!(
+                matches!(lock.expect("a file").try_lock(), Err(TryLockError::WouldBlock)),
+                "{port}"
+            );
+            assert!(
+                TcpListener::bind((Ipv4Addr::LOCALHOST, port)).is_ok(),
+                "{port} is free to be bound"
+            );
         }
     }
 }

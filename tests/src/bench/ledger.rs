@@ -1,5 +1,6 @@
-//! How many disclosed values per second go through gate, ledger and spool into the one transaction, what that
-//! transaction costs beside bare SQLite, and how long the verification of a million entries takes.
+//! How many disclosed values per second go through gate, ledger and spool into the one transaction,
+//! what that transaction costs beside bare SQLite, and how long the verification of a million
+//! entries takes.
 
 mod bare;
 
@@ -63,10 +64,18 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let began = Instant::now();
     let outcome = verify_ledger(&mut connection, Some(plant.key.public())).await?;
     let took = began.elapsed().as_secs_f64();
-    anyhow::ensure!(outcome.is_intact(), "the ledger is not intact: {:?}", outcome.fault_list.first());
+    anyhow::ensure!(
+        outcome.is_intact(),
+        "the ledger is not intact: {:?}",
+        outcome.fault_list.first()
+    );
     anyhow::ensure!(outcome.values_compared > 0, "values were compared");
     let millions = outcome.entries as f64 / 1e6;
-    results.push(result("ledger verified, with the values it commits to", millions, "million entries"));
+    results.push(result(
+        "ledger verified, with the values it commits to",
+        millions,
+        "million entries",
+    ));
     results.push(result("verification of a million entries", took / millions, "s"));
     Ok(results)
 }
@@ -82,8 +91,8 @@ struct Plant {
     entries: u64,
 }
 
-/// The connector's transaction beside the same one by bare SQLite, a few of each in turn, for what disturbs one is to
-/// disturb the other.
+/// The connector's transaction beside the same one by bare SQLite, a few of each in turn, for what
+/// disturbs one is to disturb the other.
 async fn against_bare() -> anyhow::Result<Vec<Value>> {
     let (own_folder, bare_folder) = (tempfile::tempdir()?, tempfile::tempdir()?);
     let mut plant = Plant::open(own_folder.path()).await?;
@@ -119,11 +128,13 @@ impl Plant {
         let mut books = Books::new(config, store.load().await?, false, now())?;
         let message = network()?;
         let raw = serde_json::to_string(&message)?;
-        let fields: Vec<FieldKey> = message.operation_network.fields().map(|(key, ..)| key).collect();
+        let fields: Vec<FieldKey> =
+            message.operation_network.fields().map(|(key, ..)| key).collect();
         books.network_arrived(message, raw, now());
         for field in &fields {
             let policy = DisclosurePolicy::default();
-            let verdict = Verdict::Map { value_source: ValueSource::External, mapping: None, policy };
+            let verdict =
+                Verdict::Map { value_source: ValueSource::External, mapping: None, policy };
             books.decide(field, verdict, None, "eve", now()).context("a decision")?;
         }
         let mut plant = Self { store, books, key, factory, fields, next: 0, count: 0, entries: 0 };
@@ -131,7 +142,8 @@ impl Plant {
         Ok(plant)
     }
 
-    /// The next fields get new values; everything that follows is in one transaction. Answers how long that took.
+    /// The next fields get new values; everything that follows is in one transaction. Answers how
+    /// long that took.
     async fn disclose(&mut self, values: usize) -> anyhow::Result<Duration> {
         let changes = self.changes(values, now())?;
         let began = Instant::now();
@@ -145,12 +157,19 @@ impl Plant {
             let field = &self.fields[self.next];
             self.next = (self.next + 1) % self.fields.len();
             self.count += 1;
-            let taken = self.books.candidate(field, ValueSource::External, DataValue::good(self.count, now), None, now);
+            let taken = self.books.candidate(
+                field,
+                ValueSource::External,
+                DataValue::good(self.count, now),
+                None,
+                now,
+            );
             anyhow::ensure!(taken.is_some(), "the field is open");
         }
         self.books.report(now, rand::random);
         let (mut changes, _) = self.books.take();
-        changes.heads = SignedHead::of(&self.factory, changes.ledger.iter().map(|(entry, _)| entry), &self.key);
+        changes.heads =
+            SignedHead::of(&self.factory, changes.ledger.iter().map(|(entry, _)| entry), &self.key);
         self.entries += changes.ledger.len() as u64;
         Ok(changes)
     }
@@ -167,7 +186,9 @@ fn network() -> anyhow::Result<OperationNetworkMessage> {
                 "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
         })
         .collect();
-    Ok(serde_json::from_value(json!({ "messageId": "m1", "factoryId": "F", "collaborationId": "c", "revision": 1,
+    Ok(serde_json::from_value(
+        json!({ "messageId": "m1", "factoryId": "F", "collaborationId": "c", "revision": 1,
         "operationNetwork": { "operationNetworkId": "n", "operationList": [
-            { "operationId": "op", "operationType": "PRODUCTION", "dynamicDataRequestList": requests } ] } }))?)
+            { "operationId": "op", "operationType": "PRODUCTION", "dynamicDataRequestList": requests } ] } }),
+    )?)
 }

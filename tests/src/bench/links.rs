@@ -1,6 +1,6 @@
-//! Messages per second through the link to each kind of broker, beside a bare client of the same library with the same
-//! window in the same run: no spool, no lanes, no supervision. And the memory of link and embedded broker over a million
-//! messages.
+//! Messages per second through the link to each kind of broker, beside a bare client of the same
+//! library with the same window in the same run: no spool, no lanes, no supervision. And the memory
+//! of link and embedded broker over a million messages.
 
 mod bare_amqp;
 mod bare_mqtt;
@@ -47,9 +47,11 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// Measures all brokers, one after the other.
 pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let mut results = Vec::new();
-    for broker in
-        [BrokerUnderTest::embedded().await?, BrokerUnderTest::rabbitmq().await, BrokerUnderTest::mosquitto().await]
-    {
+    for broker in [
+        BrokerUnderTest::embedded().await?,
+        BrokerUnderTest::rabbitmq().await,
+        BrokerUnderTest::mosquitto().await,
+    ] {
         results.extend(rates(&broker).await?);
         broker.stop().await?;
     }
@@ -76,7 +78,11 @@ async fn rates(broker: &BrokerUnderTest) -> anyhow::Result<Vec<Value>> {
     for (what, bare, link) in [("sent to", bare.0, link.0), ("received from", bare.1, link.1)] {
         results.push(result(&format!("{what} {name}, bare client"), bare, "messages per second"));
         results.push(result(&format!("{what} {name}, link"), link, "messages per second"));
-        results.push(result(&format!("{what} {name}, link against bare client"), link / bare, "times"));
+        results.push(result(
+            &format!("{what} {name}, link against bare client"),
+            link / bare,
+            "times",
+        ));
     }
     Ok(results)
 }
@@ -87,7 +93,8 @@ fn rate(took: Duration) -> f64 {
 
 async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let spool = Arc::new(MadeUpSpool::new(MESSAGES, broker.address.clone()));
-    let sender = RunningLink::start(broker, &broker.sender, &[], Arc::clone(&spool), Arc::default())?;
+    let sender =
+        RunningLink::start(broker, &broker.sender, &[], Arc::clone(&spool), Arc::default())?;
     let began = Instant::now();
     until("everything is sent", || spool.accepted() >= MESSAGES).await?;
     let took = began.elapsed();
@@ -100,7 +107,8 @@ async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result
     let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
     let consumed = [broker.address.clone()];
     let began = Instant::now();
-    let receiver = RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
+    let receiver =
+        RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
     until("everything is received", || inbox.received() >= messages && receiver.is_up()).await?;
     let took = began.elapsed();
     // Settlements are on their way still.
@@ -109,15 +117,18 @@ async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result
     Ok(took)
 }
 
-/// Both ends of the link and the embedded broker are in this process, which does nothing else: its memory is theirs.
-/// Measured in batches; every one beyond the first may take no more than the first did.
+/// Both ends of the link and the embedded broker are in this process, which does nothing else: its
+/// memory is theirs. Measured in batches; every one beyond the first may take no more than the
+/// first did.
 pub(super) async fn traffic() -> anyhow::Result<Vec<Value>> {
     let broker = BrokerUnderTest::embedded().await?;
     let inbox = Arc::new(Counting::default());
     let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
-    let spool = MadeUpSpool::new(MANY, broker.address.clone()).ahead_of(Arc::clone(&inbox), BACKLOG);
+    let spool =
+        MadeUpSpool::new(MANY, broker.address.clone()).ahead_of(Arc::clone(&inbox), BACKLOG);
     let consumed = [broker.address.clone()];
-    let receiver = RunningLink::start(&broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
+    let receiver =
+        RunningLink::start(&broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
     let began = Instant::now();
     let sender = RunningLink::start(&broker, &broker.sender, &[], Arc::new(spool), Arc::default())?;
     let (mut early, mut highest) = (0.0, 0.0_f64);
@@ -146,7 +157,11 @@ pub(super) async fn traffic() -> anyhow::Result<Vec<Value>> {
         ),
         figure("memory of link and broker after 100 000 messages", early / megabyte, "MiB"),
         figure("the most memory up to a million messages", highest / megabyte, "MiB"),
-        figure("the most memory up to a million messages against 100 000", highest / early, "times"),
+        figure(
+            "the most memory up to a million messages against 100 000",
+            highest / early,
+            "times",
+        ),
     ])
 }
 
@@ -198,7 +213,11 @@ impl Counting {
 
 #[async_trait]
 impl Inbox for Counting {
-    async fn receive(&self, _address: &LogicalAddress, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+    async fn receive(
+        &self,
+        _address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
         self.0.fetch_add(deliveries.len() as u64, Ordering::Relaxed);
         vec![Settlement::Accept; deliveries.len()]
     }

@@ -1,5 +1,6 @@
-//! What one connector does with the changes of a machine: built-in functions and scripts into report fields with
-//! reports each second, beside the bare subscription in the same run and the same job done with node-opcua.
+//! What one connector does with the changes of a machine: built-in functions and scripts into
+//! report fields with reports each second, beside the bare subscription in the same run and the
+//! same job done with node-opcua.
 
 mod bank;
 mod connector;
@@ -61,7 +62,11 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     results.extend(rates("the same with node-opcua", &node_opcua));
     for (name, measured) in [("built-in", &beside), ("JavaScript", &scripts)] {
         let ratio = measured.per_cpu_second() / node_opcua.per_cpu_second();
-        results.push(result(&format!("{name} mappings against node-opcua"), ratio, "times the values per CPU second"));
+        results.push(result(
+            &format!("{name} mappings against node-opcua"),
+            ratio,
+            "times the values per CPU second",
+        ));
     }
     drop(bank);
 
@@ -71,9 +76,17 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let begun = Instant::now();
     let mut connector = Connector::start(filled).await?;
     connector.until_live(MANY, PATIENCE).await?;
-    results.push(result("50 000 built-in mappings live after the start", begun.elapsed().as_secs_f64(), "s"));
+    results.push(result(
+        "50 000 built-in mappings live after the start",
+        begun.elapsed().as_secs_f64(),
+        "s",
+    ));
     let each = (connector.settled_bytes().await? as f64 - empty as f64) / f64::from(MANY);
-    results.push(result("memory per built-in mapping, subscription and field values included", each, "bytes"));
+    results.push(result(
+        "memory per built-in mapping, subscription and field values included",
+        each,
+        "bytes",
+    ));
     connector.stop()?;
     Ok(results)
 }
@@ -114,7 +127,8 @@ fn rates(name: &str, measured: &Measured) -> [Value; 2] {
 /// The subscription alone, in this process.
 async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
     let folder = tempfile::tempdir()?;
-    let config = Config::new(folder.path().join("pki"), "Verbund benchmark", "urn:verbund:bench:shop-floor");
+    let config =
+        Config::new(folder.path().join("pki"), "Verbund benchmark", "urn:verbund:bench:shop-floor");
     let (floor, handle, mut changes) = ShopFloor::new(config);
     let stop = CancellationToken::new();
     let running = tokio::spawn(floor.run(stop.clone()));
@@ -124,13 +138,18 @@ async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
             input: InputKey(u64::from(index)),
             source: source.source_id.clone(),
             node_id: node(index).parse()?,
-            options: MonitorOptions { sampling_interval_ms: Some(0.0), ..MonitorOptions::default() },
+            options: MonitorOptions {
+                sampling_interval_ms: Some(0.0),
+                ..MonitorOptions::default()
+            },
         })
     });
     handle.monitor_many(requests.collect::<anyhow::Result<_>>()?)?;
     handle.put_source(source)?;
     let begun = Instant::now();
-    let is_settled = |state: &shop_floor::SourceStatus| state.live.min(state.findable) == bank.variables as usize;
+    let is_settled = |state: &shop_floor::SourceStatus| {
+        state.live.min(state.findable) == bank.variables as usize
+    };
     while !handle.states().first().is_some_and(is_settled) {
         anyhow::ensure!(begun.elapsed() < PATIENCE, "the bank's variables did not become live");
         tokio::time::timeout(Duration::from_millis(20), changes.recv()).await.ok();
@@ -156,11 +175,13 @@ async fn empty_bytes(bank: &Bank) -> anyhow::Result<u64> {
     Ok(resident)
 }
 
-/// A connector with one such mapping per variable of the bank: the values through it, and the memory it takes then.
+/// A connector with one such mapping per variable of the bank: the values through it, and the
+/// memory it takes then.
 async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<(Measured, u64)> {
     let mut connector = Connector::start(Filled::with(bank, steps).await?).await?;
     connector.until_live(bank.variables, PATIENCE).await?;
-    // What follows a start once is not counted: values that waited for it, and learning where nodes hang.
+    // What follows a start once is not counted: values that waited for it, and learning where nodes
+    // hang.
     connector.until_paths_are_learned(bank.variables, PATIENCE).await?;
     tokio::time::sleep(Duration::from_secs(3)).await;
     let (before, begun) = ((connector.candidates().await?, connector.usage()?), Instant::now());
@@ -178,15 +199,26 @@ async fn node_opcua(bank: &Bank) -> anyhow::Result<Measured> {
     let output = Command::new("node")
         .env("NODE_PATH", root.join("tests/foreign/node_modules"))
         .arg(root.join("tests/foreign/opcua/mapping_job.js"))
-        .args([bank.endpoint.as_str(), bank::NAMESPACE, &bank.variables.to_string(), &SPAN.as_secs().to_string()])
+        .args([
+            bank.endpoint.as_str(),
+            bank::NAMESPACE,
+            &bank.variables.to_string(),
+            &SPAN.as_secs().to_string(),
+        ])
         .arg(folder.path())
         .kill_on_drop(true)
         .output();
-    let output = tokio::time::timeout(PATIENCE, output).await.context("node-opcua did not end")??;
+    let output =
+        tokio::time::timeout(PATIENCE, output).await.context("node-opcua did not end")??;
     let line = String::from_utf8_lossy(&output.stdout);
     let line = line.lines().last().unwrap_or_default();
-    let json: Value = serde_json::from_str(line)
-        .with_context(|| format!("mapping_job.js printed {line:?}: {}", String::from_utf8_lossy(&output.stderr)))?;
+    let json: Value = serde_json::from_str(line).with_context(|| {
+        format!("mapping_job.js printed {line:?}: {}", String::from_utf8_lossy(&output.stderr))
+    })?;
     let number = |name: &str| json[name].as_f64().with_context(|| format!("{name} is missing"));
-    Ok(Measured { values: number("values")?, seconds: number("seconds")?, cpu_seconds: number("cpuSeconds")? })
+    Ok(Measured {
+        values: number("values")?,
+        seconds: number("seconds")?,
+        cpu_seconds: number("cpuSeconds")?,
+    })
 }

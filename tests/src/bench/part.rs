@@ -1,4 +1,5 @@
-//! Measurements in a process of their own, so that neither memory nor computing time is mixed with what went before.
+//! Measurements in a process of their own, so that neither memory nor computing time is mixed with
+//! what went before.
 
 use std::{process::Stdio, time::Duration};
 
@@ -47,7 +48,11 @@ impl Part {
     /// This program, to run the part.
     pub(super) fn command(self) -> anyhow::Result<Command> {
         let mut command = Command::new(std::env::current_exe().context("finding this program")?);
-        command.args(["part", self.name()]).stdin(Stdio::null()).stdout(Stdio::piped()).kill_on_drop(true);
+        command
+            .args(["part", self.name()])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .kill_on_drop(true);
         Ok(command)
     }
 
@@ -58,9 +63,13 @@ impl Part {
             .await
             .with_context(|| format!("the part {} takes too long", self.name()))??;
         anyhow::ensure!(output.status.success(), "the part {} failed", self.name());
-        let found: Vec<Value> = serde_json::from_slice(&output.stdout).context("reading what a part found")?;
+        let found: Vec<Value> =
+            serde_json::from_slice(&output.stdout).context("reading what a part found")?;
         let shown = found.iter().map(|one| {
-            let (name, unit) = (one["name"].as_str().unwrap_or_default(), one["unit"].as_str().unwrap_or_default());
+            let (name, unit) = (
+                one["name"].as_str().unwrap_or_default(),
+                one["unit"].as_str().unwrap_or_default(),
+            );
             result(name, one["value"].as_f64().unwrap_or(f64::NAN), unit)
         });
         Ok(shown.collect())

@@ -1,5 +1,5 @@
-//! Values per second through the whole path: one variable mapped to many fields, reported and stored; and how fast the
-//! backlog of an outage drains while values go on changing.
+//! Values per second through the whole path: one variable mapped to many fields, reported and
+//! stored; and how fast the backlog of an outage drains while values go on changing.
 
 use std::time::{Duration, Instant};
 
@@ -27,8 +27,8 @@ const OUTAGE: Duration = Duration::from_secs(20);
 const LIVE_BACKLOG: u64 = 2 * REQUESTS as u64;
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Maps every field, counts the reports that the platform has stored after a while, then takes the cloud away and gives it
-/// back.
+/// Maps every field, counts the reports that the platform has stored after a while, then takes the
+/// cloud away and gives it back.
 pub(super) async fn measure(world: &mut World, cast: &Cast) -> anyhow::Result<Vec<Value>> {
     map(cast).await?;
     let machines = world.machines_api(MUNICH)?;
@@ -38,17 +38,30 @@ pub(super) async fn measure(world: &mut World, cast: &Cast) -> anyhow::Result<Ve
     let took = start.elapsed().as_secs_f64();
     let live = (received(&cast.platform).await? - before) as f64 / took;
     let mut results = vec![
-        result("changes of the machine, each to 500 fields", f64::from(changes) / took, "per second"),
+        result(
+            "changes of the machine, each to 500 fields",
+            f64::from(changes) / took,
+            "per second",
+        ),
         result("reports stored by the platform", live, "per second"),
         result("field values through the whole path", live * FIELDS as f64, "per second"),
     ];
     let drained = drain(world, cast).await?;
-    results.push(result("reports stored while a backlog drains, live ones included", drained, "per second"));
-    results.push(result("drain rate after an outage against the live rate", drained / live, "times"));
+    results.push(result(
+        "reports stored while a backlog drains, live ones included",
+        drained,
+        "per second",
+    ));
+    results.push(result(
+        "drain rate after an outage against the live rate",
+        drained / live,
+        "times",
+    ));
     Ok(results)
 }
 
-/// Reports per second from the moment the cloud is back until nothing is behind any more, while values go on changing.
+/// Reports per second from the moment the cloud is back until nothing is behind any more, while
+/// values go on changing.
 async fn drain(world: &mut World, cast: &Cast) -> anyhow::Result<f64> {
     let machines = world.machines_api(MUNICH)?;
     let stop = CancellationToken::new();
@@ -98,7 +111,8 @@ async fn drive(machines: &Api, goes_on: impl Fn() -> bool) -> anyhow::Result<u32
 }
 
 async fn map(cast: &Cast) -> anyhow::Result<()> {
-    let fields: Vec<Value> = (0..FIELDS).map(|n| json!({ "name": format!("f{n}"), "type": 9 })).collect();
+    let fields: Vec<Value> =
+        (0..FIELDS).map(|n| json!({ "name": format!("f{n}"), "type": 9 })).collect();
     for request in 0..REQUESTS {
         let body = json!({ "dynamicDataRequestId": format!("ReqLoad{request}"), "requesterId": BUYER,
             "recipientList": [BUYER], "purpose": "Benchmark",
@@ -118,7 +132,8 @@ async fn map(cast: &Cast) -> anyhow::Result<()> {
         "steps": [ { "function": "convert", "to": "UInt64" } ] } });
     for request in 0..REQUESTS {
         for field in 0..FIELDS {
-            let path = story::field_path("MakeFrame1", &format!("ReqLoad{request}"), &format!("f{field}"));
+            let path =
+                story::field_path("MakeFrame1", &format!("ReqLoad{request}"), &format!("f{field}"));
             cast.munich.put::<Value>(&format!("{path}/decision"), &decision).await?;
         }
     }
@@ -127,6 +142,7 @@ async fn map(cast: &Cast) -> anyhow::Result<()> {
 
 async fn received(platform: &Api) -> anyhow::Result<u64> {
     let answer: Value = platform.get(&format!("/api/v1/factories/{MUNICH}/writers")).await?;
-    let writers = answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+    let writers =
+        answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
     Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
 }

@@ -35,6 +35,8 @@ fn figures(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
     let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;
     [("median", 50), ("99 %", 99), ("slowest", 100)]
         .into_iter()
-        .map(|(what, share)| figure(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms"))
+        .map(|(what, share)| {
+            figure(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms")
+        })
         .collect()
 }

@@ -1,5 +1,5 @@
-//! Latency and throughput of the whole path, with the real programs of the profile this was built in, and figures of
-//! the twin alone. Prints what it finds and writes `target/bench/results.json`.
+//! Latency and throughput of the whole path, with the real programs of the profile this was built
+//! in, and figures of the twin alone. Prints what it finds and writes `target/bench/results.json`.
 
 use std::process::ExitCode;
 

@@ -9,7 +9,9 @@ use verbund_tests::{
 };
 
 #[derive(Parser)]
-#[command(about = "Kills, cuts, stalls and fills what it can, and proves that nothing is lost or doubled.")]
+#[command(
+    about = "Kills, cuts, stalls and fills what it can, and proves that nothing is lost or doubled."
+)]
 struct Arguments {
     /// How long faults go on.
     #[arg(long, default_value_t = 5)]

@@ -1,4 +1,5 @@
-//! `demo run`: two factories and a cloud until Ctrl-C. `demo check`: the same, headless, each step checked from outside.
+//! `demo run`: two factories and a cloud until Ctrl-C. `demo check`: the same, headless, each step
+//! checked from outside.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -20,7 +21,8 @@ enum Command {
         #[arg(long, default_value = "demo-data")]
         folder: PathBuf,
     },
-    /// Plays it headless in a folder of its own and checks each step as a client from outside would.
+    /// Plays it headless in a folder of its own and checks each step as a client from outside
+    /// would.
     Check {
         /// Keeps the folder for a look at logs and data.
         #[arg(long)]

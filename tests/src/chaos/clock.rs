@@ -1,4 +1,5 @@
-//! Clocks that jump: programs run under libfaketime, which adds what a file says to the time of day.
+//! Clocks that jump: programs run under libfaketime, which adds what a file says to the time of
+//! day.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,8 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Gives a program a clock of its own, from its next start on. Without the library the clock never jumps.
+    /// Gives a program a clock of its own, from its next start on. Without the library the clock
+    /// never jumps.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -38,12 +40,17 @@ impl Clock {
     pub fn set(&self, offset: ClockOffset) -> anyhow::Result<()> {
         // Replaced in one go: a file read half written would be another time.
         let next = self.file.with_extension("next");
-        std::fs::write(&next, format!("{:+}\n", offset.0)).with_context(|| format!("writing {}", next.display()))?;
-        std::fs::rename(&next, &self.file).with_context(|| format!("writing {}", self.file.display()))
+        std::fs::write(&next, format!("{:+}\n", offset.0))
+            .with_context(|| format!("writing {}", next.display()))?;
+        std::fs::rename(&next, &self.file)
+            .with_context(|| format!("writing {}", self.file.display()))
     }
 }
 
 fn library() -> Option<PathBuf> {
     let folders = std::fs::read_dir("/usr/lib").ok()?;
-    folders.flatten().map(|folder| folder.path().join("faketime/libfaketime.so.1")).find(|file| file.is_file())
+    folders
+        .flatten()
+        .map(|folder| folder.path().join("faketime/libfaketime.so.1"))
+        .find(|file| file.is_file())
 }

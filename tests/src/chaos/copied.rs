@@ -15,8 +15,9 @@ use crate::{
 /// How long it may take until everybody knows: a renewal, and more on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Kills a connector, copies its data directory, starts it again and the copy beside it: the first goes on at once, the
-/// copy is refused, both and the platform say so, and in the end the stores are compared as after chaos.
+/// Kills a connector, copies its data directory, starts it again and the copy beside it: the first
+/// goes on at once, the copy is refused, both and the platform say so, and in the end the stores
+/// are compared as after chaos.
 ///
 /// # Errors
 /// What does not hold.
@@ -41,14 +42,20 @@ pub async fn copied() -> anyhow::Result<()> {
     outcome
 }
 
-async fn beside(stage: &mut Stage, steps: &mut Steps, copy: &mut Option<Daemon>) -> anyhow::Result<()> {
+async fn beside(
+    stage: &mut Stage,
+    steps: &mut Steps,
+    copy: &mut Option<Daemon>,
+) -> anyhow::Result<()> {
     let talk = Talk::begin(&stage.world.places)?;
     steps
         .run("kill -9 of a connector, and it goes on at once", async {
-            let connector = stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
+            let connector =
+                stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
             connector.kill()?;
             stage.world.copy_connector(MUNICH)?;
-            let connector = stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
+            let connector =
+                stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
             connector.restart()?;
             let restarted = Instant::now();
             let munich = stage.world.connector_api(MUNICH).await?;
@@ -64,11 +71,19 @@ async fn beside(stage: &mut Stage, steps: &mut Steps, copy: &mut Option<Daemon>)
             World::copy_is_ready(&mut second, daemon).await?;
             let refused = lease(&second, "REFUSED").await?;
             let holder = refused["holder"]["host"].as_str().unwrap_or_default().to_owned();
-            anyhow::ensure!(holder.ends_with(&format!("connector-{MUNICH}")), "the copy names {refused}");
+            anyhow::ensure!(
+                holder.ends_with(&format!("connector-{MUNICH}")),
+                "the copy names {refused}"
+            );
             eventually("the copy's link says why it is down", PATIENCE, || async {
-                let status: Value = second.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
+                let status: Value =
+                    second.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
                 let reason = status["link"]["reason"].as_str().unwrap_or_default();
-                if reason.contains("another connector speaks") { Ok(()) } else { Err(status["link"].to_string()) }
+                if reason.contains("another connector speaks") {
+                    Ok(())
+                } else {
+                    Err(status["link"].to_string())
+                }
             })
             .await?;
             let munich = stage.world.connector_api(MUNICH).await?;
@@ -84,14 +99,16 @@ async fn beside(stage: &mut Stage, steps: &mut Steps, copy: &mut Option<Daemon>)
                 let told: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
                 let second = &told["contenders"][0];
                 let is_named = second["host"].as_str().is_some_and(|host| host.ends_with("-copy"));
-                let is_whole =
-                    told["holder"]["host"] == holder && second["isSecond"] == true && told["leaseNumber"] == 1;
+                let is_whole = told["holder"]["host"] == holder
+                    && second["isSecond"] == true
+                    && told["leaseNumber"] == 1;
                 if is_named && is_whole { Ok(()) } else { Err(told.to_string()) }
             })
             .await?;
             flows(stage).await?;
             eventually("the copy keeps its values", PATIENCE, || async {
-                let spool: Value = second.get("/api/v1/spool").await.map_err(|e| format!("{e:#}"))?;
+                let spool: Value =
+                    second.get("/api/v1/spool").await.map_err(|e| format!("{e:#}"))?;
                 if spool["waiting"].as_u64() > Some(0) { Ok(()) } else { Err(spool.to_string()) }
             })
             .await?;
@@ -111,7 +128,11 @@ async fn beside(stage: &mut Stage, steps: &mut Steps, copy: &mut Option<Daemon>)
 async fn lease(connector: &Api, state: &str) -> anyhow::Result<Value> {
     eventually(&format!("the lease is {state}"), PATIENCE, || async {
         let status: Value = connector.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
-        if status["lease"]["state"] == state { Ok(status["lease"].clone()) } else { Err(status["lease"].to_string()) }
+        if status["lease"]["state"] == state {
+            Ok(status["lease"].clone())
+        } else {
+            Err(status["lease"].to_string())
+        }
     })
     .await
 }

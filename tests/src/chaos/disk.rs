@@ -24,7 +24,9 @@ impl Disk {
     pub fn mount(folder: &Path) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder)?;
         let options = format!("size={SIZE},mode=0700");
-        run(Command::new("mount").args(["-t", "tmpfs", "-o", &options, "verbund-chaos"]).arg(folder))?;
+        run(Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &options, "verbund-chaos"])
+            .arg(folder))?;
         Ok(Self { folder: folder.to_owned() })
     }
 
@@ -33,11 +35,16 @@ impl Disk {
     /// # Errors
     /// When the file system cannot be changed.
     pub fn fill(&self) -> anyhow::Result<()> {
-        // Blocks are taken while this looks: a size below what is used is refused, so a little more is left each time.
+        // Blocks are taken while this looks: a size below what is used is refused, so a little more
+        // is left each time.
         let mut failed = None;
         for spare in [0, 16, 64, 256] {
             let blocks = used_blocks(&self.folder)? + spare;
-            match run(Command::new("mount").arg("-o").arg(format!("remount,nr_blocks={blocks}")).arg(&self.folder)) {
+            match run(Command::new("mount")
+                .arg("-o")
+                .arg(format!("remount,nr_blocks={blocks}"))
+                .arg(&self.folder))
+            {
                 Ok(()) => return Ok(()),
                 Err(error) => failed = Some(error),
             }
@@ -68,6 +75,10 @@ fn used_blocks(folder: &Path) -> anyhow::Result<u64> {
 
 fn run(command: &mut Command) -> anyhow::Result<()> {
     let output = command.output().with_context(|| format!("running {command:?}"))?;
-    anyhow::ensure!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    anyhow::ensure!(
+        output.status.success(),
+        "{command:?}: {}",
+        String::from_utf8_lossy(&output.stderr).trim()
+    );
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! The line between factories and broker: a TCP proxy that can be cut, stalled, emptied into nothing and thinned.
+//! The line between factories and broker: a TCP proxy that can be cut, stalled, emptied into
+//! nothing and thinned.
 
 use std::{net::SocketAddr, time::Duration};
 

@@ -52,9 +52,16 @@ async fn ask(platform: &Api, factory: &str, operation: &str, number: usize) -> a
 }
 
 /// A measured value, a number that a script counts up with each change, and a text.
-async fn decide(connector: &Api, factory: &str, operation: &str, number: usize) -> anyhow::Result<()> {
-    let (machine, key) = if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") };
-    let count = "(value, ctx) => { ctx.state.n = (ctx.state.n ?? 0) + 1; return BigInt(ctx.state.n); }";
+async fn decide(
+    connector: &Api,
+    factory: &str,
+    operation: &str,
+    number: usize,
+) -> anyhow::Result<()> {
+    let (machine, key) =
+        if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") };
+    let count =
+        "(value, ctx) => { ctx.state.n = (ctx.state.n ?? 0) + 1; return BigInt(ctx.state.n); }";
     let mapped = |steps: Value| {
         json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "disclosure": {}, "mapping": {
             "inputs": [ { "name": "input", "sourceId": machine, "nodeId": story::node(machine, key),

@@ -25,13 +25,15 @@ pub enum Fault {
     Cut,
     /// Nothing passes between factories and broker for a while; the connections stay open.
     Stall(Duration),
-    /// For a while everything sent is swallowed, then the connections are reset: the peer was gone all along.
+    /// For a while everything sent is swallowed, then the connections are reset: the peer was gone
+    /// all along.
     HalfOpen(Duration),
     /// A thin line for a while.
     Slow(Duration),
     /// Platform and broker are killed, and the broker comes back with an empty store.
     LoseBrokerStore,
-    /// Platform and broker are killed, and the broker comes back with the store it had the last time this happened.
+    /// Platform and broker are killed, and the broker comes back with the store it had the last
+    /// time this happened.
     OldBrokerStore,
     /// Platform and broker are killed, and the broker comes back with every waiting message twice.
     DoubleQueued,
@@ -95,8 +97,13 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = self.kind();
         match self {
-            Self::KillConnector(factory) | Self::KillMachines(factory) => write!(f, "{kind} {factory}"),
-            Self::Stall(span) | Self::HalfOpen(span) | Self::Slow(span) | Self::PausePlatform(span) => {
+            Self::KillConnector(factory) | Self::KillMachines(factory) => {
+                write!(f, "{kind} {factory}")
+            }
+            Self::Stall(span)
+            | Self::HalfOpen(span)
+            | Self::Slow(span)
+            | Self::PausePlatform(span) => {
                 write!(f, "{kind} {} ms", span.as_millis())
             }
             Self::FullDisk(factory, span) | Self::PauseConnector(factory, span) => {
@@ -131,7 +138,9 @@ impl Plan {
     /// The faults of the next round; after each round everything must work again.
     pub fn round(&mut self) -> Vec<Strike> {
         let count = self.0.random_range(6..=14);
-        (0..count).map(|_| Strike { pause: Duration::from_millis(self.pause_ms()), fault: self.fault() }).collect()
+        (0..count)
+            .map(|_| Strike { pause: Duration::from_millis(self.pause_ms()), fault: self.fault() })
+            .collect()
     }
 
     /// Mostly short, so that programs die while they start, connect, and catch up.
@@ -149,7 +158,8 @@ impl Plan {
 
     fn fault(&mut self) -> Fault {
         let factory = *[MUNICH, HAMBURG].choose(&mut self.0).unwrap_or(&MUNICH);
-        let offset = ClockOffset(*[-5_400, -300, -2, 0, 2, 300, 10_800].choose(&mut self.0).unwrap_or(&0));
+        let offset =
+            ClockOffset(*[-5_400, -300, -2, 0, 2, 300, 10_800].choose(&mut self.0).unwrap_or(&0));
         match self.0.random_range(0..100) {
             0..34 => Fault::KillConnector(factory),
             34..60 => Fault::KillPlatform,

@@ -31,7 +31,8 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker may have had when it lost its store: they arrive later, out of their order.
+    /// Reports that the broker may have had when it lost its store: they arrive later, out of their
+    /// order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Remarks that the broker may have had when it lost its store.
     pub lost_remarks: BTreeSet<talk::Remark>,
@@ -120,7 +121,9 @@ impl Stage {
                 self.through(Condition::Swallowing, span).await;
                 self.line.cut();
             }
-            Fault::LoseBrokerStore | Fault::OldBrokerStore | Fault::DoubleQueued => self.broker_store(fault).await?,
+            Fault::LoseBrokerStore | Fault::OldBrokerStore | Fault::DoubleQueued => {
+                self.broker_store(fault).await?
+            }
             Fault::ConnectorClock(who, offset) => self.jump(who, offset)?,
             Fault::PlatformClock(offset) => self.jump(PLATFORM, offset)?,
             Fault::FullDisk(whose, span) => {
@@ -171,11 +174,16 @@ impl Stage {
         self.world.factory(factory)?.connector.as_mut().context("the connector was started")
     }
 
-    /// Starts what has ended by itself. A program may give up where its disk is full; its supervisor starts it again.
+    /// Starts what has ended by itself. A program may give up where its disk is full; its
+    /// supervisor starts it again.
     pub fn supervise(&mut self) -> anyhow::Result<()> {
         for daemon in self.world.daemons() {
             if let Some(status) = daemon.ended()? {
-                say(&format!("    {} ended by itself with {status}:\n{}", daemon.name(), daemon.log_tail(6)));
+                say(&format!(
+                    "    {} ended by itself with {status}:\n{}",
+                    daemon.name(),
+                    daemon.log_tail(6)
+                ));
                 daemon.restart()?;
                 self.ended += 1;
             }

@@ -45,7 +45,8 @@ pub(super) struct Arrived {
 const BROKER_FILES: [&str; 3] = ["broker.sqlite", "broker.sqlite-wal", "broker.sqlite-shm"];
 
 async fn open(file: &Path) -> anyhow::Result<SqliteConnection> {
-    let options = SqliteConnectOptions::new().filename(file).busy_timeout(std::time::Duration::from_secs(10));
+    let options =
+        SqliteConnectOptions::new().filename(file).busy_timeout(std::time::Duration::from_secs(10));
     options.connect().await.with_context(|| format!("opening {}", file.display()))
 }
 
@@ -57,13 +58,18 @@ fn platform_store(folder: &Path) -> PathBuf {
     folder.join("platform/platform.sqlite")
 }
 
-/// The reports that the platform has not receipted. Of those that still wait some may have been taken by the broker as
-/// well: its answer is written down a moment later.
-pub(super) async fn unreceipted_reports(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
+/// The reports that the platform has not receipted. Of those that still wait some may have been
+/// taken by the broker as well: its answer is written down a moment later.
+pub(super) async fn unreceipted_reports(
+    folder: &Path,
+    factory: &str,
+) -> anyhow::Result<Vec<ReportKey>> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let rows = sqlx::query("SELECT writer_id, epoch, sequence FROM report WHERE state IN ('SENT', 'WAITING')")
-        .fetch_all(&mut store)
-        .await?;
+    let rows = sqlx::query(
+        "SELECT writer_id, epoch, sequence FROM report WHERE state IN ('SENT', 'WAITING')",
+    )
+    .fetch_all(&mut store)
+    .await?;
     Ok(rows
         .iter()
         .map(|row| ReportKey {
@@ -86,8 +92,8 @@ pub(super) fn remove_broker_store(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The broker's store of now is put aside, and the one that was put aside the last time comes back. The first time it
-/// stays, and a copy is put aside.
+/// The broker's store of now is put aside, and the one that was put aside the last time comes back.
+/// The first time it stays, and a copy is put aside.
 pub(super) fn exchange_broker_store(folder: &Path) -> anyhow::Result<()> {
     let (here, aside) = (folder.join("platform"), folder.join("broker-aside"));
     let old = folder.join("broker-old");
@@ -120,7 +126,9 @@ pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>
     let rows = match sqlx::query(sql).fetch_all(&mut store).await {
         Ok(rows) => rows,
         // A broker killed in its first instant has no tables yet.
-        Err(sqlx::Error::Database(error)) if error.message().contains("no such table") => Vec::new(),
+        Err(sqlx::Error::Database(error)) if error.message().contains("no such table") => {
+            Vec::new()
+        }
         Err(error) => return Err(error.into()),
     };
     store.close().await?;
@@ -135,7 +143,9 @@ pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     }
     let mut store = open(&file).await?;
     // A broker killed in its first instant has no tables yet.
-    let tables = sqlx::query("SELECT 1 FROM sqlite_schema WHERE name = 'messages'").fetch_optional(&mut store).await?;
+    let tables = sqlx::query("SELECT 1 FROM sqlite_schema WHERE name = 'messages'")
+        .fetch_optional(&mut store)
+        .await?;
     if tables.is_some() {
         sqlx::query(
             "INSERT INTO messages (queue_id, bytes, expires_at_ms, delivery_count, body) \
@@ -148,17 +158,27 @@ pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
 }
 
 /// Everything that ever left a connector.
-pub(super) async fn left(folder: &Path, factory: &str) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
+pub(super) async fn left(
+    folder: &Path,
+    factory: &str,
+) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let rows = sqlx::query("SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id")
-        .fetch_all(&mut store)
-        .await?;
+    let rows = sqlx::query(
+        "SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
+    )
+    .fetch_all(&mut store)
+    .await?;
     rows.iter()
         .map(|row| {
-            let key =
-                ReportKey { factory: factory.to_owned(), writer: row.get(0), epoch: row.get(1), sequence: row.get(2) };
+            let key = ReportKey {
+                factory: factory.to_owned(),
+                writer: row.get(0),
+                epoch: row.get(1),
+                sequence: row.get(2),
+            };
             let recipients: Value = serde_json::from_str(row.get(4))?;
-            let body: Value = serde_json::from_str(row.get(5)).with_context(|| format!("the body of {key:?}"))?;
+            let body: Value =
+                serde_json::from_str(row.get(5)).with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
                 state: row.get(3),
                 recipients: recipients.as_array().map_or(0, Vec::len),
@@ -172,8 +192,9 @@ pub(super) async fn left(folder: &Path, factory: &str) -> anyhow::Result<BTreeMa
 /// The number of reports in all chains of a connector's ledger.
 pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Result<usize> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let row =
-        sqlx::query("SELECT count(*) FROM ledger_entry WHERE report_id IS NOT NULL").fetch_one(&mut store).await?;
+    let row = sqlx::query("SELECT count(*) FROM ledger_entry WHERE report_id IS NOT NULL")
+        .fetch_one(&mut store)
+        .await?;
     Ok(usize::try_from(row.get::<i64, _>(0))?)
 }
 
@@ -190,14 +211,23 @@ pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<Rep
         .iter()
         .flat_map(|row| {
             let (writer, epoch): (i64, i64) = (row.get(0), row.get(1));
-            (row.get::<i64, _>(2)..=row.get::<i64, _>(3)).map(move |sequence| (writer, epoch, sequence))
+            (row.get::<i64, _>(2)..=row.get::<i64, _>(3))
+                .map(move |sequence| (writer, epoch, sequence))
         })
-        .map(|(writer, epoch, sequence)| ReportKey { factory: factory.to_owned(), writer, epoch, sequence })
+        .map(|(writer, epoch, sequence)| ReportKey {
+            factory: factory.to_owned(),
+            writer,
+            epoch,
+            sequence,
+        })
         .collect())
 }
 
 /// Everything the platform holds of a factory, in the order of arrival.
-pub(super) async fn arrived(folder: &Path, factory: &str) -> anyhow::Result<Vec<(ReportKey, Arrived)>> {
+pub(super) async fn arrived(
+    folder: &Path,
+    factory: &str,
+) -> anyhow::Result<Vec<(ReportKey, Arrived)>> {
     let mut store = open(&platform_store(folder)).await?;
     let rows = sqlx::query(
         "SELECT data_set_writer_id, epoch, sequence, is_replay, fields FROM report WHERE factory_id = ? \
@@ -208,16 +238,26 @@ pub(super) async fn arrived(folder: &Path, factory: &str) -> anyhow::Result<Vec<
     .await?;
     rows.iter()
         .map(|row| {
-            let key =
-                ReportKey { factory: factory.to_owned(), writer: row.get(0), epoch: row.get(1), sequence: row.get(2) };
+            let key = ReportKey {
+                factory: factory.to_owned(),
+                writer: row.get(0),
+                epoch: row.get(1),
+                sequence: row.get(2),
+            };
             let fields: Value = serde_json::from_str(row.get(4))?;
-            Ok((key, Arrived { is_replay: row.get::<i64, _>(3) != 0, values: shown_values(&fields) }))
+            Ok((
+                key,
+                Arrived { is_replay: row.get::<i64, _>(3) != 0, values: shown_values(&fields) },
+            ))
         })
         .collect()
 }
 
 /// The remarks from and to a factory: those its connector holds, and those the platform holds.
-pub(super) async fn remarks(folder: &Path, factory: &str) -> anyhow::Result<(Vec<Remark>, Vec<Remark>)> {
+pub(super) async fn remarks(
+    folder: &Path,
+    factory: &str,
+) -> anyhow::Result<(Vec<Remark>, Vec<Remark>)> {
     let remark = |row: &SqliteRow| Remark {
         factory: factory.to_owned(),
         is_from_factory: row.get::<i64, _>(0) != 0,
@@ -236,17 +276,21 @@ pub(super) async fn remarks(folder: &Path, factory: &str) -> anyhow::Result<(Vec
 /// How many repeats the platform has discarded, and how many messages it could not use.
 pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
     let mut store = open(&platform_store(folder)).await?;
-    let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) FROM data_set_writer").fetch_one(&mut store).await?;
+    let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) FROM data_set_writer")
+        .fetch_one(&mut store)
+        .await?;
     let letters = sqlx::query("SELECT count(*) FROM dead_letter").fetch_one(&mut store).await?;
     Ok((u64::try_from(repeats.get::<i64, _>(0))?, u64::try_from(letters.get::<i64, _>(0))?))
 }
 
-/// The fields of a payload in the reversible encoding: a variant, or a data value in one. A bare status is no value.
+/// The fields of a payload in the reversible encoding: a variant, or a data value in one. A bare
+/// status is no value.
 fn payload_values(payload: &Value) -> BTreeMap<String, Value> {
     let all = payload.as_object().into_iter().flatten();
     all.map(|(name, field)| {
         let variant = if field["Type"] == DATA_VALUE { &field["Body"]["Value"] } else { field };
-        let value = if variant["Type"] == STATUS_CODE { Value::Null } else { variant["Body"].clone() };
+        let value =
+            if variant["Type"] == STATUS_CODE { Value::Null } else { variant["Body"].clone() };
         (name.clone(), value)
     })
     .collect()

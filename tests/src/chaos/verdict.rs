@@ -39,17 +39,26 @@ pub(super) async fn of_factory(
     for (key, report) in &left {
         match held.get(key) {
             None => faults.push(format!("{} is lost: {key:?}", report.state)),
-            Some(_) if report.state == "PARKED" => faults.push(format!("rejected and yet held: {key:?}")),
+            Some(_) if report.state == "PARKED" => {
+                faults.push(format!("rejected and yet held: {key:?}"))
+            }
             Some(there) => {
                 for (name, value) in &report.values {
                     if there.values.get(name).is_some_and(|other| !stores::is_same(other, value)) {
-                        faults.push(format!("{key:?}: {name} left as {value}, is held as {}", there.values[name]));
+                        faults.push(format!(
+                            "{key:?}: {name} left as {value}, is held as {}",
+                            there.values[name]
+                        ));
                     }
                 }
             }
         }
     }
-    faults.extend(held.keys().filter(|key| !left.contains_key(**key)).map(|key| format!("never left: {key:?}")));
+    faults.extend(
+        held.keys()
+            .filter(|key| !left.contains_key(**key))
+            .map(|key| format!("never left: {key:?}")),
+    );
     // The spools are far from their limits: whatever is announced as given up was lost by somebody.
     faults.extend(gaps.iter().map(|key| format!("given up: {key:?}")));
     faults.extend(holes(left.keys()));
@@ -74,7 +83,8 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
     }
     let mut faults = Vec::new();
     for (writer, sequences) in writers {
-        let (first, last) = (sequences.first().copied().unwrap_or(0), sequences.last().copied().unwrap_or(-1));
+        let (first, last) =
+            (sequences.first().copied().unwrap_or(0), sequences.last().copied().unwrap_or(-1));
         let count = i64::try_from(sequences.len()).unwrap_or(i64::MAX);
         if first != 0 || count != last + 1 {
             faults.push(format!("{writer:?}: {count} sequence numbers from {first} to {last}"));
@@ -84,7 +94,10 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
 }
 
 /// Within each lane a writer's reports arrive in their order, but for those that the broker lost.
-fn disorder(arrived: &[(ReportKey, stores::Arrived)], set_back: &BTreeSet<ReportKey>) -> Vec<String> {
+fn disorder(
+    arrived: &[(ReportKey, stores::Arrived)],
+    set_back: &BTreeSet<ReportKey>,
+) -> Vec<String> {
     let mut newest: BTreeMap<(i64, i64, bool), i64> = BTreeMap::new();
     let mut faults = Vec::new();
     for (key, report) in arrived.iter().filter(|(key, _)| !set_back.contains(key)) {
@@ -118,8 +131,10 @@ mod tests {
 
     #[test]
     fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
-        let came = |sequence, is_replay| (key(sequence), Arrived { is_replay, values: BTreeMap::new() });
-        let arrived = [came(1, false), came(5, false), came(2, true), came(3, true), came(6, false)];
+        let came =
+            |sequence, is_replay| (key(sequence), Arrived { is_replay, values: BTreeMap::new() });
+        let arrived =
+            [came(1, false), came(5, false), came(2, true), came(3, true), came(6, false)];
         assert!(disorder(&arrived, &BTreeSet::new()).is_empty());
         let arrived = [came(2, false), came(1, false)];
         assert_eq!(disorder(&arrived, &BTreeSet::new()).len(), 1);

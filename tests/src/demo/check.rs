@@ -1,5 +1,5 @@
-//! The demo without a person: each step checked from outside - as an OPC UA client, an AMQP client, an HTTP client and
-//! a browser see it - one line a step.
+//! The demo without a person: each step checked from outside - as an OPC UA client, an AMQP client,
+//! an HTTP client and a browser see it - one line a step.
 
 mod amqp;
 pub(super) mod browser;
@@ -38,7 +38,12 @@ pub async fn check(keep: bool) -> anyhow::Result<()> {
 async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> {
     let cast = play(world, steps).await?;
     seen_from_outside(world, &cast, steps).await?;
-    steps.run("a change on the machine reaches the buyer", latency::of_values(world, &cast.platform, 20)).await?;
+    steps
+        .run(
+            "a change on the machine reaches the buyer",
+            latency::of_values(world, &cast.platform, 20),
+        )
+        .await?;
     steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
     steps.run("an operator works on without a network", browser::operators_page(world)).await?;
     let cast = crash::every_program_in_turn(world, cast, steps).await?;
@@ -63,8 +68,15 @@ pub async fn screenshots() -> anyhow::Result<()> {
 
 async fn seen_from_outside(world: &World, cast: &Cast, steps: &mut Steps) -> anyhow::Result<()> {
     steps.run("asyncua browses the interface", opcua::browse(world)).await?;
-    steps.run("asyncua writes the field decided External", opcua::write_external(world, &cast.platform)).await?;
+    steps
+        .run(
+            "asyncua writes the field decided External",
+            opcua::write_external(world, &cast.platform),
+        )
+        .await?;
     steps.run("asyncua may not write another field", opcua::write_mapped(world)).await?;
-    steps.run("rubbish over AMQP is answered and changes nothing", amqp::rubbish(world, cast)).await?;
+    steps
+        .run("rubbish over AMQP is answered and changes nothing", amqp::rubbish(world, cast))
+        .await?;
     steps.run("an oversize body is refused by the broker", amqp::oversize(world)).await
 }

@@ -1,5 +1,5 @@
-//! A factory that has just installed its connector: nothing in it yet, a machine that shows a certificate, and later more
-//! requests and nodes than any page can show at once.
+//! A factory that has just installed its connector: nothing in it yet, a machine that shows a
+//! certificate, and later more requests and nodes than any page can show at once.
 
 use std::{path::Path, time::Duration};
 
@@ -18,8 +18,9 @@ use crate::{
 /// Variables of the server that is larger than any page.
 const NODES: u32 = 100_000;
 
-/// Goes the way from an empty installation to the first mapped field in a browser, counting clicks and texts. With very
-/// much, it then fills the inbox and the sources and measures how quickly the pages answer.
+/// Goes the way from an empty installation to the first mapped field in a browser, counting clicks
+/// and texts. With very much, it then fills the inbox and the sources and measures how quickly the
+/// pages answer.
 ///
 /// # Errors
 /// The first step that does not hold.
@@ -41,9 +42,16 @@ pub async fn newcomer(with_very_much: bool) -> anyhow::Result<()> {
     outcome
 }
 
-async fn everything(world: &mut World, steps: &mut Steps, machine: u16, bank: Option<u16>) -> anyhow::Result<()> {
+async fn everything(
+    world: &mut World,
+    steps: &mut Steps,
+    machine: u16,
+    bank: Option<u16>,
+) -> anyhow::Result<()> {
     let platform = world.platform_api().await?;
-    steps.run("three organisations found a collaboration", story::found_collaboration(&platform)).await?;
+    steps
+        .run("three organisations found a collaboration", story::found_collaboration(&platform))
+        .await?;
     for factory_id in [MUNICH, HAMBURG] {
         let step = format!("{factory_id}: an empty connector joins");
         steps.run(&step, story::join_factory(world, &platform, factory_id)).await?;

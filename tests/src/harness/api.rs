@@ -1,4 +1,5 @@
-//! A daemon's web API as a browser would use it: signed in by cookie, changes guarded by the CSRF header.
+//! A daemon's web API as a browser would use it: signed in by cookie, changes guarded by the CSRF
+//! header.
 
 use std::time::Duration;
 
@@ -55,8 +56,9 @@ impl Api {
     /// # Errors
     /// When the daemon refuses or does not answer.
     pub async fn sign_in(&mut self, user: &str, password: &str) -> anyhow::Result<()> {
-        let session: Value =
-            self.post("/api/v1/session", &serde_json::json!({"userName": user, "password": password})).await?;
+        let session: Value = self
+            .post("/api/v1/session", &serde_json::json!({"userName": user, "password": password}))
+            .await?;
         self.csrf = session["csrfToken"].as_str().map(str::to_owned);
         Ok(())
     }
@@ -74,8 +76,12 @@ impl Api {
     /// # Errors
     /// Transport errors, and an answer that is not a success.
     pub async fn text(&self, path: &str) -> anyhow::Result<String> {
-        let answer =
-            self.http.get(format!("{}{path}", self.base)).send().await.with_context(|| format!("GET {path}"))?;
+        let answer = self
+            .http
+            .get(format!("{}{path}", self.base))
+            .send()
+            .await
+            .with_context(|| format!("GET {path}"))?;
         Ok(answer.error_for_status()?.text().await?)
     }
 
@@ -83,7 +89,11 @@ impl Api {
     ///
     /// # Errors
     /// As [`Self::get`].
-    pub async fn post<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> anyhow::Result<T> {
+    pub async fn post<T: DeserializeOwned>(
+        &self,
+        path: &str,
+        body: &impl Serialize,
+    ) -> anyhow::Result<T> {
         self.call(Method::POST, path, Some(body)).await
     }
 
@@ -91,7 +101,11 @@ impl Api {
     ///
     /// # Errors
     /// As [`Self::get`].
-    pub async fn put<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> anyhow::Result<T> {
+    pub async fn put<T: DeserializeOwned>(
+        &self,
+        path: &str,
+        body: &impl Serialize,
+    ) -> anyhow::Result<T> {
         self.call(Method::PUT, path, Some(body)).await
     }
 
@@ -136,11 +150,13 @@ impl Api {
         let status = answer.status();
         let bytes = answer.bytes().await.with_context(|| format!("{method} {path}"))?;
         if !status.is_success() {
-            let problem = serde_json::from_slice(&bytes)
-                .unwrap_or_else(|_| Value::String(String::from_utf8_lossy(&bytes).chars().take(300).collect()));
+            let problem = serde_json::from_slice(&bytes).unwrap_or_else(|_| {
+                Value::String(String::from_utf8_lossy(&bytes).chars().take(300).collect())
+            });
             return Err(ApiError { method, path: path.to_owned(), status, problem }.into());
         }
         let bytes: &[u8] = if bytes.is_empty() { b"null" } else { &bytes };
-        serde_json::from_slice(bytes).with_context(|| format!("{method} {path}: reading the answer"))
+        serde_json::from_slice(bytes)
+            .with_context(|| format!("{method} {path}: reading the answer"))
     }
 }

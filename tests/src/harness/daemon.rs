@@ -43,7 +43,11 @@ pub fn binary(name: &str) -> anyhow::Result<PathBuf> {
         .take(3)
         .map(|folder| folder.join(name))
         .find(|candidate| candidate.is_file())
-        .with_context(|| format!("the program {name:?} was not built; run `cargo build --workspace --bins` first"))
+        .with_context(|| {
+            format!(
+                "the program {name:?} was not built; run `cargo build --workspace --bins` first"
+            )
+        })
 }
 
 impl Daemon {
@@ -97,7 +101,8 @@ impl Daemon {
     /// As [`Self::start`].
     pub fn restart(&mut self) -> anyhow::Result<()> {
         self.kill().ok();
-        self.child = spawn(&self.command).with_context(|| format!("restarting {}", self.command.name))?;
+        self.child =
+            spawn(&self.command).with_context(|| format!("restarting {}", self.command.name))?;
         Ok(())
     }
 
@@ -113,7 +118,8 @@ impl Daemon {
     /// # Errors
     /// When the process is gone.
     pub fn set_paused(&self, is_paused: bool) -> anyhow::Result<()> {
-        let signal = if is_paused { rustix::process::Signal::STOP } else { rustix::process::Signal::CONT };
+        let signal =
+            if is_paused { rustix::process::Signal::STOP } else { rustix::process::Signal::CONT };
         Ok(rustix::process::kill_process(self.process()?, signal)?)
     }
 

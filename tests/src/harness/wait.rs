@@ -1,4 +1,5 @@
-//! Waiting means polling a condition until a deadline; nothing here sleeps for a fixed time and hopes.
+//! Waiting means polling a condition until a deadline; nothing here sleeps for a fixed time and
+//! hopes.
 
 use std::{
     future::Future,
@@ -27,7 +28,11 @@ impl Deadline {
 ///
 /// # Errors
 /// When `limit` passes first; the message names what was waited for and the last thing seen.
-pub async fn eventually<T, F, Fut>(what: &str, limit: Duration, mut condition: F) -> anyhow::Result<T>
+pub async fn eventually<T, F, Fut>(
+    what: &str,
+    limit: Duration,
+    mut condition: F,
+) -> anyhow::Result<T>
 where
     F: FnMut() -> Fut,
     Fut: Future<Output = Result<T, String>>,

@@ -18,7 +18,13 @@ pub const COLLABORATION: &str = "frame-order-4711";
 pub const NETWORK: &str = "frame-4711";
 
 /// A report field that the buyer asks for.
-fn field(name: &str, built_in_type: u8, unit: Option<&str>, semantic: Option<&str>, description: &str) -> Value {
+fn field(
+    name: &str,
+    built_in_type: u8,
+    unit: Option<&str>,
+    semantic: Option<&str>,
+    description: &str,
+) -> Value {
     let mut field = json!({ "name": name, "type": built_in_type, "description": description });
     if let Some(unit) = unit {
         field["unit"] = json!(unit);
@@ -37,8 +43,8 @@ fn request(id: &str, purpose: &str, per_minute: u32, report_name: &str, fields: 
     })
 }
 
-/// The whole network as the platform keeps it: every operation with the factory that owns it. `start` is the planned
-/// start of the first operation.
+/// The whole network as the platform keeps it: every operation with the factory that owns it.
+/// `start` is the planned start of the first operation.
 #[must_use]
 pub fn operation_network(start: time::OffsetDateTime) -> Value {
     let at = |hours: i64| {
@@ -51,7 +57,13 @@ pub fn operation_network(start: time::OffsetDateTime) -> Value {
         60,
         "ProgressReport",
         &[
-            field("progressStatus", 9, Some("PIECE"), Some("PRODUCED_QUANTITY"), "Frames finished so far"),
+            field(
+                "progressStatus",
+                9,
+                Some("PIECE"),
+                Some("PRODUCED_QUANTITY"),
+                "Frames finished so far",
+            ),
             field("operationState", 12, None, Some("OPERATION_STATE"), "State of the operation"),
             field("spindlePower", 11, Some("KWT"), None, "Power drawn by the spindle"),
             field("note", 12, None, None, "A remark of the shift"),
@@ -64,7 +76,13 @@ pub fn operation_network(start: time::OffsetDateTime) -> Value {
         1,
         "TransportReport",
         &[
-            field("loadedFrames", 7, Some("PIECE"), Some("PRODUCED_QUANTITY"), "Frames on the truck"),
+            field(
+                "loadedFrames",
+                7,
+                Some("PIECE"),
+                Some("PRODUCED_QUANTITY"),
+                "Frames on the truck",
+            ),
             field("beltSpeed", 11, Some("2X"), None, "Speed of the loading belt"),
         ],
     );

@@ -1,5 +1,5 @@
-//! The steps of the frame order, each of which may be taken again: what is there already is left as it is, so that the
-//! demo's second start goes on where the first stopped.
+//! The steps of the frame order, each of which may be taken again: what is there already is left as
+//! it is, so that the demo's second start goes on where the first stopped.
 
 use std::time::Duration;
 
@@ -7,7 +7,9 @@ use anyhow::Context as _;
 use reqwest::StatusCode;
 use serde_json::{Value, json};
 
-use super::frame_order::{BUYER, COLLABORATION, HAMBURG, INSPECTOR, MAKER, MUNICH, NETWORK, operation_network};
+use super::frame_order::{
+    BUYER, COLLABORATION, HAMBURG, INSPECTOR, MAKER, MUNICH, NETWORK, operation_network,
+};
 use crate::{
     harness::{Api, ApiError, eventually},
     world::World,
@@ -33,12 +35,24 @@ async fn add(api: &Api, path: &str, body: Value) -> anyhow::Result<()> {
 /// # Errors
 /// When the platform refuses.
 pub async fn found_collaboration(platform: &Api) -> anyhow::Result<String> {
-    let organisations = [(BUYER, "Acme Aero"), (MAKER, "Frames Munich GmbH"), (INSPECTOR, "Inspection Hamburg GmbH")];
+    let organisations = [
+        (BUYER, "Acme Aero"),
+        (MAKER, "Frames Munich GmbH"),
+        (INSPECTOR, "Inspection Hamburg GmbH"),
+    ];
     for (id, name) in organisations {
-        add(platform, "/api/v1/organisations", json!({ "organisationId": id, "name": name })).await?;
+        add(platform, "/api/v1/organisations", json!({ "organisationId": id, "name": name }))
+            .await?;
     }
-    for (id, owner, name) in [(MUNICH, MAKER, "Munich works"), (HAMBURG, INSPECTOR, "Hamburg works")] {
-        add(platform, "/api/v1/factories", json!({ "factoryId": id, "organisationId": owner, "name": name })).await?;
+    for (id, owner, name) in
+        [(MUNICH, MAKER, "Munich works"), (HAMBURG, INSPECTOR, "Hamburg works")]
+    {
+        add(
+            platform,
+            "/api/v1/factories",
+            json!({ "factoryId": id, "organisationId": owner, "name": name }),
+        )
+        .await?;
     }
     add(
         platform,
@@ -50,23 +64,33 @@ pub async fn found_collaboration(platform: &Api) -> anyhow::Result<String> {
     Ok(format!("{} organisations, 2 factories", organisations.len()))
 }
 
-/// Enrols a factory's connector with a single-use token, unless an earlier start did, and starts it.
+/// Enrols a factory's connector with a single-use token, unless an earlier start did, and starts
+/// it.
 ///
 /// # Errors
 /// When token or connector fail.
-pub async fn join_factory(world: &mut World, platform: &Api, factory_id: &str) -> anyhow::Result<String> {
+pub async fn join_factory(
+    world: &mut World,
+    platform: &Api,
+    factory_id: &str,
+) -> anyhow::Result<String> {
     let enrolled = world.places.folder.join(format!("enrolled-{factory_id}"));
     let is_enrolled = enrolled.exists();
     let token = if is_enrolled {
         None
     } else {
-        let token: Value =
-            platform.post(&format!("/api/v1/factories/{factory_id}/enrolment-tokens"), &json!({})).await?;
+        let token: Value = platform
+            .post(&format!("/api/v1/factories/{factory_id}/enrolment-tokens"), &json!({}))
+            .await?;
         Some(token["token"].as_str().context("the platform gave no token")?.to_owned())
     };
     world.start_connector(factory_id, token.as_deref()).await?;
     std::fs::write(enrolled, "")?;
-    Ok(if is_enrolled { "enrolled before".into() } else { "enrolled with a single-use token".into() })
+    Ok(if is_enrolled {
+        "enrolled before".into()
+    } else {
+        "enrolled with a single-use token".into()
+    })
 }
 
 /// Waits until a connector says that its link is up.
@@ -87,7 +111,11 @@ pub async fn link_is_up(connector: &Api) -> anyhow::Result<String> {
 /// The local servers of a factory, by name and kind.
 #[must_use]
 pub fn machines(factory_id: &str) -> [&'static str; 3] {
-    if factory_id == MUNICH { ["MillingCell1", "Conveyor1", "Robot1"] } else { ["Press1", "Conveyor2", "Robot2"] }
+    if factory_id == MUNICH {
+        ["MillingCell1", "Conveyor1", "Robot1"]
+    } else {
+        ["Press1", "Conveyor2", "Robot2"]
+    }
 }
 
 /// The node of a machine's variable, by its key.
@@ -100,7 +128,11 @@ pub fn node(machine: &str, key: &str) -> String {
 ///
 /// # Errors
 /// When a source is refused or stays away.
-pub async fn add_sources(world: &World, connector: &Api, factory_id: &str) -> anyhow::Result<String> {
+pub async fn add_sources(
+    world: &World,
+    connector: &Api,
+    factory_id: &str,
+) -> anyhow::Result<String> {
     let ports = world.places.factory(factory_id)?.machines;
     for (machine, port) in machines(factory_id).into_iter().zip(ports) {
         let source = json!({ "sourceId": machine, "name": machine, "endpointUrl": format!("opc.tcp://127.0.0.1:{port}"),
@@ -111,9 +143,9 @@ pub async fn add_sources(world: &World, connector: &Api, factory_id: &str) -> an
         let status: Value = connector.get("/api/v1/status").await.map_err(|e| format!("{e:#}"))?;
         let sources = status["sources"].as_array().cloned().unwrap_or_default();
         let is_live = |source: &Value| {
-            source["state"]
-                .as_str()
-                .is_some_and(|state| ["connected", "live", "up"].contains(&state.to_lowercase().as_str()))
+            source["state"].as_str().is_some_and(|state| {
+                ["connected", "live", "up"].contains(&state.to_lowercase().as_str())
+            })
         };
         if sources.len() >= 3 && sources.iter().all(is_live) {
             Ok(format!("{} machines", sources.len()))
@@ -138,8 +170,9 @@ pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
     eventually("both factories accept their part", PATIENCE, || async {
         let view: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
         let parts = view["parts"].as_array().cloned().unwrap_or_default();
-        let is_answered =
-            |part: &Value| ["ACCEPTED", "UNCHANGED"].contains(&part["state"].as_str().unwrap_or_default());
+        let is_answered = |part: &Value| {
+            ["ACCEPTED", "UNCHANGED"].contains(&part["state"].as_str().unwrap_or_default())
+        };
         if parts.len() == 2 && parts.iter().all(is_answered) {
             Ok(format!("revision {}", view["revision"]))
         } else {
@@ -164,9 +197,15 @@ pub struct StoryDecision {
     pub decision: Value,
 }
 
-fn mapped(machine: &str, key: &str, value_type: &str, unit: Option<&str>, steps: Value, disclosure: Value) -> Value {
-    let mut input =
-        json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
+fn mapped(
+    machine: &str,
+    key: &str,
+    value_type: &str,
+    unit: Option<&str>,
+    steps: Value,
+    disclosure: Value,
+) -> Value {
+    let mut input = json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
     if let Some(unit) = unit {
         input["unit"] = json!(unit);
     }
@@ -174,8 +213,8 @@ fn mapped(machine: &str, key: &str, value_type: &str, unit: Option<&str>, steps:
             "disclosure": disclosure })
 }
 
-/// What the two engineers decide: a built-in function, a unit conversion, a script, a field left to OPC UA clients, one
-/// for the operator, and one refused.
+/// What the two engineers decide: a built-in function, a unit conversion, a script, a field left to
+/// OPC UA clients, one for the operator, and one refused.
 #[must_use]
 pub fn decisions() -> Vec<StoryDecision> {
     let state_script = "const STATES = ['AllowedToStart', 'Running', 'Interrupted', 'Interrupted'];\n\
@@ -302,7 +341,8 @@ pub fn field_path(operation: &str, request: &str, field: &str) -> String {
     format!("/api/v1/fields/{NETWORK}/{operation}/{request}/{field}")
 }
 
-/// Takes the decisions of one factory's engineer through the API that the page uses; decided fields stay as they are.
+/// Takes the decisions of one factory's engineer through the API that the page uses; decided fields
+/// stay as they are.
 ///
 /// # Errors
 /// When the connector refuses one.
@@ -328,8 +368,10 @@ fn field_state(document: &Value, name: &str) -> Option<String> {
     match document {
         Value::Array(items) => items.iter().find_map(|item| field_state(item, name)),
         Value::Object(members) => {
-            let names_field = members.get("name").or_else(|| members.get("fieldName")).is_some_and(|n| n == name);
-            if names_field && let Some(state) = members.get("mappingState").and_then(Value::as_str) {
+            let names_field =
+                members.get("name").or_else(|| members.get("fieldName")).is_some_and(|n| n == name);
+            if names_field && let Some(state) = members.get("mappingState").and_then(Value::as_str)
+            {
                 return Some(state.to_owned());
             }
             members.values().find_map(|member| field_state(member, name))

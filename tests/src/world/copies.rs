@@ -14,7 +14,8 @@ impl World {
     /// When it cannot be copied.
     pub fn copy_connector(&self, factory_id: &str) -> anyhow::Result<()> {
         let [original, copy] = self.original_and_copy(factory_id);
-        let copied = std::process::Command::new("cp").arg("-a").args([&original, &copy]).status()?;
+        let copied =
+            std::process::Command::new("cp").arg("-a").args([&original, &copy]).status()?;
         anyhow::ensure!(copied.success(), "copying {} failed", original.display());
         Ok(())
     }

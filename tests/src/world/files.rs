@@ -11,8 +11,14 @@ use crate::scenario::frame_order::{BUYER, HAMBURG, MUNICH};
 pub(super) fn write_all(places: &Places) -> anyhow::Result<()> {
     write_once(&places.folder.join("platform.toml"), &platform(places))?;
     for factory_id in [MUNICH, HAMBURG] {
-        write_once(&places.folder.join(format!("connector-{factory_id}.toml")), &connector(places, factory_id)?)?;
-        write_once(&places.folder.join(format!("machines-{factory_id}.toml")), &machines(places, factory_id)?)?;
+        write_once(
+            &places.folder.join(format!("connector-{factory_id}.toml")),
+            &connector(places, factory_id)?,
+        )?;
+        write_once(
+            &places.folder.join(format!("machines-{factory_id}.toml")),
+            &machines(places, factory_id)?,
+        )?;
     }
     Ok(())
 }
@@ -26,7 +32,9 @@ fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
 
 fn platform(places: &Places) -> String {
     let Places { platform_web, broker_tls, broker_plain, broker_detour, folder, .. } = places;
-    let detour = broker_detour.map(|port| format!("public_url = \"amqps://127.0.0.1:{port}\"\n")).unwrap_or_default();
+    let detour = broker_detour
+        .map(|port| format!("public_url = \"amqps://127.0.0.1:{port}\"\n"))
+        .unwrap_or_default();
     format!(
         r#"data_directory = "{folder}/platform"
 
@@ -85,16 +93,24 @@ fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
     let [first, second, third] = factory.machines;
     let (seed, machines) = if factory_id == MUNICH {
         let machines = [
-            format!("name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\ncycle_seconds = 5.0"),
-            format!("name = \"Conveyor1\"\nkind = \"conveyor\"\nport = {second}\ncycle_seconds = 7.0"),
-            format!("name = \"Robot1\"\nkind = \"robot\"\nport = {third}\nasset_id = \"GRU_Robot_eDO_1\""),
+            format!(
+                "name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\ncycle_seconds = 5.0"
+            ),
+            format!(
+                "name = \"Conveyor1\"\nkind = \"conveyor\"\nport = {second}\ncycle_seconds = 7.0"
+            ),
+            format!(
+                "name = \"Robot1\"\nkind = \"robot\"\nport = {third}\nasset_id = \"GRU_Robot_eDO_1\""
+            ),
         ];
         (4711, machines)
     } else {
         let machines = [
             format!("name = \"Press1\"\nkind = \"press\"\nport = {first}\ncycle_seconds = 9.0"),
             format!("name = \"Conveyor2\"\nkind = \"conveyor\"\nport = {second}"),
-            format!("name = \"Robot2\"\nkind = \"robot\"\nport = {third}\nasset_id = \"HAM_Robot_1\""),
+            format!(
+                "name = \"Robot2\"\nkind = \"robot\"\nport = {third}\nasset_id = \"HAM_Robot_1\""
+            ),
         ];
         (4712, machines)
     };

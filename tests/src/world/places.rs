@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::frame_order::{HAMBURG, MUNICH};
 
-/// The folder and the ports of one world; kept in the folder, so that a second start finds everything again.
+/// The folder and the ports of one world; kept in the folder, so that a second start finds
+/// everything again.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Places {
     /// Configuration, data and logs.
@@ -44,16 +45,19 @@ pub struct FactoryPlaces {
 const FILE: &str = "ports.json";
 
 impl Places {
-    /// The places of an earlier start in this folder; for the first start well-known ports where they are free.
+    /// The places of an earlier start in this folder; for the first start well-known ports where
+    /// they are free.
     ///
     /// # Errors
     /// When the folder cannot be made or its notes cannot be read.
     pub fn in_folder(folder: PathBuf) -> anyhow::Result<Self> {
-        std::fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("making the folder {}", folder.display()))?;
         let folder = folder.canonicalize()?;
         let file = folder.join(FILE);
         let mut places: Self = match std::fs::read(&file) {
-            Ok(notes) => serde_json::from_slice(&notes).with_context(|| format!("reading {}", file.display()))?,
+            Ok(notes) => serde_json::from_slice(&notes)
+                .with_context(|| format!("reading {}", file.display()))?,
             Err(_) => {
                 let places = Self::well_known()?;
                 std::fs::write(&file, serde_json::to_vec_pretty(&places)?)?;
@@ -65,9 +69,14 @@ impl Places {
     }
 
     fn well_known() -> anyhow::Result<Self> {
-        let ports: [u16; 15] =
-            [8080, 5671, 5672, 8091, 4841, 8191, 4851, 4852, 4853, 8092, 4842, 8192, 4861, 4862, 4863];
-        let all_free = ports.iter().map(|&p| TcpListener::bind(("127.0.0.1", p))).collect::<Result<Vec<_>, _>>();
+        let ports: [u16; 15] = [
+            8080, 5671, 5672, 8091, 4841, 8191, 4851, 4852, 4853, 8092, 4842, 8192, 4861, 4862,
+            4863,
+        ];
+        let all_free = ports
+            .iter()
+            .map(|&p| TcpListener::bind(("127.0.0.1", p)))
+            .collect::<Result<Vec<_>, _>>();
         Ok(Self::from_ports(if all_free.is_ok() { ports } else { free_ports::reserve()? }))
     }
 

@@ -25,7 +25,11 @@ fn asi(arguments: &[&str], input: &str) -> Run {
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     let output = child.wait_with_output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-    Run { code: output.status.code().unwrap(), out: text(&output.stdout), err: text(&output.stderr) }
+    Run {
+        code: output.status.code().unwrap(),
+        out: text(&output.stdout),
+        err: text(&output.stderr),
+    }
 }
 
 fn example(name: &str) -> PathBuf {
@@ -62,14 +66,24 @@ fn faults_end_with_one_and_troubles_with_two() {
             "/revision: The member revision is missing. [MISSING_MEMBER]",
         ),
         (vec!["validate", "-"], "frames!", 1, "[NOT_JSON]"),
-        (vec!["validate"], r#"{"Messages":[{"Payload":{"a":{"Type":1,"Body":"false"}}}]}"#, 0, "note: "),
+        (
+            vec!["validate"],
+            r#"{"Messages":[{"Payload":{"a":{"Type":1,"Body":"false"}}}]}"#,
+            0,
+            "note: ",
+        ),
         (
             vec!["validate", "--strict"],
             r#"{"MessageType":"ua-data","Messages":[{"Payload":{"a":{"Type":1,"Body":"no"}}}]}"#,
             1,
             "[DEVIATION]",
         ),
-        (vec!["validate", "--factory", "OTHER", &path("operation-network.json")], "", 1, "[WRONG_FACTORY]"),
+        (
+            vec!["validate", "--factory", "OTHER", &path("operation-network.json")],
+            "",
+            1,
+            "[WRONG_FACTORY]",
+        ),
         (vec!["nodeset", "types"], "", 0, "ActivityStatusInterfaceType"),
         (vec!["explain"], r#"{"messageType":"gap"}"#, 1, "MISSING_MEMBER"),
     ] {
@@ -97,8 +111,9 @@ fn the_acknowledgement_is_printed() {
     let message: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     assert_eq!(message["result"], "ACCEPTED");
     assert_eq!(message["correlationId"], "0190c0de-0000-7000-8000-000000000001");
-    let text =
-        std::fs::read_to_string(example("operation-network.json")).unwrap().replace("\"type\": 9", "\"type\": 99");
+    let text = std::fs::read_to_string(example("operation-network.json"))
+        .unwrap()
+        .replace("\"type\": 9", "\"type\": 99");
     let run = asi(&["validate", "--json", "--factory", "FOR_MUC"], &text);
     assert_eq!(run.code, 1);
     let message: serde_json::Value = serde_json::from_str(&run.out).unwrap();
@@ -115,7 +130,11 @@ fn encodings_convert_into_each_other() {
         serde_json::from_str(&std::fs::read_to_string(example("ua-data.json")).unwrap()).unwrap();
     let compact = asi(&["convert", "--to", "1.05-compact", &path("ua-data.json")], "");
     assert_eq!((compact.code, compact.err.as_str()), (0, ""));
-    assert!(compact.out.contains(r#""progressStatus":{"UaType":9,"Value":"1"}"#), "{}", compact.out);
+    assert!(
+        compact.out.contains(r#""progressStatus":{"UaType":9,"Value":"1"}"#),
+        "{}",
+        compact.out
+    );
     let back = asi(&["convert", "--to", "digicor"], &compact.out);
     assert_eq!(serde_json::from_str::<serde_json::Value>(&back.out).unwrap(), digicor);
     // Bare values need the metadata's types.
@@ -124,12 +143,29 @@ fn encodings_convert_into_each_other() {
     let verbose = asi(&["convert", "--to", "1.05-verbose", &path("ua-data.json")], "");
     std::fs::write(&file, &verbose.out).unwrap();
     let guessed = asi(&["convert", "--to", "digicor", file.to_str().unwrap()], "");
-    assert!(guessed.out.contains(r#""progressStatus":{"Type":12,"Body":"1"}"#) && guessed.err.contains("guess"));
-    let told =
-        asi(&["convert", "--to", "digicor", "--meta-data", &path("ua-metadata.json"), file.to_str().unwrap()], "");
+    assert!(
+        guessed.out.contains(r#""progressStatus":{"Type":12,"Body":"1"}"#)
+            && guessed.err.contains("guess")
+    );
+    let told = asi(
+        &[
+            "convert",
+            "--to",
+            "digicor",
+            "--meta-data",
+            &path("ua-metadata.json"),
+            file.to_str().unwrap(),
+        ],
+        "",
+    );
     assert!(told.out.contains(r#""progressStatus":{"Type":9,"Body":"1"}"#), "{}", told.out);
-    let explained = asi(&["explain", "--meta-data", &path("ua-metadata.json"), &path("ua-data.json")], "");
-    assert!(explained.out.contains("progressStatus: UInt64 \"1\" piece (PRODUCED_QUANTITY)"), "{}", explained.out);
+    let explained =
+        asi(&["explain", "--meta-data", &path("ua-metadata.json"), &path("ua-data.json")], "");
+    assert!(
+        explained.out.contains("progressStatus: UInt64 \"1\" piece (PRODUCED_QUANTITY)"),
+        "{}",
+        explained.out
+    );
 }
 
 #[test]

@@ -45,8 +45,9 @@ impl From<Mismatch<'_, '_>> for PubSubError {
     }
 }
 
-/// Reads a message in any encoding and layout. A field that cannot be read gets a Bad status and a diagnostic; the
-/// others stay. Bare values without metadata get the likeliest type, with a diagnostic.
+/// Reads a message in any encoding and layout. A field that cannot be read gets a Bad status and a
+/// diagnostic; the others stay. Bare values without metadata get the likeliest type, with a
+/// diagnostic.
 ///
 /// # Errors
 /// [`PubSubError`] where the bytes are not a PubSub message.
@@ -54,11 +55,16 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, PubSubError> {
     decode_described(bytes, Leniency::Lenient, &())
 }
 
-/// As [`decode`], with the metadata that bare values, structures and namespace indexes need, and as strict as wanted.
+/// As [`decode`], with the metadata that bare values, structures and namespace indexes need, and as
+/// strict as wanted.
 ///
 /// # Errors
 /// [`PubSubError`] where the bytes are not a PubSub message.
-pub fn decode_described(bytes: &[u8], leniency: Leniency, lookup: &dyn MetaDataLookup) -> Result<Decoded, PubSubError> {
+pub fn decode_described(
+    bytes: &[u8],
+    leniency: Leniency,
+    lookup: &dyn MetaDataLookup,
+) -> Result<Decoded, PubSubError> {
     let tape = Tape::read(bytes, LIMITS)?;
     if let Some(pointer) = tape.duplicates().next() {
         return Err(PubSubError::Duplicate { pointer });
@@ -91,7 +97,9 @@ fn object<'t, 'a, 'd>(
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
     let message_type = root.get("MessageType").and_then(Node::text);
     match message_type.as_deref() {
-        Some("ua-metadata") if root.get("MetaData").is_some() => decode_meta_data::message(root, decoder),
+        Some("ua-metadata") if root.get("MetaData").is_some() => {
+            decode_meta_data::message(root, decoder)
+        }
         Some("ua-status") if root.get("Status").is_some() => status(root, decoder),
         Some("ua-data") | None if root.get("Messages").is_some() => {
             if message_type.is_none() {
@@ -108,16 +116,25 @@ fn object<'t, 'a, 'd>(
             Err(Mismatch::new(root, missing))
         }
         Some(other) if other.starts_with("ua-") && !decode_message::is_data_set_message(root) => {
-            Ok(PubSubMessage::Other { message_type: other.into(), message_id: message_id(root, decoder)? })
+            Ok(PubSubMessage::Other {
+                message_type: other.into(),
+                message_id: message_id(root, decoder)?,
+            })
         }
         _ => {
             let message = decode_message::data_set_message(root, decoder, lookup, None)?;
-            Ok(PubSubMessage::Data(NetworkMessage { messages: vec![message], ..NetworkMessage::default() }))
+            Ok(PubSubMessage::Data(NetworkMessage {
+                messages: vec![message],
+                ..NetworkMessage::default()
+            }))
         }
     }
 }
 
-fn status<'t, 'a>(root: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
+fn status<'t, 'a>(
+    root: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
     const EXPECTED: &str = "Status must be a PubSubState: a number from 0 to 4 or its name";
     let node = root.get("Status").unwrap_or(root);
     let state = match node.integer::<usize>() {
@@ -149,14 +166,19 @@ pub(super) fn message_id<'t, 'a>(
     match MessageId::new(text(node)?) {
         Ok(id) => Ok(Some(id)),
         Err(_) => {
-            decoder.tolerate(node, "the MessageId must be 1 to 128 printable ASCII characters without blanks")?;
+            decoder.tolerate(
+                node,
+                "the MessageId must be 1 to 128 printable ASCII characters without blanks",
+            )?;
             Ok(None)
         }
     }
 }
 
 /// The publisher id: a string, or a number as 1.04 also allowed.
-pub(super) fn publisher_id<'t, 'a>(root: Node<'t, 'a>) -> Result<Option<std::sync::Arc<str>>, Mismatch<'t, 'a>> {
+pub(super) fn publisher_id<'t, 'a>(
+    root: Node<'t, 'a>,
+) -> Result<Option<std::sync::Arc<str>>, Mismatch<'t, 'a>> {
     match root.get("PublisherId") {
         None => Ok(None),
         Some(node) if node.is_null() => Ok(None),

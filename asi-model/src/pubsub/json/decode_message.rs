@@ -11,8 +11,8 @@ use crate::{
         decode_scalar::{guid, integer, text},
     },
     pubsub::{
-        DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldRepresentation, MetaDataLookup, MetaDataVersion,
-        NetworkMessage, PayloadField,
+        DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldRepresentation, MetaDataLookup,
+        MetaDataVersion, NetworkMessage, PayloadField,
     },
     values::{BuiltInType, DataValue},
 };
@@ -30,7 +30,8 @@ pub(super) fn network_message<'t, 'a, 'd>(
         messages: Vec::new(),
     };
     if let Some(messages) = root.get("Messages") {
-        message.messages = data_set_messages(messages, decoder, lookup, message.publisher_id.as_deref())?;
+        message.messages =
+            data_set_messages(messages, decoder, lookup, message.publisher_id.as_deref())?;
     }
     Ok(message)
 }
@@ -43,9 +44,10 @@ pub(super) fn data_set_messages<'t, 'a, 'd>(
     publisher_id: Option<&str>,
 ) -> Result<Vec<DataSetMessage>, Mismatch<'t, 'a>> {
     match node.kind() {
-        Kind::Array => {
-            node.elements().map(|element| data_set_message(element, decoder, lookup, publisher_id)).collect()
-        }
+        Kind::Array => node
+            .elements()
+            .map(|element| data_set_message(element, decoder, lookup, publisher_id))
+            .collect(),
         _ => Ok(vec![data_set_message(node, decoder, lookup, publisher_id)?]),
     }
 }
@@ -104,12 +106,15 @@ fn header<'t, 'a>(
                 message.sequence_number = Some(integer(value, "a number from 0 to 4294967295")?);
             }
             "MetaDataVersion" => message.meta_data_version = Some(meta_data_version(value)?),
-            "MinorVersion" => message.minor_version = Some(integer(value, "a number from 0 to 4294967295")?),
+            "MinorVersion" => {
+                message.minor_version = Some(integer(value, "a number from 0 to 4294967295")?)
+            }
             "Timestamp" => message.timestamp = Some(decoder.date_time(value)?),
             "Status" => message.status = decoder.status_code(value)?,
             "MessageType" => {
-                message.kind = DataSetMessageKind::from_name(&text(value)?)
-                    .ok_or_else(|| Mismatch::new(value, "the MessageType is none of a DataSetMessage"))?;
+                message.kind = DataSetMessageKind::from_name(&text(value)?).ok_or_else(|| {
+                    Mismatch::new(value, "the MessageType is none of a DataSetMessage")
+                })?;
             }
             "Payload" => payload = Some(value),
             _ => {}
@@ -127,7 +132,9 @@ fn writer_id<'t, 'a>(node: Node<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
     from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
 }
 
-pub(super) fn meta_data_version<'t, 'a>(node: Node<'t, 'a>) -> Result<MetaDataVersion, Mismatch<'t, 'a>> {
+pub(super) fn meta_data_version<'t, 'a>(
+    node: Node<'t, 'a>,
+) -> Result<MetaDataVersion, Mismatch<'t, 'a>> {
     let part = |name: &str| match node.get(name) {
         Some(part) => integer(part, "a number from 0 to 4294967295"),
         // Compact leaves out zeros.
@@ -154,7 +161,8 @@ fn fields<'t, 'a>(
         let name: Arc<str> = key.text().unwrap_or_default().into();
         let described = meta_data.and_then(|known| described_field(known, index, &name));
         // A described value of any type names its type; there is nothing to go by but its shape.
-        let hint = described.filter(|field| field.built_in_type != BuiltInType::Variant).map(Into::into);
+        let hint =
+            described.filter(|field| field.built_in_type != BuiltInType::Variant).map(Into::into);
         let value = match decoder.value(node, hint) {
             Ok(value) => {
                 match &value {
@@ -162,9 +170,12 @@ fn fields<'t, 'a>(
                     DecodedValue::DataValue(_) => has_data_value = true,
                     DecodedValue::Bare(value) => has_bare |= !value.is_null(),
                 }
-                let is_status = described.is_some_and(|field| field.built_in_type == BuiltInType::StatusCode);
+                let is_status =
+                    described.is_some_and(|field| field.built_in_type == BuiltInType::StatusCode);
                 match value {
-                    DecodedValue::Variant(value) if is_status => DataValue { value, ..DataValue::default() },
+                    DecodedValue::Variant(value) if is_status => {
+                        DataValue { value, ..DataValue::default() }
+                    }
                     value => value.into_data_value(),
                 }
             }
@@ -183,8 +194,8 @@ fn fields<'t, 'a>(
     Ok(())
 }
 
-/// The metadata of a field: usually at the same place, else wherever its name is (among the first few hundred, so that
-/// a foreign order stays cheap).
+/// The metadata of a field: usually at the same place, else wherever its name is (among the first
+/// few hundred, so that a foreign order stays cheap).
 fn described_field<'m>(
     meta_data: &'m DataSetMetaData,
     index: usize,
@@ -192,5 +203,6 @@ fn described_field<'m>(
 ) -> Option<&'m crate::pubsub::FieldMetaData> {
     const SEARCHED_MAX: usize = 512;
     let at_place = meta_data.fields.get(index).filter(|field| &*field.name == name);
-    at_place.or_else(|| meta_data.fields.iter().take(SEARCHED_MAX).find(|field| &*field.name == name))
+    at_place
+        .or_else(|| meta_data.fields.iter().take(SEARCHED_MAX).find(|field| &*field.name == name))
 }

@@ -16,8 +16,8 @@ use crate::{
     },
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, PubSubMessage},
     values::{
-        BuiltInType, EnumType, EnumValue, LocalizedText, NodeId, SimpleType, StructureField, StructureKind,
-        StructureType,
+        BuiltInType, EnumType, EnumValue, LocalizedText, NodeId, SimpleType, StructureField,
+        StructureKind, StructureType,
     },
 };
 
@@ -32,13 +32,17 @@ pub(super) fn message<'t, 'a>(
     root: Node<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
-    let writer = root.get("DataSetWriterId").ok_or_else(|| Mismatch::new(root, "DataSetWriterId is missing"))?;
+    let writer = root
+        .get("DataSetWriterId")
+        .ok_or_else(|| Mismatch::new(root, "DataSetWriterId is missing"))?;
     let from_text = writer.text().and_then(|text| text.parse().ok());
-    let meta_data = root.get("MetaData").ok_or_else(|| Mismatch::new(root, "MetaData is missing"))?;
+    let meta_data =
+        root.get("MetaData").ok_or_else(|| Mismatch::new(root, "MetaData is missing"))?;
     Ok(PubSubMessage::MetaData(Box::new(MetaDataMessage {
         message_id: message_id(root, decoder)?,
         publisher_id: publisher_id(root)?,
-        data_set_writer_id: from_text.map_or_else(|| integer(writer, "a DataSetWriterId from 0 to 65535"), Ok)?,
+        data_set_writer_id: from_text
+            .map_or_else(|| integer(writer, "a DataSetWriterId from 0 to 65535"), Ok)?,
         writer_group_name: optional_text(root, "WriterGroupName")?,
         data_set_writer_name: optional_text(root, "DataSetWriterName")?,
         timestamp: root.get("Timestamp").map(|time| decoder.date_time(time)).transpose()?,
@@ -58,24 +62,39 @@ fn list<'t, 'a>(
             return Err(Mismatch::new(list, "expected an array"));
         }
         if list.elements().count() > count_max {
-            return Err(Mismatch::out_of_range(list, format!("at most {count_max} elements are accepted")));
+            return Err(Mismatch::out_of_range(
+                list,
+                format!("at most {count_max} elements are accepted"),
+            ));
         }
     }
     Ok(found.into_iter().flat_map(Node::elements))
 }
 
-fn data_set<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<DataSetMetaData, Mismatch<'t, 'a>> {
+fn data_set<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<DataSetMetaData, Mismatch<'t, 'a>> {
     if node.kind() != Kind::Object {
         return Err(Mismatch::new(node, "MetaData must be an object"));
     }
-    let namespaces: Vec<Arc<str>> =
-        list(node, "Namespaces", FIELDS_MAX)?.map(|uri| text(uri).map(Arc::from)).collect::<Result<_, _>>()?;
+    let namespaces: Vec<Arc<str>> = list(node, "Namespaces", FIELDS_MAX)?
+        .map(|uri| text(uri).map(Arc::from))
+        .collect::<Result<_, _>>()?;
     // Ids in the metadata use its own namespaces.
     let mut known = DataSetMetaData {
         name: optional_text(node, "Name")?.unwrap_or_default(),
         description: description(node)?,
-        data_set_class_id: node.get("DataSetClassId").filter(|id| !id.is_null()).map(guid).transpose()?,
-        configuration_version: node.get("ConfigurationVersion").map(meta_data_version).transpose()?.unwrap_or_default(),
+        data_set_class_id: node
+            .get("DataSetClassId")
+            .filter(|id| !id.is_null())
+            .map(guid)
+            .transpose()?,
+        configuration_version: node
+            .get("ConfigurationVersion")
+            .map(meta_data_version)
+            .transpose()?
+            .unwrap_or_default(),
         ..DataSetMetaData::default()
     };
     let mut local = Decoder::new(decoder.leniency(), &[], &namespaces);
@@ -122,15 +141,20 @@ fn max_string_length<'t, 'a>(node: Node<'t, 'a>) -> Result<u32, Mismatch<'t, 'a>
     node.get("MaxStringLength").map_or(Ok(0), |length| integer(length, "a length"))
 }
 
-fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldMetaData, Mismatch<'t, 'a>> {
+fn field<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<FieldMetaData, Mismatch<'t, 'a>> {
     let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
-    let built_in = node.get("BuiltInType").ok_or_else(|| Mismatch::new(node, "BuiltInType is missing"))?;
+    let built_in =
+        node.get("BuiltInType").ok_or_else(|| Mismatch::new(node, "BuiltInType is missing"))?;
     let built_in_type = match integer::<u64>(built_in, "the id of a built-in type")? {
         // 26 to 29 are the abstract Number, Integer, UInteger and Enumeration of other editions.
         26..=28 => BuiltInType::Variant,
         29 => BuiltInType::Int32,
-        id => BuiltInType::from_id(id)
-            .ok_or_else(|| Mismatch::out_of_range(built_in, "expected the id of a built-in type, 1 to 25"))?,
+        id => BuiltInType::from_id(id).ok_or_else(|| {
+            Mismatch::out_of_range(built_in, "expected the id of a built-in type, 1 to 25")
+        })?,
     };
     let field_id = match node.get("DataSetFieldId") {
         Some(id) if !id.is_null() => guid(id)?,
@@ -158,14 +182,22 @@ fn field<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<FieldM
 }
 
 /// An enumeration; one without id describes nothing.
-fn enum_type<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<Option<EnumType>, Mismatch<'t, 'a>> {
+fn enum_type<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<Option<EnumType>, Mismatch<'t, 'a>> {
     let Some(id) = node.get("DataTypeId") else { return Ok(None) };
     let mut values = Vec::new();
-    if let Some(definition) = node.get("EnumDefinition").filter(|definition| !definition.is_null()) {
+    if let Some(definition) = node.get("EnumDefinition").filter(|definition| !definition.is_null())
+    {
         for value in list(definition, "Fields", TYPE_FIELDS_MAX)? {
-            let part = |name: &str| value.get(name).map(localized_text).transpose().map(Option::unwrap_or_default);
+            let part = |name: &str| {
+                value.get(name).map(localized_text).transpose().map(Option::unwrap_or_default)
+            };
             let display_name = part("DisplayName")?;
-            let number = value.get("Value").map(|number| decoder.integer_64(number, "an Int64 as a string of digits"));
+            let number = value
+                .get("Value")
+                .map(|number| decoder.integer_64(number, "an Int64 as a string of digits"));
             let name = match value.get("Name").filter(|name| !name.is_null()) {
                 Some(name) => text(name)?.into(),
                 None => display_name.text.clone().unwrap_or_default(),
@@ -187,10 +219,20 @@ fn enum_type<'t, 'a>(node: Node<'t, 'a>, decoder: &mut Decoder<'_>) -> Result<Op
 }
 
 /// Another name for a simple type; one without id describes nothing.
-fn simple_type<'t, 'a>(node: Node<'t, 'a>, decoder: &Decoder<'_>) -> Result<Option<SimpleType>, Mismatch<'t, 'a>> {
+fn simple_type<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &Decoder<'_>,
+) -> Result<Option<SimpleType>, Mismatch<'t, 'a>> {
     let Some(id) = node.get("DataTypeId") else { return Ok(None) };
-    let base_type = node.get("BaseDataType").filter(|id| !id.is_null()).map(|id| decoder.node_id(id)).transpose()?;
-    let inherited = base_type.as_ref().map(built_in_type_of).filter(|found| *found != BuiltInType::ExtensionObject);
+    let base_type = node
+        .get("BaseDataType")
+        .filter(|id| !id.is_null())
+        .map(|id| decoder.node_id(id))
+        .transpose()?;
+    let inherited = base_type
+        .as_ref()
+        .map(built_in_type_of)
+        .filter(|found| *found != BuiltInType::ExtensionObject);
     let built_in_type = stated_type(node).or(inherited).unwrap_or(BuiltInType::Variant);
     Ok(Some(SimpleType {
         type_id: decoder.node_id(id)?,
@@ -204,7 +246,10 @@ fn stated_type(node: Node<'_, '_>) -> Option<BuiltInType> {
     node.get("BuiltInType").and_then(Node::integer).and_then(BuiltInType::from_id)
 }
 
-fn type_name<'t, 'a>(node: Node<'t, 'a>, decoder: &Decoder<'_>) -> Result<Arc<str>, Mismatch<'t, 'a>> {
+fn type_name<'t, 'a>(
+    node: Node<'t, 'a>,
+    decoder: &Decoder<'_>,
+) -> Result<Arc<str>, Mismatch<'t, 'a>> {
     let name = node.get("Name").map(|name| decoder.qualified_name(name)).transpose()?;
     Ok(name.and_then(|name| name.name).unwrap_or_default())
 }
@@ -216,8 +261,13 @@ fn structure_type<'t, 'a>(
 ) -> Result<StructureType, Mismatch<'t, 'a>> {
     let missing = |name: &str| Mismatch::new(node, format!("{name} is missing"));
     let id = node.get("DataTypeId").ok_or_else(|| missing("DataTypeId"))?;
-    let definition = node.get("StructureDefinition").ok_or_else(|| missing("StructureDefinition"))?;
-    let kind = match definition.get("StructureType").map(|kind| integer::<u8>(kind, "0 to 4")).transpose()? {
+    let definition =
+        node.get("StructureDefinition").ok_or_else(|| missing("StructureDefinition"))?;
+    let kind = match definition
+        .get("StructureType")
+        .map(|kind| integer::<u8>(kind, "0 to 4"))
+        .transpose()?
+    {
         None | Some(0 | 3) => StructureKind::Plain,
         Some(1) => StructureKind::WithOptionalFields,
         Some(2 | 4) => StructureKind::Union,
@@ -250,7 +300,8 @@ fn structure_field<'t, 'a>(
         Some(id) => decoder.node_id(id)?,
         None => NodeId::ua(24),
     };
-    let built_in_type = aliases.get(&data_type).copied().unwrap_or_else(|| built_in_type_of(&data_type));
+    let built_in_type =
+        aliases.get(&data_type).copied().unwrap_or_else(|| built_in_type_of(&data_type));
     Ok(StructureField {
         name: text(name)?.into(),
         built_in_type,
@@ -263,22 +314,23 @@ fn structure_field<'t, 'a>(
     })
 }
 
-/// The built-in type behind a data type of namespace 0; a type of another namespace that is not listed as alias or
-/// enumeration is a structure.
+/// The built-in type behind a data type of namespace 0; a type of another namespace that is not
+/// listed as alias or enumeration is a structure.
 fn built_in_type_of(data_type: &NodeId) -> BuiltInType {
     use crate::values::{Identifier, Namespace};
-    let (Namespace::Ua, Identifier::Numeric(id)) = (&data_type.namespace, &data_type.identifier) else {
+    let (Namespace::Ua, Identifier::Numeric(id)) = (&data_type.namespace, &data_type.identifier)
+    else {
         return BuiltInType::ExtensionObject;
     };
     match id {
         1..=25 => BuiltInType::from_id(u64::from(*id)).unwrap_or(BuiltInType::Variant),
         26..=28 => BuiltInType::Variant,
         29 => BuiltInType::Int32,
-        290 => BuiltInType::Double,                                               // Duration
-        294 | 293 => BuiltInType::DateTime,                                       // UtcTime, Date
+        290 => BuiltInType::Double,         // Duration
+        294 | 293 => BuiltInType::DateTime, // UtcTime, Date
         295 | 291 | 12877 | 12878 | 12879 | 12880 | 12881 => BuiltInType::String, // LocaleId, NumericRange, texts
-        288 | 289 | 20998 => BuiltInType::UInt32,                                 // IntegerId, Counter, VersionTime
-        30 => BuiltInType::ByteString,                                            // Image
+        288 | 289 | 20998 => BuiltInType::UInt32, // IntegerId, Counter, VersionTime
+        30 => BuiltInType::ByteString,            // Image
         _ => BuiltInType::ExtensionObject,
     }
 }

@@ -7,27 +7,36 @@ use crate::{
     json::write,
     opcua_json::{Encoder, encode::write_name},
     pubsub::{
-        DataSetMessage, DataSetMessageKind, FieldMetaData, FieldRepresentation, MetaDataLookup, MetaDataVersion,
-        NetworkMessage, PubSubMessage, StatusMessage,
+        DataSetMessage, DataSetMessageKind, FieldMetaData, FieldRepresentation, MetaDataLookup,
+        MetaDataVersion, NetworkMessage, PubSubMessage, StatusMessage,
     },
     values::{BuiltInType, DataValue, StatusCode, Variant},
 };
 
-/// Writes a data message. Types that are not self-evident must be known to the receiver from metadata in
-/// [`Encoding::Verbose105`].
+/// Writes a data message. Types that are not self-evident must be known to the receiver from
+/// metadata in [`Encoding::Verbose105`].
 #[must_use]
 pub fn encode(message: &NetworkMessage, encoding: Encoding) -> Vec<u8> {
     encode_described(message, encoding, &())
 }
 
-/// As [`encode`], with the metadata at hand: namespaces that it lists are written as indexes in 1.04, structures as it
-/// describes them, and fields of abstract types keep their type in Verbose.
+/// As [`encode`], with the metadata at hand: namespaces that it lists are written as indexes in
+/// 1.04, structures as it describes them, and fields of abstract types keep their type in Verbose.
 #[must_use]
-pub fn encode_described(message: &NetworkMessage, encoding: Encoding, lookup: &dyn MetaDataLookup) -> Vec<u8> {
+pub fn encode_described(
+    message: &NetworkMessage,
+    encoding: Encoding,
+    lookup: &dyn MetaDataLookup,
+) -> Vec<u8> {
     let fields: usize = message.messages.iter().map(|part| part.fields.len()).sum();
     let mut out = Vec::with_capacity(256 + 160 * message.messages.len() + 64 * fields);
     out.push(b'{');
-    header(&mut out, message.message_id.as_ref().map(AsRef::as_ref), "ua-data", message.publisher_id.as_deref());
+    header(
+        &mut out,
+        message.message_id.as_ref().map(AsRef::as_ref),
+        "ua-data",
+        message.publisher_id.as_deref(),
+    );
     if let Some(group) = &message.writer_group_name {
         write_name(&mut out, "WriterGroupName");
         write::string(&mut out, group);
@@ -44,8 +53,12 @@ pub fn encode_described(message: &NetworkMessage, encoding: Encoding, lookup: &d
         let publisher_id = part.publisher_id.as_deref().or(message.publisher_id.as_deref());
         let meta_data = lookup.meta_data(publisher_id, part.data_set_writer_id);
         let encoder = match meta_data {
-            Some(known) => Encoder::described(encoding.data_encoding(), &known.namespaces, &known.structure_types)
-                .with_enum_types(&known.enum_types),
+            Some(known) => Encoder::described(
+                encoding.data_encoding(),
+                &known.namespaces,
+                &known.structure_types,
+            )
+            .with_enum_types(&known.enum_types),
             None => Encoder::new(encoding.data_encoding()),
         };
         let fields = meta_data.map_or(&[][..], |known| &known.fields);
@@ -76,8 +89,15 @@ pub fn encode_message(message: &PubSubMessage, encoding: Encoding) -> Vec<u8> {
 pub fn encode_status(message: &StatusMessage) -> Vec<u8> {
     let mut out = Vec::with_capacity(256);
     out.push(b'{');
-    header(&mut out, message.message_id.as_ref().map(AsRef::as_ref), "ua-status", message.publisher_id.as_deref());
-    for (name, time) in [("Timestamp", message.timestamp), ("NextReportTime", message.next_report_time)] {
+    header(
+        &mut out,
+        message.message_id.as_ref().map(AsRef::as_ref),
+        "ua-status",
+        message.publisher_id.as_deref(),
+    );
+    for (name, time) in
+        [("Timestamp", message.timestamp), ("NextReportTime", message.next_report_time)]
+    {
         if let Some(time) = time {
             write_name(&mut out, name);
             write::date_time(&mut out, time);
@@ -92,7 +112,12 @@ pub fn encode_status(message: &StatusMessage) -> Vec<u8> {
 }
 
 /// The members that every message begins with.
-pub(super) fn header(out: &mut Vec<u8>, message_id: Option<&str>, message_type: &str, publisher_id: Option<&str>) {
+pub(super) fn header(
+    out: &mut Vec<u8>,
+    message_id: Option<&str>,
+    message_type: &str,
+    publisher_id: Option<&str>,
+) {
     if let Some(message_id) = message_id {
         write_name(out, "MessageId");
         write::string(out, message_id);
@@ -133,7 +158,12 @@ impl DataSetWriter<'_> {
                 }
                 write::string(out, &field.name);
                 out.push(b':');
-                self.field(out, &field.value, message.representation, self.meta_data(index, &field.name));
+                self.field(
+                    out,
+                    &field.value,
+                    message.representation,
+                    self.meta_data(index, &field.name),
+                );
             }
             out.push(b'}');
         }
@@ -195,7 +225,8 @@ impl DataSetWriter<'_> {
     ) {
         let is_verbose = self.encoding == Encoding::Verbose105;
         // Verbose leaves out only types that metadata tells; an abstract one it cannot tell.
-        let is_type_known = is_verbose && meta_data.is_none_or(|field| field.built_in_type != BuiltInType::Variant);
+        let is_type_known =
+            is_verbose && meta_data.is_none_or(|field| field.built_in_type != BuiltInType::Variant);
         if representation == FieldRepresentation::DataValue {
             return if is_type_known {
                 self.encoder.data_value_without_type(out, value);
@@ -210,11 +241,16 @@ impl DataSetWriter<'_> {
                 self.encoder.variant(out, &value.value);
             };
         }
-        // OPC 10000-14 §6.2.4.2: as a Variant, Bad is the status alone and Uncertain a DataValue in the Variant.
+        // OPC 10000-14 §6.2.4.2: as a Variant, Bad is the status alone and Uncertain a DataValue in
+        // the Variant.
         let substitute = if value.status.is_bad() {
             Variant::from(value.status)
         } else {
-            let known = DataValue { value: value.value.clone(), status: value.status, ..DataValue::default() };
+            let known = DataValue {
+                value: value.value.clone(),
+                status: value.status,
+                ..DataValue::default()
+            };
             Variant::Scalar(crate::values::Scalar::DataValue(Box::new(known)))
         };
         self.encoder.variant(out, &substitute);

@@ -10,20 +10,34 @@ use crate::{
     json::write,
     opcua_json::{Encoder, encode::write_name},
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage},
-    values::{BuiltInType, EnumType, NodeId, QualifiedName, SimpleType, StructureKind, StructureType},
+    values::{
+        BuiltInType, EnumType, NodeId, QualifiedName, SimpleType, StructureKind, StructureType,
+    },
 };
 
 /// Writes a metadata message: in 1.04 reversible for `digicor`, else in 1.05 Compact.
 #[must_use]
 pub fn encode_meta_data(message: &MetaDataMessage, encoding: Encoding) -> Vec<u8> {
     let meta_data = &message.meta_data;
-    let encoder = Encoder::described(encoding.meta_data_encoding(), &meta_data.namespaces, &meta_data.structure_types);
+    let encoder = Encoder::described(
+        encoding.meta_data_encoding(),
+        &meta_data.namespaces,
+        &meta_data.structure_types,
+    );
     let mut out = Vec::with_capacity(512 + 256 * meta_data.fields.len());
     out.push(b'{');
-    header(&mut out, message.message_id.as_ref().map(AsRef::as_ref), "ua-metadata", message.publisher_id.as_deref());
+    header(
+        &mut out,
+        message.message_id.as_ref().map(AsRef::as_ref),
+        "ua-metadata",
+        message.publisher_id.as_deref(),
+    );
     write_name(&mut out, "DataSetWriterId");
     write::unsigned(&mut out, u64::from(message.data_set_writer_id));
-    let names = [("WriterGroupName", &message.writer_group_name), ("DataSetWriterName", &message.data_set_writer_name)];
+    let names = [
+        ("WriterGroupName", &message.writer_group_name),
+        ("DataSetWriterName", &message.data_set_writer_name),
+    ];
     for (name, text) in names {
         if let Some(text) = text.as_deref() {
             write_name(&mut out, name);
@@ -104,7 +118,10 @@ fn field(out: &mut Vec<u8>, field: &FieldMetaData, encoder: Encoder<'_>) {
     encoder.node_id(out, &field.data_type);
     shape(out, field.value_rank, &field.array_dimensions, field.max_string_length);
     write_name(out, "DataSetFieldId");
-    write::string(out, field.data_set_field_id.hyphenated().encode_lower(&mut uuid::Uuid::encode_buffer()));
+    write::string(
+        out,
+        field.data_set_field_id.hyphenated().encode_lower(&mut uuid::Uuid::encode_buffer()),
+    );
     if !field.properties.is_empty() {
         write_name(out, "Properties");
         list(out, &field.properties, |out, (key, value)| {
@@ -166,7 +183,8 @@ fn structure(out: &mut Vec<u8>, known: &StructureType, encoder: Encoder<'_>) {
     out.extend_from_slice(b"}}");
 }
 
-/// The members that every description of a data type begins with. The name is of the type's own namespace.
+/// The members that every description of a data type begins with. The name is of the type's own
+/// namespace.
 fn type_name(out: &mut Vec<u8>, type_id: &NodeId, name: &Arc<str>, encoder: Encoder<'_>) {
     out.extend_from_slice(b"{\"DataTypeId\":");
     encoder.node_id(out, type_id);
@@ -181,7 +199,9 @@ fn enumeration(out: &mut Vec<u8>, known: &EnumType, encoder: Encoder<'_>) {
     list(out, &known.values, |out, value| {
         out.extend_from_slice(b"{\"Value\":");
         write::string(out, &value.value.to_string());
-        for (name, text) in [("DisplayName", &value.display_name), ("Description", &value.description)] {
+        for (name, text) in
+            [("DisplayName", &value.display_name), ("Description", &value.description)]
+        {
             if text.locale.is_some() || text.text.is_some() {
                 write_name(out, name);
                 encoder.localized_text(out, text);

@@ -14,8 +14,8 @@ use crate::{
     },
     pubsub::*,
     values::{
-        BuiltInType, DataValue, EnumType, EnumValue, LocalizedText, QualifiedName, Scalar, SimpleType, StatusCode,
-        StructureKind, StructureType, Variant,
+        BuiltInType, DataValue, EnumType, EnumValue, LocalizedText, QualifiedName, Scalar,
+        SimpleType, StatusCode, StructureKind, StructureType, Variant,
     },
 };
 
@@ -35,7 +35,11 @@ fn guid() -> impl Strategy<Value = Uuid> {
 fn fields(representation: FieldRepresentation) -> impl Strategy<Value = Vec<PayloadField>> {
     vec(data_value(variant()), 0..5).prop_map(move |values| {
         let values = values.into_iter().enumerate();
-        values.map(|(number, value)| PayloadField::with(format!("f{number}"), carried(value, representation))).collect()
+        values
+            .map(|(number, value)| {
+                PayloadField::with(format!("f{number}"), carried(value, representation))
+            })
+            .collect()
     })
 }
 
@@ -44,16 +48,20 @@ fn carried(value: DataValue, representation: FieldRepresentation) -> DataValue {
     match (representation, &value.value) {
         (FieldRepresentation::DataValue, _) => value,
         (_, _) if value.status.is_bad() => DataValue::status_only(value.status, None),
-        // A status in a value's place is that of the field, and so is what a DataValue in a Variant says.
+        // A status in a value's place is that of the field, and so is what a DataValue in a Variant
+        // says.
         (_, Variant::Scalar(Scalar::StatusCode(_) | Scalar::DataValue(_))) => DataValue::default(),
         // Good is not written with its info bits where the value stands alone.
-        (_, _) if value.status.is_good() => DataValue { value: value.value, ..DataValue::default() },
+        (_, _) if value.status.is_good() => {
+            DataValue { value: value.value, ..DataValue::default() }
+        }
         (_, _) => DataValue { value: value.value, status: value.status, ..DataValue::default() },
     }
 }
 
 fn data_set_message() -> impl Strategy<Value = DataSetMessage> {
-    let kinds = [DataSetMessageKind::KeyFrame, DataSetMessageKind::DeltaFrame, DataSetMessageKind::Event];
+    let kinds =
+        [DataSetMessageKind::KeyFrame, DataSetMessageKind::DeltaFrame, DataSetMessageKind::Event];
     let versions = option::of(any::<(u32, u32)>());
     let numbers = (option::of(any::<u16>()), option::of(any::<u32>()), versions, any::<u32>());
     let texts = (some_text(), some_text());
@@ -72,7 +80,11 @@ fn data_set_message() -> impl Strategy<Value = DataSetMessage> {
                 status: StatusCode(numbers.3),
                 kind,
                 // Without a value that shows another form, the plain one is assumed.
-                representation: if fields.is_empty() { FieldRepresentation::Variant } else { representation },
+                representation: if fields.is_empty() {
+                    FieldRepresentation::Variant
+                } else {
+                    representation
+                },
                 fields,
             })
         },
@@ -82,12 +94,14 @@ fn data_set_message() -> impl Strategy<Value = DataSetMessage> {
 fn network_message() -> impl Strategy<Value = NetworkMessage> {
     let texts = (some_text(), some_text());
     (message_id(), texts, option::of(guid()), vec(data_set_message(), 0..3)).prop_map(
-        |(message_id, (publisher_id, writer_group_name), data_set_class_id, messages)| NetworkMessage {
-            message_id,
-            publisher_id,
-            writer_group_name,
-            data_set_class_id,
-            messages,
+        |(message_id, (publisher_id, writer_group_name), data_set_class_id, messages)| {
+            NetworkMessage {
+                message_id,
+                publisher_id,
+                writer_group_name,
+                data_set_class_id,
+                messages,
+            }
         },
     )
 }
@@ -97,24 +111,36 @@ fn localized() -> impl Strategy<Value = LocalizedText> {
 }
 
 fn said() -> impl Strategy<Value = Option<LocalizedText>> {
-    option::of((some_text(), arc_text()).prop_map(|(locale, text)| LocalizedText { locale, text: Some(text) }))
+    option::of(
+        (some_text(), arc_text())
+            .prop_map(|(locale, text)| LocalizedText { locale, text: Some(text) }),
+    )
 }
 
 fn enum_type() -> impl Strategy<Value = EnumType> {
-    let value = (any::<i64>(), arc_text(), localized(), localized())
-        .prop_map(|(value, name, display_name, description)| EnumValue { value, name, display_name, description });
+    let value = (any::<i64>(), arc_text(), localized(), localized()).prop_map(
+        |(value, name, display_name, description)| EnumValue {
+            value,
+            name,
+            display_name,
+            description,
+        },
+    );
     let built_in = select(vec![BuiltInType::Int32, BuiltInType::Byte, BuiltInType::UInt64]);
-    (node_id(), arc_text(), built_in, vec(value, 0..4)).prop_map(|(type_id, name, built_in_type, values)| EnumType {
-        type_id,
-        name,
-        built_in_type,
-        values,
-    })
+    (node_id(), arc_text(), built_in, vec(value, 0..4)).prop_map(
+        |(type_id, name, built_in_type, values)| EnumType { type_id, name, built_in_type, values },
+    )
 }
 
 fn simple_type() -> impl Strategy<Value = SimpleType> {
-    (node_id(), arc_text(), node_id(), select(BuiltInType::ALL.to_vec()))
-        .prop_map(|(type_id, name, base_type, built_in_type)| SimpleType { type_id, name, base_type, built_in_type })
+    (node_id(), arc_text(), node_id(), select(BuiltInType::ALL.to_vec())).prop_map(
+        |(type_id, name, base_type, built_in_type)| SimpleType {
+            type_id,
+            name,
+            base_type,
+            built_in_type,
+        },
+    )
 }
 
 /// The described structures, one of them with fields of a described enumeration and of an alias.
@@ -122,14 +148,17 @@ fn structure_types(enum_types: &[EnumType], simple_types: &[SimpleType]) -> Vec<
     let mut types = described();
     let named = enum_types.iter().map(|known| (&known.type_id, known.built_in_type));
     let named = named.chain(simple_types.iter().map(|known| (&known.type_id, known.built_in_type)));
-    let fields = named.enumerate().map(|(number, (id, built_in_type))| crate::values::StructureField {
-        data_type: id.clone(),
-        description: (number % 2 == 0)
-            .then(|| LocalizedText { locale: Some("en".into()), text: Some(format!("what f{number} means").into()) }),
-        array_dimensions: vec![0; number % 3],
-        max_string_length: u32::try_from(number).expect("few"),
-        ..crate::values::StructureField::scalar(&format!("f{number}"), built_in_type)
-    });
+    let fields =
+        named.enumerate().map(|(number, (id, built_in_type))| crate::values::StructureField {
+            data_type: id.clone(),
+            description: (number % 2 == 0).then(|| LocalizedText {
+                locale: Some("en".into()),
+                text: Some(format!("what f{number} means").into()),
+            }),
+            array_dimensions: vec![0; number % 3],
+            max_string_length: u32::try_from(number).expect("few"),
+            ..crate::values::StructureField::scalar(&format!("f{number}"), built_in_type)
+        });
     types.push(StructureType {
         type_id: crate::NodeId::string("urn:types", "Named"),
         encoding_ids: vec![crate::NodeId::string("urn:types", "NamedJson")],
@@ -141,8 +170,15 @@ fn structure_types(enum_types: &[EnumType], simple_types: &[SimpleType]) -> Vec<
 }
 
 fn field() -> impl Strategy<Value = FieldMetaData> {
-    let shape = (select(BuiltInType::ALL.to_vec()), node_id(), -3_i32..4, vec(any::<u32>(), 0..3), any::<u32>());
-    let name = (namespace(), arc_text()).prop_map(|(namespace, name)| QualifiedName { namespace, name: Some(name) });
+    let shape = (
+        select(BuiltInType::ALL.to_vec()),
+        node_id(),
+        -3_i32..4,
+        vec(any::<u32>(), 0..3),
+        any::<u32>(),
+    );
+    let name = (namespace(), arc_text())
+        .prop_map(|(namespace, name)| QualifiedName { namespace, name: Some(name) });
     (arc_text(), said(), any::<bool>(), shape, guid(), vec((name, variant()), 0..3)).prop_map(
         |(name, description, is_promoted, shape, data_set_field_id, properties)| {
             let (built_in_type, data_type, value_rank, array_dimensions, max_string_length) = shape;
@@ -163,21 +199,31 @@ fn field() -> impl Strategy<Value = FieldMetaData> {
 }
 
 fn meta_data() -> impl Strategy<Value = DataSetMetaData> {
-    let uris = vec("urn:[a-z]{1,8}", 0..4).prop_map(|uris| uris.into_iter().map(Arc::from).collect());
+    let uris =
+        vec("urn:[a-z]{1,8}", 0..4).prop_map(|uris| uris.into_iter().map(Arc::from).collect());
     let types = (vec(enum_type(), 0..3), vec(simple_type(), 0..3));
-    (arc_text(), said(), uris, types, vec(field(), 0..4), option::of(guid()), any::<(u32, u32)>()).prop_map(
-        |(name, description, namespaces, (enum_types, simple_types), fields, class, (major, minor))| DataSetMetaData {
-            name,
-            description,
-            namespaces,
-            structure_types: structure_types(&enum_types, &simple_types),
-            enum_types,
-            simple_types,
-            fields,
-            data_set_class_id: class,
-            configuration_version: MetaDataVersion { major, minor },
-        },
-    )
+    (arc_text(), said(), uris, types, vec(field(), 0..4), option::of(guid()), any::<(u32, u32)>())
+        .prop_map(
+            |(
+                name,
+                description,
+                namespaces,
+                (enum_types, simple_types),
+                fields,
+                class,
+                (major, minor),
+            )| DataSetMetaData {
+                name,
+                description,
+                namespaces,
+                structure_types: structure_types(&enum_types, &simple_types),
+                enum_types,
+                simple_types,
+                fields,
+                data_set_class_id: class,
+                configuration_version: MetaDataVersion { major, minor },
+            },
+        )
 }
 
 /// Knows the structures, and the fields' types not.

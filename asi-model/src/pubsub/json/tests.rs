@@ -57,11 +57,16 @@ fn every_encoding_reads_back() {
     let mut message = progress_report();
     message.messages[0].fields.push(PayloadField::with(
         "held",
-        DataValue { value: 1.5.into(), status: StatusCode::UNCERTAIN_LAST_USABLE_VALUE, ..DataValue::default() },
+        DataValue {
+            value: 1.5.into(),
+            status: StatusCode::UNCERTAIN_LAST_USABLE_VALUE,
+            ..DataValue::default()
+        },
     ));
-    message.messages[0]
-        .fields
-        .push(PayloadField::with("lost", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None)));
+    message.messages[0].fields.push(PayloadField::with(
+        "lost",
+        DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None),
+    ));
     for encoding in [Encoding::Digicor, Encoding::Compact105] {
         let bytes = encode(&message, encoding);
         let decoded = decode(&bytes).expect("our own message");
@@ -70,7 +75,8 @@ fn every_encoding_reads_back() {
     }
 }
 
-/// The figures of the paper as printed, deviations included: what is noted, and what we write instead.
+/// The figures of the paper as printed, deviations included: what is noted, and what we write
+/// instead.
 #[test]
 fn the_figures_of_the_paper_decode() {
     let figure_4 = r#"{"MessageId":"3ea281da-fad0-42e0-8c9a-713bd4257fec","MessageType":"ua-data",
@@ -97,7 +103,11 @@ fn the_figures_of_the_paper_decode() {
         "HealthInformation":{"Value":{"Type":12,"Body":"Brake worn "},
             "SourceTimestamp":"2019-03-26T18:28:53.1Z"}}}]}"#;
     for (figure, notes, corrected) in [
-        (figure_4, vec!["/Messages/0/Payload/progressStatus/Body"], r#""progressStatus":{"Type":9,"Body":"1"}"#),
+        (
+            figure_4,
+            vec!["/Messages/0/Payload/progressStatus/Body"],
+            r#""progressStatus":{"Type":9,"Body":"1"}"#,
+        ),
         (
             figure_5,
             vec![
@@ -118,17 +128,21 @@ fn the_figures_of_the_paper_decode() {
         ),
     ] {
         let decoded = decode(figure.as_bytes()).expect("a figure of the paper");
-        let noted: Vec<&str> = decoded.diagnostics.iter().map(|note| note.pointer.as_str()).collect();
+        let noted: Vec<&str> =
+            decoded.diagnostics.iter().map(|note| note.pointer.as_str()).collect();
         assert_eq!(noted, notes);
         let PubSubMessage::Data(message) = decoded.message else { panic!("ua-data") };
         let written = encoded(&message, Encoding::Digicor);
         assert!(written.contains(corrected), "{written}");
         assert_eq!(decode(written.as_bytes()).map(|again| again.diagnostics), Ok(vec![]));
-        assert_eq!(decode(written.as_bytes()).map(|again| again.message), Ok(PubSubMessage::Data(message)));
+        assert_eq!(
+            decode(written.as_bytes()).map(|again| again.message),
+            Ok(PubSubMessage::Data(message))
+        );
     }
     // Taken strictly, a quoted Boolean costs its field and nothing else.
-    let strict =
-        decode_described(figure_7.as_bytes(), crate::opcua_json::Leniency::Strict, &()).expect("still a message");
+    let strict = decode_described(figure_7.as_bytes(), crate::opcua_json::Leniency::Strict, &())
+        .expect("still a message");
     let PubSubMessage::Data(message) = strict.message else { panic!("ua-data") };
     let fields = &message.messages[0].fields;
     assert_eq!(fields[0].value.status, StatusCode::BAD_TYPE_MISMATCH);
@@ -140,7 +154,9 @@ fn every_header_layout_is_told_by_its_shape() {
     let payload = r#"{"a":{"Type":9,"Body":"1"}}"#;
     let with_header = format!(r#"{{"DataSetWriterId":3,"SequenceNumber":4,"Payload":{payload}}}"#);
     let network = |messages: &str| {
-        format!(r#"{{"MessageId":"m","MessageType":"ua-data","PublisherId":"7","Messages":{messages}}}"#)
+        format!(
+            r#"{{"MessageId":"m","MessageType":"ua-data","PublisherId":"7","Messages":{messages}}}"#
+        )
     };
     for (text, publisher, writer, count) in [
         (network(&format!("[{with_header},{with_header}]")), Some("7"), Some(3), 2),
@@ -160,13 +176,20 @@ fn every_header_layout_is_told_by_its_shape() {
         assert_eq!(message.messages.len(), count, "{text}");
         for part in &message.messages {
             assert_eq!(part.data_set_writer_id, writer, "{text}");
-            assert_eq!(part.field("a").map(|value| value.value.clone()), Some(1_u64.into()), "{text}");
+            assert_eq!(
+                part.field("a").map(|value| value.value.clone()),
+                Some(1_u64.into()),
+                "{text}"
+            );
         }
     }
-    // A publisher that names itself in each DataSetMessage, with the minor version only, as 1.05 minimal layouts do.
+    // A publisher that names itself in each DataSetMessage, with the minor version only, as 1.05
+    // minimal layouts do.
     let text = r#"{"DataSetWriterId":3,"PublisherId":17,"MinorVersion":5,"Status":{"Code":1073741824},
         "MessageType":"ua-deltaframe","Payload":{"a":{"UaType":6,"Value":1}}}"#;
-    let PubSubMessage::Data(message) = decode(text.as_bytes()).expect("valid").message else { panic!("ua-data") };
+    let PubSubMessage::Data(message) = decode(text.as_bytes()).expect("valid").message else {
+        panic!("ua-data")
+    };
     let part = &message.messages[0];
     assert_eq!((part.publisher_id.as_deref(), part.minor_version), (Some("17"), Some(5)));
     assert_eq!((part.kind, part.status), (DataSetMessageKind::DeltaFrame, StatusCode::UNCERTAIN));
@@ -174,8 +197,12 @@ fn every_header_layout_is_told_by_its_shape() {
 
 #[test]
 fn unknown_message_types_are_ignored() {
-    for name in ["ua-connection", "ua-application", "ua-endpoints", "ua-action-request", "ua-future"] {
-        let text = format!(r#"{{"MessageId":"m","MessageType":"{name}","PublisherId":"p","Anything":[1]}}"#);
+    for name in
+        ["ua-connection", "ua-application", "ua-endpoints", "ua-action-request", "ua-future"]
+    {
+        let text = format!(
+            r#"{{"MessageId":"m","MessageType":"{name}","PublisherId":"p","Anything":[1]}}"#
+        );
         let message = decode(text.as_bytes()).expect("to be ignored").message;
         assert_eq!(message.message_type(), name);
         assert!(matches!(message, PubSubMessage::Other { .. }));
@@ -202,8 +229,14 @@ fn keep_alive_and_status_read_back() {
     message.messages[0].fields.clear();
     for encoding in Encoding::ALL {
         let text = encoded(&message, encoding);
-        assert!(text.contains(r#""MessageType":"ua-keepalive""#) && !text.contains("Payload"), "{text}");
-        assert_eq!(decode(text.as_bytes()).map(|again| again.message), Ok(PubSubMessage::Data(message.clone())));
+        assert!(
+            text.contains(r#""MessageType":"ua-keepalive""#) && !text.contains("Payload"),
+            "{text}"
+        );
+        assert_eq!(
+            decode(text.as_bytes()).map(|again| again.message),
+            Ok(PubSubMessage::Data(message.clone()))
+        );
     }
     for status in PubSubState::ALL {
         let message = StatusMessage {
@@ -222,8 +255,8 @@ fn keep_alive_and_status_read_back() {
 #[test]
 fn metadata_gives_bare_values_their_types() {
     use crate::values::{
-        BuiltInType, EnumType, EnumValue, Namespace, NodeId, QualifiedName, SimpleType, StructureField, StructureKind,
-        StructureType,
+        BuiltInType, EnumType, EnumValue, Namespace, NodeId, QualifiedName, SimpleType,
+        StructureField, StructureKind, StructureType,
     };
     let power = NodeId::string("urn:robots", "Power");
     let mut fields: Vec<FieldMetaData> = progress_report().messages[0]
@@ -237,7 +270,8 @@ fn metadata_gives_bare_values_their_types() {
     fields[5].set_engineering_unit(crate::units::lookup("PIECE").expect("known"));
     fields[5].set_text_property(PROPERTY_SEMANTIC, "PRODUCED_QUANTITY");
     fields[5].set_text_property(PROPERTY_DISCLOSURE, "Rounded to 2 pieces.");
-    let mut structured = FieldMetaData::new("power", BuiltInType::ExtensionObject, uuid::Uuid::from_u128(2));
+    let mut structured =
+        FieldMetaData::new("power", BuiltInType::ExtensionObject, uuid::Uuid::from_u128(2));
     structured.data_type = power.clone();
     structured.array_dimensions = vec![3];
     structured.max_string_length = 9;
@@ -252,7 +286,10 @@ fn metadata_gives_bare_values_their_types() {
             kind: StructureKind::WithOptionalFields,
             fields: vec![
                 StructureField::scalar("WattsMin", BuiltInType::Double),
-                StructureField { is_optional: true, ..StructureField::scalar("WattsMax", BuiltInType::Double) },
+                StructureField {
+                    is_optional: true,
+                    ..StructureField::scalar("WattsMax", BuiltInType::Double)
+                },
                 StructureField::structure("Range", NodeId::ua(884)).array(),
                 StructureField {
                     data_type: NodeId::string("urn:robots", "Mode"),
@@ -300,7 +337,10 @@ fn metadata_gives_bare_values_their_types() {
     assert_eq!(field.semantic(), Some(crate::network::Semantic::ProducedQuantity));
     assert_eq!(field.disclosure(), Some("Rounded to 2 pieces."));
     assert!(field.properties.iter().any(|(key, _)| *key
-        == QualifiedName { namespace: Namespace::uri("urn:verbund:UA:ASI"), name: Some("Semantic".into()) }));
+        == QualifiedName {
+            namespace: Namespace::uri("urn:verbund:UA:ASI"),
+            name: Some("Semantic".into())
+        }));
 
     // Bare in Verbose: types come from the metadata, in any representation.
     for representation in [FieldRepresentation::Raw, FieldRepresentation::DataValue] {
@@ -312,7 +352,8 @@ fn metadata_gives_bare_values_their_types() {
             }
         }
         let text = encode_described(&message, Encoding::Verbose105, &meta_data);
-        let decoded = decode_described(&text, crate::opcua_json::Leniency::Strict, &meta_data).expect("our own");
+        let decoded = decode_described(&text, crate::opcua_json::Leniency::Strict, &meta_data)
+            .expect("our own");
         assert_eq!(decoded.diagnostics, []);
         assert_eq!(decoded.message, PubSubMessage::Data(message));
     }

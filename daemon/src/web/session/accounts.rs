@@ -60,7 +60,8 @@ impl fmt::Debug for StoredSession {
     }
 }
 
-/// The SHA-256 of a session's token in hexadecimal: enough to find the session, not to take it over.
+/// The SHA-256 of a session's token in hexadecimal: enough to find the session, not to take it
+/// over.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SessionId(String);
 

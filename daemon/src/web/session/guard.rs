@@ -60,7 +60,8 @@ pub async fn require_session<A: Accounts>(
         Err(error) => return internal(error).into_response(),
     };
     if !is_safe(request.method()) {
-        let sent = request.headers().get(super::CSRF_HEADER).map_or(&b""[..], |value| value.as_bytes());
+        let sent =
+            request.headers().get(super::CSRF_HEADER).map_or(&b""[..], |value| value.as_bytes());
         if !bool::from(sent.ct_eq(signed_in.csrf_token.as_bytes())) {
             return Problem::new(
                 axum::http::StatusCode::FORBIDDEN,
@@ -85,5 +86,8 @@ pub async fn require_session<A: Accounts>(
 
 /// Whether an answer goes on for as long as somebody listens.
 fn is_live(answer: &Response) -> bool {
-    answer.headers().get(CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"text/event-stream"))
+    answer
+        .headers()
+        .get(CONTENT_TYPE)
+        .is_some_and(|kind| kind.as_bytes().starts_with(b"text/event-stream"))
 }

@@ -52,7 +52,10 @@ impl PasswordHash {
     ///
     /// # Errors
     /// [`PasswordError`].
-    pub fn of(password: &Confidential<String>, policy: PasswordPolicy) -> Result<Self, PasswordError> {
+    pub fn of(
+        password: &Confidential<String>,
+        policy: PasswordPolicy,
+    ) -> Result<Self, PasswordError> {
         let password = password.expose();
         if password.chars().count() < policy.characters_min {
             return Err(PasswordError::TooShort { min: policy.characters_min });
@@ -63,7 +66,9 @@ impl PasswordHash {
         let mut salt = [0_u8; 16];
         rand::rng().fill_bytes(&mut salt);
         let salt = SaltString::encode_b64(&salt).map_err(PasswordError::Hash)?;
-        let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(PasswordError::Hash)?;
+        let hash = Argon2::default()
+            .hash_password(password.as_bytes(), &salt)
+            .map_err(PasswordError::Hash)?;
         Ok(Self(hash.to_string()))
     }
 
@@ -83,8 +88,9 @@ impl PasswordHash {
     #[must_use]
     pub fn is_of(&self, password: &Confidential<String>) -> bool {
         password.expose().len() <= PASSWORD_BYTES_MAX
-            && ParsedHash::new(&self.0)
-                .is_ok_and(|parsed| Argon2::default().verify_password(password.expose().as_bytes(), &parsed).is_ok())
+            && ParsedHash::new(&self.0).is_ok_and(|parsed| {
+                Argon2::default().verify_password(password.expose().as_bytes(), &parsed).is_ok()
+            })
     }
 }
 
@@ -111,7 +117,8 @@ mod tests {
 
     #[test]
     fn only_the_right_password_fits() {
-        let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
+        let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
+            .expect("long enough");
         assert!(hash.is_of(&"correct horse".into()));
         assert!(!hash.is_of(&"correct hors".into()));
         assert!(hash.as_str().starts_with("$argon2id$v=19$"));
@@ -120,9 +127,12 @@ mod tests {
 
     #[test]
     fn hashes_cost_what_is_recommended() {
-        // OWASP Password Storage Cheat Sheet: Argon2id with at least 19 MiB of memory, 2 passes and 1 lane.
+        // OWASP Password Storage Cheat Sheet: Argon2id with at least 19 MiB of memory, 2 passes and
+        // 1 lane.
         for hash in [
-            PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough").0,
+            PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
+                .expect("long enough")
+                .0,
             NOBODY.into(),
         ] {
             let parsed = ParsedHash::new(&hash).expect("well-formed");
@@ -130,7 +140,10 @@ mod tests {
             let cost = |name| parsed.params.get_decimal(name).expect("a parameter");
             assert!(cost("m") >= 19 * 1024 && cost("t") >= 2 && cost("p") >= 1, "{hash}");
         }
-        let of = || PasswordHash::of(&"correct horse".into(), PasswordPolicy::default()).expect("long enough");
+        let of = || {
+            PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
+                .expect("long enough")
+        };
         assert_ne!(of(), of(), "each has a salt of its own");
         let hash = of();
         let parsed = ParsedHash::new(&hash.0).expect("well-formed");
@@ -140,12 +153,21 @@ mod tests {
     #[test]
     fn short_and_endless_passwords_are_refused() {
         let policy = PasswordPolicy::default();
-        assert!(matches!(PasswordHash::of(&"short".into(), policy), Err(PasswordError::TooShort { min: 10 })));
-        assert!(matches!(PasswordHash::of(&"x".repeat(2000).into(), policy), Err(PasswordError::TooLong { .. })));
+        assert!(matches!(
+            PasswordHash::of(&"short".into(), policy),
+            Err(PasswordError::TooShort { min: 10 })
+        ));
+        assert!(matches!(
+            PasswordHash::of(&"x".repeat(2000).into(), policy),
+            Err(PasswordError::TooLong { .. })
+        ));
     }
 
     #[test]
     fn the_stand_in_hash_is_well_formed() {
-        assert!(ParsedHash::new(NOBODY).is_ok(), "otherwise unknown users would be told by the time");
+        assert!(
+            ParsedHash::new(NOBODY).is_ok(),
+            "otherwise unknown users would be told by the time"
+        );
     }
 }

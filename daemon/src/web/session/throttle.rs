@@ -19,14 +19,19 @@ pub struct ThrottleConfig {
 
 impl Default for ThrottleConfig {
     fn default() -> Self {
-        Self { free_failures: 5, first_wait: Duration::from_secs(1), longest_wait: Duration::from_secs(300) }
+        Self {
+            free_failures: 5,
+            first_wait: Duration::from_secs(1),
+            longest_wait: Duration::from_secs(300),
+        }
     }
 }
 
 /// Most pairs of address and user remembered; beyond, the quietest is forgotten.
 const ENTRIES_MAX: usize = 10_000;
 
-/// Counts failures per client address and user name, and per address alone with ten times the patience.
+/// Counts failures per client address and user name, and per address alone with ten times the
+/// patience.
 #[derive(Debug)]
 pub struct LoginThrottle {
     config: ThrottleConfig,
@@ -51,11 +56,9 @@ impl LoginThrottle {
     /// # Errors
     /// How long to wait.
     pub fn check(&self, client: IpAddr, user_name: &str, now: Instant) -> Result<(), Duration> {
-        let wait = self.wait(&(client, Some(user_name.to_owned())), self.config.free_failures, now).max(self.wait(
-            &(client, None),
-            self.config.free_failures.saturating_mul(10),
-            now,
-        ));
+        let wait = self
+            .wait(&(client, Some(user_name.to_owned())), self.config.free_failures, now)
+            .max(self.wait(&(client, None), self.config.free_failures.saturating_mul(10), now));
         if wait.is_zero() { Ok(()) } else { Err(wait) }
     }
 
@@ -73,7 +76,8 @@ impl LoginThrottle {
             self.entries.retain(|_, entry| now.duration_since(entry.last) <= longest);
         }
         while self.entries.len() > ENTRIES_MAX {
-            let quietest = self.entries.iter().min_by_key(|(_, entry)| entry.last).map(|(key, _)| key.clone());
+            let quietest =
+                self.entries.iter().min_by_key(|(_, entry)| entry.last).map(|(key, _)| key.clone());
             let Some(key) = quietest else { break };
             self.entries.remove(&key);
         }
@@ -87,7 +91,11 @@ impl LoginThrottle {
     fn wait(&self, key: &(IpAddr, Option<String>), free: u32, now: Instant) -> Duration {
         let Some(entry) = self.entries.get(key) else { return Duration::ZERO };
         let Some(beyond) = entry.failures.checked_sub(free.max(1)) else { return Duration::ZERO };
-        let wait = self.config.first_wait.saturating_mul(2_u32.saturating_pow(beyond)).min(self.config.longest_wait);
+        let wait = self
+            .config
+            .first_wait
+            .saturating_mul(2_u32.saturating_pow(beyond))
+            .min(self.config.longest_wait);
         wait.saturating_sub(now.duration_since(entry.last))
     }
 }

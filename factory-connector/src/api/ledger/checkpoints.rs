@@ -25,7 +25,8 @@ pub struct CheckpointsQuery {
     limit: Option<u32>,
 }
 
-/// A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it held then.
+/// A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it
+/// held then.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CheckpointView {
@@ -36,7 +37,8 @@ pub struct CheckpointView {
     recorded_at: DateTime,
     /// The last entry of each chain then.
     heads: Vec<CheckpointHead>,
-    /// The exact text that was signed: factory, number, time, and of each chain the last number and hash.
+    /// The exact text that was signed: factory, number, time, and of each chain the last number and
+    /// hash.
     signed_text: String,
     /// The Ed25519 signature over that text, hexadecimal.
     signature: String,
@@ -49,7 +51,8 @@ impl From<StoredCheckpoint> for CheckpointView {
         Self {
             number: stored.number,
             recorded_at: stored.recorded_at,
-            heads: serde_json::from_str(&stored.signed_text).map_or_else(|_| Vec::new(), |text: Checkpoint| text.heads),
+            heads: serde_json::from_str(&stored.signed_text)
+                .map_or_else(|_| Vec::new(), |text: Checkpoint| text.heads),
             signed_text: stored.signed_text,
             signature: hex::encode(stored.signature),
             public_key: hex::encode(stored.public_key),
@@ -66,5 +69,7 @@ pub async fn list(
 ) -> Result<Json<Page<CheckpointView>>, Problem> {
     let limit = query.limit.unwrap_or(PAGE).clamp(1, 200);
     let found = ledger_checkpoints(&api.readers, query.cursor.unwrap_or(i64::MAX), limit).await?;
-    Ok(Json(Page::of(found.into_iter().map(CheckpointView::from).collect(), limit, |last| last.number.to_string())))
+    Ok(Json(Page::of(found.into_iter().map(CheckpointView::from).collect(), limit, |last| {
+        last.number.to_string()
+    })))
 }

@@ -31,7 +31,8 @@ pub struct ExportQuery {
     language: Option<Language>,
 }
 
-/// Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains.
+/// Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
+/// order of the chains.
 #[utoipa::path(get, path = "/ledger/export", tag = "ledger", security(("session" = [])), params(LedgerSelection, ExportQuery),
     responses((status = 200, content_type = "text/csv", body = String), Problems))]
 pub async fn export(
@@ -58,7 +59,11 @@ pub async fn export(
         }
     });
     let body = futures::stream::once(async move { Ok(first) }).chain(parts);
-    let name = format!("attachment; filename=\"ledger-{}.{}\"", api.factory_id, query.format.extension());
-    let headers = [(header::CONTENT_TYPE, query.format.media_type().to_owned()), (header::CONTENT_DISPOSITION, name)];
+    let name =
+        format!("attachment; filename=\"ledger-{}.{}\"", api.factory_id, query.format.extension());
+    let headers = [
+        (header::CONTENT_TYPE, query.format.media_type().to_owned()),
+        (header::CONTENT_DISPOSITION, name),
+    ];
     Ok((headers, Body::from_stream(body)).into_response())
 }

@@ -35,7 +35,8 @@ pub struct LedgerField {
     key: FieldKey,
 }
 
-/// Searches the fields that the ledger speaks of, in the order of their addresses; those of ended requests included.
+/// Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
+/// requests included.
 #[utoipa::path(get, path = "/ledger/fields", tag = "ledger", security(("session" = [])), params(LedgerFieldsQuery),
     responses((status = 200, body = Page<LedgerField>), Problems))]
 pub async fn search(
@@ -44,6 +45,8 @@ pub async fn search(
 ) -> Result<Json<Page<LedgerField>>, Problem> {
     let search = query.search.unwrap_or_default();
     let words: Vec<String> = search.split_whitespace().take(WORDS_MAX).map(str::to_owned).collect();
-    let found = ledger_fields(&api.readers, &words, query.limit.unwrap_or(FIELDS).clamp(1, FIELDS_MAX)).await?;
+    let found =
+        ledger_fields(&api.readers, &words, query.limit.unwrap_or(FIELDS).clamp(1, FIELDS_MAX))
+            .await?;
     Ok(Json(Page::whole(found.into_iter().map(|key| LedgerField { key }).collect())))
 }

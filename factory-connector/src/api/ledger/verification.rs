@@ -32,7 +32,8 @@ pub struct VerificationView {
 pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
     // Hashing a whole ledger takes its time: it has a thread of its own.
     let directory = api.data_directory.clone();
-    let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE)).map_err(|error| Problem::internal(&error))?;
+    let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE))
+        .map_err(|error| Problem::internal(&error))?;
     let runtime = tokio::runtime::Handle::current();
     let verified = tokio::task::spawn_blocking(move || {
         runtime.block_on(async {

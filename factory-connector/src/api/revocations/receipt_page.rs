@@ -24,8 +24,14 @@ pub fn receipt_page(found: &StoredRevocation, language: Language) -> String {
         html.push_str(&row([name, &value]));
     }
     html.push_str(TABLE_END);
-    html.push_str(&format!("<h2>{}</h2>", say("Fields that no longer leave", "Felder, die nicht mehr hinausgehen")));
-    html.push_str(&table(&[say("Field", "Feld"), say("Consent that ended", "Beendete Einwilligung")]));
+    html.push_str(&format!(
+        "<h2>{}</h2>",
+        say("Fields that no longer leave", "Felder, die nicht mehr hinausgehen")
+    ));
+    html.push_str(&table(&[
+        say("Field", "Feld"),
+        say("Consent that ended", "Beendete Einwilligung"),
+    ]));
     for field in &receipt.fields {
         html.push_str(&row([field.field.to_string(), field.consent_version.to_string()]));
     }
@@ -40,9 +46,11 @@ pub fn receipt_page(found: &StoredRevocation, language: Language) -> String {
         say("On its way", "Unterwegs"),
         say("Taken back", "Zurückgenommen"),
     ]));
-    let number = |number: Option<u32>| number.map_or_else(|| "–".to_owned(), |number| number.to_string());
+    let number =
+        |number: Option<u32>| number.map_or_else(|| "–".to_owned(), |number| number.to_string());
     for writer in &receipt.writers {
-        let recipients: Vec<&str> = writer.recipient_list.iter().map(asi_model::OrganisationId::as_str).collect();
+        let recipients: Vec<&str> =
+            writer.recipient_list.iter().map(asi_model::OrganisationId::as_str).collect();
         html.push_str(&row([
             writer.request.to_string(),
             recipients.join(", "),

@@ -13,8 +13,8 @@ const FOLDER: &str = "VERBUND_TEST_CRASH_FOLDER";
 const KILLS: usize = 12;
 const SEED: u64 = 20_261_122;
 
-/// A process that discloses, sends, receipts and revokes without end is killed again and again, at moments that no
-/// transaction knows of.
+/// A process that discloses, sends, receipts and revokes without end is killed again and again, at
+/// moments that no transaction knows of.
 #[tokio::test]
 async fn kills_at_any_point_leave_chain_and_spool_consistent() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -49,7 +49,11 @@ async fn work_until_killed() {
             office.receipt(&report, u32::try_from(report.sequence).expect("small")).await;
         }
         if round % 40 == 39 {
-            office.desk.revoke(vec![field("made")], Verdict::LeavePending, None, "eve").await.expect("revoked");
+            office
+                .desk
+                .revoke(vec![field("made")], Verdict::LeavePending, None, "eve")
+                .await
+                .expect("revoked");
         }
     }
 }
@@ -77,8 +81,10 @@ async fn reach(folder: &Path, wanted: i64, process: &mut Child) -> i64 {
             connection = Some(connect(folder).await);
         }
         if let Some(connection) = &mut connection {
-            let count: i64 =
-                sqlx::query_scalar("SELECT count(*) FROM report").fetch_one(connection).await.expect("counted");
+            let count: i64 = sqlx::query_scalar("SELECT count(*) FROM report")
+                .fetch_one(connection)
+                .await
+                .expect("counted");
             if count >= wanted {
                 return count;
             }
@@ -94,8 +100,12 @@ async fn nothing_is_the_newest_behind_what_has_left() {
     office.enter_both(2).await;
     let newest = office.fetch(Lane::Newest).await;
     assert_eq!(newest.len(), 1, "the second message has the newest report of both writers");
-    assert_eq!(newest.last().map(|row| row.id), office.fetch(Lane::Reports).await.last().map(|row| row.id));
-    // It leaves, and the connection is lost: the first message waits still, but would come behind the second.
+    assert_eq!(
+        newest.last().map(|row| row.id),
+        office.fetch(Lane::Reports).await.last().map(|row| row.id)
+    );
+    // It leaves, and the connection is lost: the first message waits still, but would come behind
+    // the second.
     assert_eq!(office.accept(&newest).await, 1);
     assert_eq!(office.fetch(Lane::Newest).await, []);
     assert_eq!(office.fetch(Lane::Reports).await.len(), 1);

@@ -1,14 +1,19 @@
 use super::*;
 
-/// The disk fails at any statement of the transaction: who asked is told, nothing of it happened, and the next attempt
-/// goes on without a hole.
+/// The disk fails at any statement of the transaction: who asked is told, nothing of it happened,
+/// and the next attempt goes on without a hole.
 #[tokio::test]
 async fn a_failure_of_any_statement_leaves_chain_and_spool_consistent() {
     let office = Office::with_two_open_fields().await;
     let mut beside = connect(&office.folder).await;
-    for (number, table) in
-        (1..).zip(["operator_entry", "writer", "report", "field_value", "ledger_entry", "ledger_head"])
-    {
+    for (number, table) in (1..).zip([
+        "operator_entry",
+        "writer",
+        "report",
+        "field_value",
+        "ledger_entry",
+        "ledger_head",
+    ]) {
         let value = json!(number * 10);
         fail(&office, table, vec![entry("made", value.clone())]).await;
         office.desk.enter(vec![entry("made", value)]).await.expect("written");
@@ -17,8 +22,9 @@ async fn a_failure_of_any_statement_leaves_chain_and_spool_consistent() {
     office.close().await;
 }
 
-/// Something may be under way that the store does not have: keep-alives, and what was deleted because it was accepted.
-/// Were its number given again, its outcome would be taken for the new row's.
+/// Something may be under way that the store does not have: keep-alives, and what was deleted
+/// because it was accepted. Were its number given again, its outcome would be taken for the new
+/// row's.
 #[tokio::test]
 async fn no_number_comes_again_after_a_failure() {
     let office = Office::with_two_open_fields().await;
@@ -48,7 +54,8 @@ async fn fail(office: &Office, table: &str, entries: Vec<OperatorEntry>) {
     }
 }
 
-/// The ledger is intact; each report has its entry in each recipient's chain; sequence numbers have no hole.
+/// The ledger is intact; each report has its entry in each recipient's chain; sequence numbers have
+/// no hole.
 pub(super) async fn consistent(connection: &mut SqliteConnection) {
     let outcome = crate::store::verify_ledger(connection, None).await.expect("read");
     assert!(outcome.is_intact(), "{outcome:?}");

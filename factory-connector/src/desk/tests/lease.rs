@@ -1,26 +1,40 @@
 use super::*;
 use crate::lease::LeaseGate;
 
-/// Without the lease nothing leaves, control messages included; everything else goes on, and leaves with the lease.
+/// Without the lease nothing leaves, control messages included; everything else goes on, and leaves
+/// with the lease.
 #[tokio::test]
 async fn nothing_leaves_without_the_lease_and_nothing_is_lost_meanwhile() {
     let office = Office::with_two_open_fields().await;
     office.enter_both(1).await;
     let fetched = office.fetch(Lane::Reports).await;
     office.outbox.connected();
-    assert!(fetched.iter().all(|row| !office.outbox.may_leave(row)), "not even what was fetched before");
+    assert!(
+        fetched.iter().all(|row| !office.outbox.may_leave(row)),
+        "not even what was fetched before"
+    );
     office.enter_both(2).await;
     for lane in [Lane::Control, Lane::Newest, Lane::Reports] {
         assert_eq!(office.fetch(lane).await, [], "{lane:?}");
     }
-    assert_eq!(office.entries("acme").await.len(), 6, "two consents and four reports are in the ledger");
+    assert_eq!(
+        office.entries("acme").await.len(),
+        6,
+        "two consents and four reports are in the ledger"
+    );
 
     office.gate.open(7);
-    assert!(fetched.iter().all(|row| !office.outbox.may_leave(row)), "it was fetched under another lease");
+    assert!(
+        fetched.iter().all(|row| !office.outbox.may_leave(row)),
+        "it was fetched under another lease"
+    );
     let rows = office.fetch(Lane::Reports).await;
     assert_eq!(rows.iter().map(|row| reports(row).len()).sum::<usize>(), 4);
     let all = [office.fetch(Lane::Control).await, rows].concat();
-    assert!(all.iter().all(|row| row.envelope.lease == Some(7) && office.outbox.may_leave(row)), "{all:?}");
+    assert!(
+        all.iter().all(|row| row.envelope.lease == Some(7) && office.outbox.may_leave(row)),
+        "{all:?}"
+    );
     office.close().await;
 }
 
@@ -36,8 +50,8 @@ fn epochs(rows: &[SpoolRow]) -> Vec<u64> {
     epochs
 }
 
-/// A copy numbers its reports apart from the original, so that neither's can be taken for repeats of the other's; and
-/// that is not forgotten where it ends before anything was written.
+/// A copy numbers its reports apart from the original, so that neither's can be taken for repeats
+/// of the other's; and that is not forgotten where it ends before anything was written.
 #[tokio::test]
 async fn a_copied_store_begins_new_epochs_and_the_original_goes_on() {
     let office = Office::with_two_open_fields().await;
@@ -45,7 +59,11 @@ async fn a_copied_store_begins_new_epochs_and_the_original_goes_on() {
     let before = epochs(&office.fetch(Lane::Reports).await);
     let original = office.close().await;
     let copy = tempfile::tempdir().expect("a folder");
-    for file in std::fs::read_dir(original.path()).expect("listed").flatten().filter(|file| file.path().is_file()) {
+    for file in std::fs::read_dir(original.path())
+        .expect("listed")
+        .flatten()
+        .filter(|file| file.path().is_file())
+    {
         std::fs::copy(file.path(), copy.path().join(file.file_name())).expect("copied");
     }
     let factory: asi_model::FactoryId = "F".parse().expect("an id");
@@ -71,13 +89,15 @@ async fn a_copied_store_begins_new_epochs_and_the_original_goes_on() {
     }
 }
 
-/// Whether requests are this connector's is known from the start only where it was granted the lease last.
+/// Whether requests are this connector's is known from the start only where it was granted the
+/// lease last.
 #[tokio::test]
 async fn the_lease_is_remembered_where_it_was_granted() {
     let mut office = Office::open().await;
     let factory: asi_model::FactoryId = "F".parse().expect("an id");
     for is_held in [true, false] {
-        let set = office.desk.change(move |books, _| books.changes.is_lease_held = Some(is_held)).await;
+        let set =
+            office.desk.change(move |books, _| books.changes.is_lease_held = Some(is_held)).await;
         set.expect("written");
         let folder = office.close().await;
         let store = Store::open(folder.path(), &factory, now()).await.expect("opened");

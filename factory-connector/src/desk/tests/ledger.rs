@@ -1,16 +1,33 @@
-use sqlx::{Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow};
+use sqlx::{
+    Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow,
+};
 
 use super::*;
 use crate::{ledger::Verification, store::verify_ledger};
 
-/// Everything that the ledger rests on. What the spool alone works with (states, counters) is not part of it.
+/// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
+/// part of it.
 const GUARDED: [(&str, &[&str]); 6] = [
     ("ledger_entry", &["recipient", "number", "recorded_at", "report_id", "content", "hash"]),
     ("ledger_head", &["recipient", "number", "hash", "signature", "public_key"]),
     ("ledger_checkpoint", &["number", "recorded_at", "content", "signature", "public_key"]),
     ("revocation", &["revocation_id", "revoked_at", "content", "signature", "public_key"]),
-    ("report", &["id", "writer_id", "epoch", "sequence", "created_at", "recipients", "body", "salt"]),
-    ("consent", &["field", "version", "mapping_state", "value_source", "policy", "decided_by", "decided_at"]),
+    (
+        "report",
+        &["id", "writer_id", "epoch", "sequence", "created_at", "recipients", "body", "salt"],
+    ),
+    (
+        "consent",
+        &[
+            "field",
+            "version",
+            "mapping_state",
+            "value_source",
+            "policy",
+            "decided_by",
+            "decided_at",
+        ],
+    ),
 ];
 
 /// A small ledger with an entry of each kind that the story yields, and a checkpoint.
@@ -20,7 +37,11 @@ async fn small_ledger() -> TempDir {
     let rows = office.fetch(Lane::Reports).await;
     office.accept(&rows).await;
     office.receipt(&reports(&rows[0])[0], 0).await;
-    office.desk.revoke(vec![field("made")], Verdict::LeavePending, None, "eve").await.expect("revoked");
+    office
+        .desk
+        .revoke(vec![field("made")], Verdict::LeavePending, None, "eve")
+        .await
+        .expect("revoked");
     let until = Instant::now() + DEADLINE;
     loop {
         let count: i64 = sqlx::query_scalar("SELECT count(*) FROM ledger_checkpoint")
@@ -60,12 +81,14 @@ fn cell(row: &SqliteRow, place: usize) -> Cell {
     }
 }
 
-/// Each third bit of numbers, a bit of each byte of short cells and of each fourth byte of long ones: another in each. That
-/// no bit of entries and values is without guard is shown beside the verification itself.
+/// Each third bit of numbers, a bit of each byte of short cells and of each fourth byte of long
+/// ones: another in each. That no bit of entries and values is without guard is shown beside the
+/// verification itself.
 fn flips(cell: &Cell) -> Vec<Cell> {
     let of = |bytes: &[u8]| -> Vec<Vec<u8>> {
         let step = if bytes.len() > 16 { 4 } else { 1 };
-        let bits: Vec<usize> = (0..bytes.len()).step_by(step).map(|byte| byte * 8 + byte / step % 8).collect();
+        let bits: Vec<usize> =
+            (0..bytes.len()).step_by(step).map(|byte| byte * 8 + byte / step % 8).collect();
         let flip = |bit: &usize| {
             let mut bytes = bytes.to_vec();
             bytes[bit / 8] ^= 1 << (bit % 8);
@@ -74,14 +97,22 @@ fn flips(cell: &Cell) -> Vec<Cell> {
         bits.iter().map(flip).collect()
     };
     match cell {
-        Cell::Number(number) => (0..63).step_by(3).map(|bit| Cell::Number(number ^ (1 << bit))).collect(),
+        Cell::Number(number) => {
+            (0..63).step_by(3).map(|bit| Cell::Number(number ^ (1 << bit))).collect()
+        }
         Cell::Text(bytes) => of(bytes).into_iter().map(Cell::Text).collect(),
         Cell::Blob(bytes) => of(bytes).into_iter().map(Cell::Blob).collect(),
         Cell::Nothing => vec![Cell::Number(1)],
     }
 }
 
-async fn put(connection: &mut SqliteConnection, table: &str, column: &str, row: i64, cell: &Cell) -> bool {
+async fn put(
+    connection: &mut SqliteConnection,
+    table: &str,
+    column: &str,
+    row: i64,
+    cell: &Cell,
+) -> bool {
     let value = if matches!(cell, Cell::Text(_)) { "CAST(? AS TEXT)" } else { "?" };
     // Tables without a row id are found by the place of the row in the order of the shadow table.
     let sql = format!(
@@ -108,14 +139,20 @@ fn keys(table: &str) -> &'static str {
     }
 }
 
-/// Each change of a stored bit is found: the row is changed in a transaction that is rolled back afterwards.
+/// Each change of a stored bit is found: the row is changed in a transaction that is rolled back
+/// afterwards.
 #[tokio::test]
 async fn every_bit_of_the_ledger_is_guarded() {
     let folder = small_ledger().await;
     let mut connection = connect(folder.path()).await;
     let intact = verified(&mut connection).await;
     assert!(intact.is_intact(), "{intact:?}");
-    assert!(intact.entries > 10 && intact.values_compared > 2 && intact.checkpoints == 1 && intact.revocations == 1);
+    assert!(
+        intact.entries > 10
+            && intact.values_compared > 2
+            && intact.checkpoints == 1
+            && intact.revocations == 1
+    );
     run(&mut connection, "PRAGMA foreign_keys = OFF").await;
     let mut changes = 0;
     for (table, columns) in GUARDED {
@@ -126,7 +163,10 @@ async fn every_bit_of_the_ledger_is_guarded() {
         run(&mut connection, &shadow).await;
         for column in columns {
             let sql = format!("SELECT place, {column} FROM shadow_{table}");
-            let rows = sqlx::query(sqlx::AssertSqlSafe(sql)).fetch_all(&mut connection).await.expect("read");
+            let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
+                .fetch_all(&mut connection)
+                .await
+                .expect("read");
             for row in rows {
                 assert_eq!(row.column(1).name(), *column);
                 let place: i64 = row.get(0);
@@ -135,7 +175,10 @@ async fn every_bit_of_the_ledger_is_guarded() {
                     if put(&mut attempt, table, column, place, &flipped).await {
                         changes += 1;
                         let outcome = verified(&mut attempt).await;
-                        assert!(!outcome.is_intact(), "{table}.{column} of row {place}: {flipped:?}");
+                        assert!(
+                            !outcome.is_intact(),
+                            "{table}.{column} of row {place}: {flipped:?}"
+                        );
                     }
                     attempt.rollback().await.expect("rolled back");
                 }
@@ -154,8 +197,10 @@ async fn every_deletion_is_found() {
     run(&mut connection, "PRAGMA foreign_keys = OFF").await;
     for (table, _) in GUARDED {
         let sql = format!("SELECT count(*) FROM {table}");
-        let count: i64 =
-            sqlx::query_scalar(sqlx::AssertSqlSafe(sql)).fetch_one(&mut connection).await.expect("counted");
+        let count: i64 = sqlx::query_scalar(sqlx::AssertSqlSafe(sql))
+            .fetch_one(&mut connection)
+            .await
+            .expect("counted");
         for place in 0..count {
             for condition in ["=", ">="] {
                 let mut attempt = connection.begin().await.expect("a transaction");
@@ -184,7 +229,8 @@ async fn another_key_is_found() {
     assert!(!outcome.is_intact());
 }
 
-/// What retention removes leaves a ledger that still proves the rest; what the spool works with stays.
+/// What retention removes leaves a ledger that still proves the rest; what the spool works with
+/// stays.
 #[tokio::test]
 async fn retention_leaves_a_ledger_that_verifies() {
     let folder = small_ledger().await;
@@ -194,7 +240,11 @@ async fn retention_leaves_a_ledger_that_verifies() {
     let mut connection = connect(folder.path()).await;
     let before = verified(&mut connection).await;
     run(&mut connection, "UPDATE report SET state = 'DONE'").await;
-    run(&mut connection, "UPDATE report SET state = 'SENT' WHERE id = (SELECT min(id) FROM report)").await;
+    run(
+        &mut connection,
+        "UPDATE report SET state = 'SENT' WHERE id = (SELECT min(id) FROM report)",
+    )
+    .await;
     let mut store = Store::open(folder.path(), &factory, now()).await.expect("a store");
 
     let mut emptied = 0;
@@ -208,13 +258,19 @@ async fn retention_leaves_a_ledger_that_verifies() {
 
     let older = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
     let outcome = verified(&mut connection).await;
-    assert!(outcome.is_intact() && outcome.values_compared > 0, "what was not receipted stays: {outcome:?}");
+    assert!(
+        outcome.is_intact() && outcome.values_compared > 0,
+        "what was not receipted stays: {outcome:?}"
+    );
     assert_eq!((outcome.entries, outcome.entries_pruned), (before.entries - older, older));
     run(&mut connection, "UPDATE report SET state = 'DONE'").await;
     let removed = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
     let outcome = verified(&mut connection).await;
     assert!(outcome.is_intact(), "{outcome:?}");
-    assert_eq!((outcome.entries, outcome.entries_pruned, removed), (0, before.entries, before.entries - older));
+    assert_eq!(
+        (outcome.entries, outcome.entries_pruned, removed),
+        (0, before.entries, before.entries - older)
+    );
     store.close().await;
 }
 

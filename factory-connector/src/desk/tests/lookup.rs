@@ -1,4 +1,5 @@
-//! Entries are looked up by what they are about, and found to be those that reading everything finds.
+//! Entries are looked up by what they are about, and found to be those that reading everything
+//! finds.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +9,8 @@ use crate::{
     store::{LedgerFilter, LedgerReader, LedgerSubject, ledger_fields},
 };
 
-/// Two requests, filled, sent, partly receipted; one revoked and opened again, which begins an epoch.
+/// Two requests, filled, sent, partly receipted; one revoked and opened again, which begins an
+/// epoch.
 async fn long_ledger() -> Office {
     let office = Office::with_two_open_fields().await;
     for number in 1..=3 {
@@ -17,7 +19,11 @@ async fn long_ledger() -> Office {
     let rows = office.fetch(Lane::Reports).await;
     office.accept(&rows).await;
     office.receipt(&reports(&rows[0])[0], 1).await;
-    office.desk.revoke(vec![field("made")], Verdict::LeavePending, None, "eve").await.expect("revoked");
+    office
+        .desk
+        .revoke(vec![field("made")], Verdict::LeavePending, None, "eve")
+        .await
+        .expect("revoked");
     office.open_fields().await;
     for number in 4..=6 {
         office.enter_both(number).await;
@@ -36,7 +42,8 @@ fn fields_of(entry: &Value, all: &[Value]) -> BTreeSet<String> {
         let is_same = |member: &str| queued[member] == entry[member];
         let sequence = queued["firstSequence"].as_u64();
         let is_within = entry["event"] == "REVOKED"
-            || (entry["firstSequence"].as_u64() <= sequence && sequence <= entry["lastSequence"].as_u64());
+            || (entry["firstSequence"].as_u64() <= sequence
+                && sequence <= entry["lastSequence"].as_u64());
         queued["event"] == "QUEUED" && is_same("dataSetWriterId") && is_same("epoch") && is_within
     };
     let consents = all.iter().filter(is_of).filter_map(|queued| queued["consents"].as_object());
@@ -51,7 +58,8 @@ async fn what_is_looked_up_is_what_is_there() {
         assert!(all.iter().any(|entry| entry["event"] == kind), "there is a {kind}");
     }
     let mut connection = office.readers.acquire().await.expect("a connection");
-    let kinds = EventKind::OF_REPORTS.into_iter().chain([EventKind::Consent]).map(Some).chain([None]);
+    let kinds =
+        EventKind::OF_REPORTS.into_iter().chain([EventKind::Consent]).map(Some).chain([None]);
     for kind in kinds {
         for name in [None, Some("made"), Some("note"), Some("unheard")] {
             let subject = name.map(|name| LedgerSubject {
@@ -64,15 +72,24 @@ async fn what_is_looked_up_is_what_is_there() {
                 kind.is_none_or(|kind| entry["event"] == kind.name())
                     && name.is_none_or(|name| fields_of(entry, &all).contains(name))
             };
-            let expected: Vec<u64> = all.iter().filter(is_meant).filter_map(|entry| entry["number"].as_u64()).collect();
-            let filter = LedgerFilter { kind, subject, recipient: "hull".parse().ok(), ..LedgerFilter::default() };
-            let forwards = LedgerReader::default().next(&mut connection, &filter).await.expect("read");
+            let expected: Vec<u64> =
+                all.iter().filter(is_meant).filter_map(|entry| entry["number"].as_u64()).collect();
+            let filter = LedgerFilter {
+                kind,
+                subject,
+                recipient: "hull".parse().ok(),
+                ..LedgerFilter::default()
+            };
+            let forwards =
+                LedgerReader::default().next(&mut connection, &filter).await.expect("read");
             let forwards: Vec<u64> = forwards.iter().map(|row| row.number).collect();
             assert_eq!(forwards, expected, "{kind:?} of {name:?}");
             let (mut backwards, mut before) = (Vec::new(), None);
             loop {
-                let page =
-                    LedgerReader::default().page(&mut connection, "hull", &filter, before, 2).await.expect("read");
+                let page = LedgerReader::default()
+                    .page(&mut connection, "hull", &filter, before, 2)
+                    .await
+                    .expect("read");
                 before = page.last().map(|row| row.number);
                 if before.is_none() {
                     break;

@@ -1,10 +1,12 @@
 use super::*;
 
-/// Stopped at once, what waits taken back, the partner told, and a receipt that names the last number delivered.
+/// Stopped at once, what waits taken back, the partner told, and a receipt that names the last
+/// number delivered.
 #[tokio::test]
 async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     let office = Office::with_two_open_fields().await;
-    // The first report is delivered, the second only sent, the third fetched by the link, the fourth waits.
+    // The first report is delivered, the second only sent, the third fetched by the link, the
+    // fourth waits.
     office.enter_both(1).await;
     let first = office.fetch(Lane::Reports).await;
     assert_eq!(office.accept(&first).await, 1);
@@ -18,7 +20,10 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     assert_eq!(reports(&third[0]).len(), 2, "both data sets share the message");
     office.enter_both(4).await;
 
-    let id = office.desk.revoke(vec![field("made")], Verdict::LeavePending, Some("Enough.".to_owned()), "eve").await;
+    let id = office
+        .desk
+        .revoke(vec![field("made")], Verdict::LeavePending, Some("Enough.".to_owned()), "eve")
+        .await;
     let id = id.expect("revoked").to_string();
 
     assert_eq!(office.accept(&third).await, 0, "fetched before, but it does not leave any more");
@@ -29,19 +34,29 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     let refused = office.desk.enter(vec![entry("made", json!(5))]).await.expect("answered");
     assert!(matches!(refused[0], EntryOutcome::Refused(_)), "{refused:?}");
 
-    let found = crate::store::revocation_by_id(&office.readers, &id).await.expect("read").expect("a receipt");
+    let found = crate::store::revocation_by_id(&office.readers, &id)
+        .await
+        .expect("read")
+        .expect("a receipt");
     let receipt = &found.receipt;
-    assert_eq!((receipt.revoked_by.as_deref(), receipt.reason.as_deref()), (Some("eve"), Some("Enough.")));
+    assert_eq!(
+        (receipt.revoked_by.as_deref(), receipt.reason.as_deref()),
+        (Some("eve"), Some("Enough."))
+    );
     assert_eq!(
         receipt.fields.iter().map(|f| (f.field.clone(), f.consent_version)).collect::<Vec<_>>(),
         [(field("made"), 1)]
     );
     let [writer] = &receipt.writers[..] else { panic!("{:?}", receipt.writers) };
-    assert_eq!((u64::from(writer.data_set_writer_id), u64::from(writer.epoch)), (made.writer, made.epoch));
+    assert_eq!(
+        (u64::from(writer.data_set_writer_id), u64::from(writer.epoch)),
+        (made.writer, made.epoch)
+    );
     assert_eq!(writer.last_queued_sequence, Some(3));
     assert_eq!(writer.last_sent_sequence, Some(1));
     assert_eq!(writer.last_delivered_sequence, Some(0));
-    let range = |first_sequence, last_sequence| crate::ledger::Sequences { first_sequence, last_sequence };
+    let range =
+        |first_sequence, last_sequence| crate::ledger::Sequences { first_sequence, last_sequence };
     assert_eq!(writer.in_flight, [range(1, 1)]);
     assert_eq!(writer.taken_back, [range(2, 3)]);
     assert_eq!((found.arrived_since, found.open), (0, 1));
@@ -53,43 +68,70 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
         .iter()
         .map(|row| serde_json::from_slice(&row.envelope.body).expect("JSON"))
         .collect();
-    assert!(told.iter().any(|message| message["messageType"] == "decision" && message["mappingState"] == "PENDING"));
+    assert!(told.iter().any(
+        |message| message["messageType"] == "decision" && message["mappingState"] == "PENDING"
+    ));
     let gap = told.iter().find(|message| message["messageType"] == "gap").expect("a gap");
-    assert_eq!((&gap["firstSequence"], &gap["lastSequence"], &gap["cause"]), (&json!(2), &json!(3), &json!("REVOKED")));
+    assert_eq!(
+        (&gap["firstSequence"], &gap["lastSequence"], &gap["cause"]),
+        (&json!(2), &json!(3), &json!("REVOKED"))
+    );
 
     // What was on its way arrives all the same, and the receipt's page knows.
     office.receipt(&made, 1).await;
-    let found = crate::store::revocation_by_id(&office.readers, &id).await.expect("read").expect("a receipt");
+    let found = crate::store::revocation_by_id(&office.readers, &id)
+        .await
+        .expect("read")
+        .expect("a receipt");
     assert_eq!((found.arrived_since, found.open), (1, 0));
 
     for recipient in ["acme", "hull"] {
         let entries = office.entries(recipient).await;
         let revoked = entries.iter().find(|entry| entry["event"] == "REVOKED").expect("an entry");
-        assert_eq!((&revoked["revocationId"], &revoked["lastDeliveredSequence"]), (&json!(id), &json!(0)));
-        assert!(entries.iter().any(|entry| entry["event"] == "SENT" && entry["messageId"].is_string()));
+        assert_eq!(
+            (&revoked["revocationId"], &revoked["lastDeliveredSequence"]),
+            (&json!(id), &json!(0))
+        );
+        assert!(
+            entries.iter().any(|entry| entry["event"] == "SENT" && entry["messageId"].is_string())
+        );
     }
     let folder = office.close().await;
-    let outcome = crate::store::verify_ledger(&mut connect(folder.path()).await, None).await.expect("read");
+    let outcome =
+        crate::store::verify_ledger(&mut connect(folder.path()).await, None).await.expect("read");
     assert!(outcome.is_intact(), "{outcome:?}");
     assert_eq!(outcome.revocations, 1);
 }
 
-/// The broker takes a message at the very moment in which a report in it is taken back: it has left, and is accounted for.
+/// The broker takes a message at the very moment in which a report in it is taken back: it has
+/// left, and is accounted for.
 #[tokio::test]
 async fn what_leaves_while_it_is_taken_back_is_accounted_for() {
     let office = Office::with_two_open_fields().await;
     office.enter_both(1).await;
     let rows = office.fetch(Lane::Reports).await;
     assert!(rows.iter().all(|row| office.outbox.may_leave(row)), "on the wire");
-    office.desk.revoke(vec![field("made")], Verdict::LeavePending, None, "eve").await.expect("revoked");
-    let accepted =
-        rows.iter().map(|row| RowOutcome { id: row.id, outcome: SendOutcome::Accepted, at: OffsetDateTime::now_utc() });
+    office
+        .desk
+        .revoke(vec![field("made")], Verdict::LeavePending, None, "eve")
+        .await
+        .expect("revoked");
+    let accepted = rows.iter().map(|row| RowOutcome {
+        id: row.id,
+        outcome: SendOutcome::Accepted,
+        at: OffsetDateTime::now_utc(),
+    });
     office.outbox.record(accepted.collect()).await.expect("recorded");
     let made = reports(&rows[0]).into_iter().next().expect("a report");
     office.receipt(&made, 0).await;
     let entries = office.entries("acme").await;
     let of = |event: &str| {
-        entries.iter().filter(|entry| entry["event"] == event && entry["dataSetWriterId"] == json!(made.writer)).count()
+        entries
+            .iter()
+            .filter(|entry| {
+                entry["event"] == event && entry["dataSetWriterId"] == json!(made.writer)
+            })
+            .count()
     };
     assert_eq!((of("PURGED"), of("SENT"), of("RECEIPTED")), (1, 1, 1), "{entries:?}");
     office.close().await;

@@ -4,7 +4,9 @@ use asi_model::{Scalar, StatusCode, Variant, values::Array};
 use proptest::prelude::*;
 
 use super::*;
-use crate::disclosure::{RateLimit, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours};
+use crate::disclosure::{
+    RateLimit, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours,
+};
 
 /// A Monday, 00:00 UTC.
 pub(super) const START_MS: i64 = 1_799_625_600_000;
@@ -28,7 +30,8 @@ pub(super) enum Step {
     Restart,
 }
 
-/// Anything that a mapping, a script, a person or an OPC UA client could bring for a field of whole numbers.
+/// Anything that a mapping, a script, a person or an OPC UA client could bring for a field of whole
+/// numbers.
 fn candidates() -> impl Strategy<Value = DataValue> {
     let value = prop_oneof![
         8 => (-1000_i64..1000).prop_map(Variant::from),
@@ -47,7 +50,8 @@ fn candidates() -> impl Strategy<Value = DataValue> {
         1 => Just(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
         1 => Just(StatusCode::BAD_NO_DATA),
     ];
-    (value, status).prop_map(|(value, status)| DataValue { status, ..DataValue::good(value, at(0)) })
+    (value, status)
+        .prop_map(|(value, status)| DataValue { status, ..DataValue::good(value, at(0)) })
 }
 
 pub(super) fn steps(pause_ms: u64) -> impl Strategy<Value = Vec<(u64, Step)>> {
@@ -63,7 +67,8 @@ pub(super) fn steps(pause_ms: u64) -> impl Strategy<Value = Vec<(u64, Step)>> {
 pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
     let period = || proptest::option::of(1_u64..5_000);
     let step = (1_u32..500).prop_map(|step| f64::from(step).try_into().expect("positive"));
-    let rate = (1_u32..5, 1_u64..9_000).prop_map(|(values, period_ms)| RateLimit { values, period_ms });
+    let rate =
+        (1_u32..5, 1_u64..9_000).prop_map(|(values, period_ms)| RateLimit { values, period_ms });
     let function = prop_oneof![
         Just(AggregateFunction::Last),
         Just(AggregateFunction::Maximum),
@@ -71,11 +76,13 @@ pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         Just(AggregateFunction::Sum),
         Just(AggregateFunction::Mean),
     ];
-    let aggregate = (function, 1_u64..5_000).prop_map(|(function, window_ms)| WindowAggregate { function, window_ms });
-    let condition = (any::<bool>(), -1000_i64..1000).prop_map(|(is_own, state)| WithholdCondition {
-        field: (!is_own).then(other),
-        states: vec![StateValue::Integer(state), StateValue::Integer(7)],
-    });
+    let aggregate = (function, 1_u64..5_000)
+        .prop_map(|(function, window_ms)| WindowAggregate { function, window_ms });
+    let condition =
+        (any::<bool>(), -1000_i64..1000).prop_map(|(is_own, state)| WithholdCondition {
+            field: (!is_own).then(other),
+            states: vec![StateValue::Integer(state), StateValue::Integer(7)],
+        });
     let hours = Just(WorkingHours {
         days: vec![Weekday::Monday, Weekday::Wednesday],
         from: "06:00".parse().expect("a time"),
@@ -91,7 +98,14 @@ pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         proptest::option::weighted(0.2, hours),
     )
         .prop_map(
-            |((step, is_banded, significant_digits), times, rate_limits, aggregate, withhold_while, hours)| {
+            |(
+                (step, is_banded, significant_digits),
+                times,
+                rate_limits,
+                aggregate,
+                withhold_while,
+                hours,
+            )| {
                 let mut policy = DisclosurePolicy {
                     significant_digits,
                     minimum_interval_ms: times.0,

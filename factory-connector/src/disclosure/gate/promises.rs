@@ -1,6 +1,6 @@
-//! The gate's promises as properties: whatever the policy, whatever a script yields and in whatever order things happen,
-//! what leaves is never finer, faster or earlier than the policy allows. The checks look at what came and what left
-//! only; none of them knows how the gate works.
+//! The gate's promises as properties: whatever the policy, whatever a script yields and in whatever
+//! order things happen, what leaves is never finer, faster or earlier than the policy allows. The
+//! checks look at what came and what left only; none of them knows how the gate works.
 
 use asi_model::Variant;
 use proptest::prelude::*;
@@ -47,7 +47,8 @@ fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left 
             }
             Step::Wake => gate.on_time(at(now)),
             Step::Restart => {
-                let stored = gate_from_json(&gate_to_json(&gate.state())).expect("it reads what it wrote");
+                let stored =
+                    gate_from_json(&gate_to_json(&gate.state())).expect("it reads what it wrote");
                 gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, stored, at(now));
             }
         }
@@ -60,7 +61,9 @@ fn numbers(value: &DataValue) -> Vec<i128> {
     match &value.value {
         Variant::Null => Vec::new(),
         Variant::Scalar(scalar) => vec![scalar.as_i128().expect("a whole number, as the field is")],
-        Variant::Array(array) => array.elements.iter().map(|e| e.as_i128().expect("whole numbers")).collect(),
+        Variant::Array(array) => {
+            array.elements.iter().map(|e| e.as_i128().expect("whole numbers")).collect()
+        }
     }
 }
 
@@ -90,14 +93,20 @@ fn arrivals(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<(u64, DataV
                         Variant::Scalar(scalar) => vec![scalar.clone()],
                         Variant::Null => Vec::new(),
                     };
-                    own = policy.withhold_while.iter().filter(|condition| condition.field.is_none()).any(|condition| {
-                        condition.states.iter().any(|state| {
-                            let StateValue::Integer(state) = state else { panic!("only whole states are tested") };
-                            elements
-                                .iter()
-                                .any(|element| element.as_f64().is_some_and(|number| number == *state as f64))
-                        })
-                    });
+                    own = policy
+                        .withhold_while
+                        .iter()
+                        .filter(|condition| condition.field.is_none())
+                        .any(|condition| {
+                            condition.states.iter().any(|state| {
+                                let StateValue::Integer(state) = state else {
+                                    panic!("only whole states are tested")
+                                };
+                                elements.iter().any(|element| {
+                                    element.as_f64().is_some_and(|number| number == *state as f64)
+                                })
+                            })
+                        });
                 }
                 all.push((now, value.clone(), own || (looks_at_other && foreign)));
             }
@@ -107,13 +116,20 @@ fn arrivals(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<(u64, DataV
     all
 }
 
-fn check(policy: &DisclosurePolicy, steps: &[(u64, Step)], left: &Left) -> Result<(), TestCaseError> {
+fn check(
+    policy: &DisclosurePolicy,
+    steps: &[(u64, Step)],
+    left: &Left,
+) -> Result<(), TestCaseError> {
     let arrivals = arrivals(policy, steps);
     let delay = policy.delay_ms.unwrap_or(0);
     for (when, value) in left {
         for number in numbers(value) {
             if let Some(digits) = policy.significant_digits {
-                prop_assert!(significant(number) <= usize::from(digits), "{number} is finer than {digits} digits");
+                prop_assert!(
+                    significant(number) <= usize::from(digits),
+                    "{number} is finer than {digits} digits"
+                );
             } else if let Some(step) = policy.rounding_step.and_then(RoundingStep::to_integer) {
                 prop_assert_eq!(number % step, 0, "not a multiple");
             } else if !policy.bands.is_empty() {
@@ -139,31 +155,56 @@ fn check(policy: &DisclosurePolicy, steps: &[(u64, Step)], left: &Left) -> Resul
             prop_assert!(source + millis(delay) <= left_at, "left before its delay");
         } else if policy.time_step_ms.is_none() {
             prop_assert_eq!(source.rem_euclid(millis(windowed)), 0, "a time within a window");
-            prop_assert!(source + millis(windowed + delay) <= left_at, "left before its window's end or its delay");
+            prop_assert!(
+                source + millis(windowed + delay) <= left_at,
+                "left before its window's end or its delay"
+            );
         }
         if policy.working_hours.is_some() {
             prop_assert!(is_working(*when), "left outside of working hours");
         }
         // The last thing that is known of the states when it left.
         if let Some((came, _, true)) = arrivals.iter().rev().find(|(came, ..)| came < when) {
-            let is_over = arrivals.iter().any(|(later, _, is_withheld)| came < later && later <= when && !is_withheld);
-            prop_assert!(is_over || policy.withhold_while.iter().any(|c| c.field.is_some()), "left in its own state");
+            let is_over = arrivals
+                .iter()
+                .any(|(later, _, is_withheld)| came < later && later <= when && !is_withheld);
+            prop_assert!(
+                is_over || policy.withhold_while.iter().any(|c| c.field.is_some()),
+                "left in its own state"
+            );
         }
     }
     for pair in left.windows(2) {
         let (before, after) = (pair[0].0, pair[1].0);
-        prop_assert!(after - before >= policy.minimum_interval_ms.unwrap_or(0), "faster than the interval");
-        for period in policy.time_step_ms.into_iter().chain(policy.aggregate.map(|aggregate| aggregate.window_ms)) {
+        prop_assert!(
+            after - before >= policy.minimum_interval_ms.unwrap_or(0),
+            "faster than the interval"
+        );
+        for period in policy
+            .time_step_ms
+            .into_iter()
+            .chain(policy.aggregate.map(|aggregate| aggregate.window_ms))
+        {
             let slot = |ms: u64| (START_MS.unsigned_abs() + ms) / period;
             prop_assert!(slot(before) < slot(after), "twice in one step or window");
         }
-        let is_sum = policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
-        prop_assert!(is_sum || pair[0].1.value != pair[1].1.value || pair[0].1.status != pair[1].1.status);
+        let is_sum =
+            policy.aggregate.is_some_and(|aggregate| aggregate.function == AggregateFunction::Sum);
+        prop_assert!(
+            is_sum || pair[0].1.value != pair[1].1.value || pair[0].1.status != pair[1].1.status
+        );
     }
     for limit in &policy.rate_limits {
         for (first, _) in left {
-            let count = left.iter().filter(|(when, _)| when >= first && *when < first + limit.period_ms).count();
-            prop_assert!(count <= limit.values as usize, "{count} values within {} ms", limit.period_ms);
+            let count = left
+                .iter()
+                .filter(|(when, _)| when >= first && *when < first + limit.period_ms)
+                .count();
+            prop_assert!(
+                count <= limit.values as usize,
+                "{count} values within {} ms",
+                limit.period_ms
+            );
         }
     }
     Ok(())
@@ -182,7 +223,8 @@ proptest! {
         check(&policy, &steps, &run(&policy, &steps, is_late))?;
     }
 
-    /// What comes in a withheld state leaves no trace: without it, exactly the same leaves at the same times.
+    /// What comes in a withheld state leaves no trace: without it, exactly the same leaves at the
+    /// same times.
     #[test]
     fn withheld_candidates_leave_no_trace(steps in steps(500), minimum_interval_ms in proptest::option::of(1_u64..2_000)) {
         let condition = WithholdCondition { field: Some(other()), states: vec![StateValue::Integer(1)] };
@@ -204,7 +246,8 @@ proptest! {
         prop_assert_eq!(run(&policy, &steps, false), run(&policy, &without, false));
     }
 
-    /// Two courses that differ below the rounding step only look the same from outside, in value and in time.
+    /// Two courses that differ below the rounding step only look the same from outside, in value
+    /// and in time.
     #[test]
     fn what_is_below_the_step_cannot_be_told(
         step in 1_i64..100,
@@ -223,7 +266,8 @@ proptest! {
         prop_assert_eq!(shown(run(&policy, &course(|v| v.2), false)), shown(run(&policy, &course(|v| v.3), false)));
     }
 
-    /// Two courses that differ in when things happened within a time step look the same from outside.
+    /// Two courses that differ in when things happened within a time step look the same from
+    /// outside.
     #[test]
     fn what_is_within_a_time_step_cannot_be_told(
         values in proptest::collection::vec((0_u64..3, -9_i64..9, 0_u64..100, 0_u64..100), 1..40),

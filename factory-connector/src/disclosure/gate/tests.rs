@@ -113,7 +113,9 @@ fn a_lost_source_shows_as_its_status() {
 #[test]
 fn what_was_due_within_the_hours_does_not_leave_after_them() {
     // START is a Friday at 08:00 UTC.
-    let mut gate = gate(r#"{"delayMs":1000,"workingHours":{"days":["FRIDAY"],"from":"06:00","until":"09:00"}}"#);
+    let mut gate = gate(
+        r#"{"delayMs":1000,"workingHours":{"days":["FRIDAY"],"from":"06:00","until":"09:00"}}"#,
+    );
     gate.on(at(0), candidate(0, 1));
     let late = at(2 * 3_600_000);
     gate.on_time(late);
@@ -175,9 +177,14 @@ fn a_rate_holds_in_any_period() {
 
 #[test]
 fn what_comes_in_a_withheld_state_never_leaves() {
-    let mut gate = gate(r#"{"withholdWhile":[{"states":[-1]},{"field":"state","states":["SETUP"]}]}"#);
+    let mut gate =
+        gate(r#"{"withholdWhile":[{"states":[-1]},{"field":"state","states":["SETUP"]}]}"#);
     let other: FieldName = "state".parse().expect("a name");
-    assert_eq!(gate.on(at(0), candidate(0, 1)), Outcome::Suppressed, "the other field's state is not known");
+    assert_eq!(
+        gate.on(at(0), candidate(0, 1)),
+        Outcome::Suppressed,
+        "the other field's state is not known"
+    );
     gate.on_state(at(1), &other, Some(false));
     assert!(!gate.take_news());
     assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });

@@ -15,7 +15,9 @@ pub(super) fn bits_per_value(field: &OpenField<'_>) -> Option<f64> {
         BuiltInType::SByte | BuiltInType::Byte => 8.0_f64,
         BuiltInType::Int16 | BuiltInType::UInt16 => 16.0,
         BuiltInType::Int32 | BuiltInType::UInt32 | BuiltInType::Float => 32.0,
-        BuiltInType::Int64 | BuiltInType::UInt64 | BuiltInType::Double | BuiltInType::DateTime => 64.0,
+        BuiltInType::Int64 | BuiltInType::UInt64 | BuiltInType::Double | BuiltInType::DateTime => {
+            64.0
+        }
         _ => return None,
     };
     if definition.value_rank >= 0 {

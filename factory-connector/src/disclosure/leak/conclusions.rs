@@ -13,7 +13,8 @@ use crate::disclosure::{DisclosurePolicy, effects::time_resolution_ms};
 
 /// Times coarser than this do not tell how a machine was used.
 const UTILISATION_MS: u64 = 3_600_000;
-/// Times coarser than this do not tell single pieces, where the plan does not say how long one takes.
+/// Times coarser than this do not tell single pieces, where the plan does not say how long one
+/// takes.
 const PIECE_MS: u64 = 15 * 60_000;
 
 /// What follows from fields that are open together.
@@ -41,7 +42,8 @@ pub struct LeakWarning {
     /// From which fields.
     #[schema(value_type = Vec<Object>)]
     pub fields: Vec<FieldKey>,
-    /// How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan says so.
+    /// How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan
+    /// says so.
     pub piece_ms: Option<u64>,
     /// The time from which on it could not be concluded, in milliseconds, where that helps.
     pub needed_ms: Option<u64>,
@@ -55,15 +57,20 @@ pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
         warnings.extend(cycle_time(field));
         warnings.extend(utilisation(field));
     }
-    let mut operations: HashMap<(&OperationNetworkId, &OperationId), Vec<&OpenField<'_>>> = HashMap::new();
+    let mut operations: HashMap<(&OperationNetworkId, &OperationId), Vec<&OpenField<'_>>> =
+        HashMap::new();
     for field in open {
         let request = &field.key.request;
-        operations.entry((&request.operation_network_id, &request.operation_id)).or_default().push(field);
+        operations
+            .entry((&request.operation_network_id, &request.operation_id))
+            .or_default()
+            .push(field);
     }
     for fields in operations.into_values() {
         let of = |wanted: &[Semantic]| -> Vec<FieldKey> {
-            let means =
-                |field: &&&OpenField<'_>| field.definition.semantic.as_ref().is_some_and(|s| wanted.contains(s));
+            let means = |field: &&&OpenField<'_>| {
+                field.definition.semantic.as_ref().is_some_and(|s| wanted.contains(s))
+            };
             fields.iter().filter(means).map(|field| field.key.clone()).collect()
         };
         let (shares, all) = (of(&[Semantic::PercentComplete]), of(&[Semantic::ProducedQuantity]));
@@ -95,13 +102,16 @@ pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
             });
         }
     }
-    warnings.sort_by(|left, right| (left.conclusion, &left.fields).cmp(&(right.conclusion, &right.fields)));
+    warnings.sort_by(|left, right| {
+        (left.conclusion, &left.fields).cmp(&(right.conclusion, &right.fields))
+    });
     warnings
 }
 
 /// The longest of what keeps two changes from being told apart, in milliseconds.
 fn granularity_ms(policy: &DisclosurePolicy) -> u64 {
-    let rates = policy.rate_limits.iter().map(|limit| limit.period_ms / u64::from(limit.values.max(1)));
+    let rates =
+        policy.rate_limits.iter().map(|limit| limit.period_ms / u64::from(limit.values.max(1)));
     rates.chain(policy.minimum_interval_ms).fold(time_resolution_ms(policy), u64::max)
 }
 
@@ -119,7 +129,9 @@ fn is_counter(field: &OpenField<'_>) -> bool {
         field.definition.semantic,
         Some(Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity)
     );
-    is_count || (field.definition.field_type.0.is_integer() && field.definition.unit.as_deref() == Some("PIECE"))
+    is_count
+        || (field.definition.field_type.0.is_integer()
+            && field.definition.unit.as_deref() == Some("PIECE"))
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
@@ -153,9 +165,11 @@ fn cycle_time(field: &OpenField<'_>) -> Option<LeakWarning> {
 fn utilisation(field: &OpenField<'_>) -> Option<LeakWarning> {
     let definition = field.definition;
     let name = definition.name.as_str().to_ascii_lowercase();
-    let is_named = ["state", "status", "mode", "running", "active"].iter().any(|word| name.contains(word));
+    let is_named =
+        ["state", "status", "mode", "running", "active"].iter().any(|word| name.contains(word));
     let is_state = definition.semantic == Some(Semantic::OperationState)
-        || (definition.semantic.is_none() && (definition.field_type.0 == BuiltInType::Boolean || is_named));
+        || (definition.semantic.is_none()
+            && (definition.field_type.0 == BuiltInType::Boolean || is_named));
     (is_state && granularity_ms(field.policy) < UTILISATION_MS).then(|| LeakWarning {
         conclusion: Conclusion::Utilisation,
         text:

@@ -3,8 +3,10 @@ use serde_json::{Value, json};
 use super::*;
 
 fn operation() -> Operation {
-    serde_json::from_value(json!({ "operationId": "op", "operationType": "PRODUCTION", "plannedQuantity": 100,
-        "plannedStart": "2026-11-21T06:00:00Z", "plannedEnd": "2026-11-21T16:00:00Z" }))
+    serde_json::from_value(
+        json!({ "operationId": "op", "operationType": "PRODUCTION", "plannedQuantity": 100,
+        "plannedStart": "2026-11-21T06:00:00Z", "plannedEnd": "2026-11-21T16:00:00Z" }),
+    )
     .expect("an operation")
 }
 
@@ -28,7 +30,13 @@ fn with_open<T>(fields: &[(Value, Value)], look: impl FnOnce(&[OpenField<'_>]) -
     let measured = Measured { candidates: 100, released: 10, hours: 2.0 };
     let open: Vec<OpenField<'_>> = owned
         .iter()
-        .map(|(key, definition, policy)| OpenField { key, definition, operation: &operation, policy, measured })
+        .map(|(key, definition, policy)| OpenField {
+            key,
+            definition,
+            operation: &operation,
+            policy,
+            measured,
+        })
         .collect();
     look(&open)
 }
@@ -74,7 +82,8 @@ fn figures_add_up() {
     assert!((bits - (5_f64.log2() + 3.0 * 2.0)).abs() < 1e-9, "{bits}");
     let found = budget(&[(share, json!({})), (temperature, json!({ "timeStepMs": 60_000 }))]);
     assert_eq!((found.values_per_hour_max, found.bits_per_hour_max), (None, None));
-    let text = budget(&[(json!({ "name": "note", "type": 12 }), json!({ "timeStepMs": 3_600_000 }))]);
+    let text =
+        budget(&[(json!({ "name": "note", "type": 12 }), json!({ "timeStepMs": 3_600_000 }))]);
     assert_eq!(text.fields[0].bits_per_value, None);
 }
 
@@ -96,7 +105,8 @@ fn a_summary_says_the_same_in_short() {
         let finest = budget.fields.iter().map(|field| field.time_resolution_ms).min();
         assert_eq!(summary.time_resolution_ms, finest.unwrap_or(0));
         assert_eq!(summary.warning_count, budget.warnings.len());
-        let mut conclusions: Vec<Conclusion> = budget.warnings.iter().map(|warning| warning.conclusion).collect();
+        let mut conclusions: Vec<Conclusion> =
+            budget.warnings.iter().map(|warning| warning.conclusion).collect();
         conclusions.dedup();
         assert_eq!(summary.conclusions, conclusions);
     }

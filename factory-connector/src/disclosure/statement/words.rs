@@ -27,7 +27,9 @@ fn in_english(part: &StatementPart) -> String {
         StatementPart::Aggregated { function, window_ms } => {
             format!("{} per {}", function.describe(), describe_period(*window_ms))
         }
-        StatementPart::Rounded { step, unit } => format!("rounded to multiples of {step}{}", of(unit)),
+        StatementPart::Rounded { step, unit } => {
+            format!("rounded to multiples of {step}{}", of(unit))
+        }
         StatementPart::Banded { bounds, unit } => {
             let bounds: Vec<String> = bounds.iter().map(f64::to_string).collect();
             format!("in bands from {}{}", bounds.join(", "), of(unit))
@@ -35,12 +37,16 @@ fn in_english(part: &StatementPart) -> String {
         StatementPart::Digits { digits } => {
             format!("with {digits} significant digit{}", if *digits == 1 { "" } else { "s" })
         }
-        StatementPart::Interval { period_ms } => format!("at most once per {}", describe_period(*period_ms)),
+        StatementPart::Interval { period_ms } => {
+            format!("at most once per {}", describe_period(*period_ms))
+        }
         StatementPart::Rate { values, period_ms } => {
             let plural = if *values == 1 { "" } else { "s" };
             format!("at most {values} value{plural} per {}", describe_period(*period_ms))
         }
-        StatementPart::TimeStep { period_ms } => format!("times in steps of {}", describe_period(*period_ms)),
+        StatementPart::TimeStep { period_ms } => {
+            format!("times in steps of {}", describe_period(*period_ms))
+        }
         StatementPart::Delayed { period_ms } => format!("{} late", describe_period(*period_ms)),
         StatementPart::Hours { hours } => hours.describe(),
         StatementPart::Withheld => "withheld in certain states".to_owned(),
@@ -61,19 +67,27 @@ fn in_german(part: &StatementPart) -> String {
             };
             format!("ein Wert je {}: {made}", describe_period(*window_ms))
         }
-        StatementPart::Rounded { step, unit } => format!("gerundet auf Vielfache von {}{}", number(step), of(unit)),
+        StatementPart::Rounded { step, unit } => {
+            format!("gerundet auf Vielfache von {}{}", number(step), of(unit))
+        }
         StatementPart::Banded { bounds, unit } => {
             let bounds: Vec<String> = bounds.iter().map(|bound| number(bound)).collect();
             format!("in Bändern ab {}{}", bounds.join("; "), of(unit))
         }
         StatementPart::Digits { digits: 1 } => "mit 1 gültigen Ziffer".to_owned(),
         StatementPart::Digits { digits } => format!("mit {digits} gültigen Ziffern"),
-        StatementPart::Interval { period_ms } => format!("höchstens einmal je {}", describe_period(*period_ms)),
-        StatementPart::Rate { values: 1, period_ms } => format!("höchstens 1 Wert je {}", describe_period(*period_ms)),
+        StatementPart::Interval { period_ms } => {
+            format!("höchstens einmal je {}", describe_period(*period_ms))
+        }
+        StatementPart::Rate { values: 1, period_ms } => {
+            format!("höchstens 1 Wert je {}", describe_period(*period_ms))
+        }
         StatementPart::Rate { values, period_ms } => {
             format!("höchstens {values} Werte je {}", describe_period(*period_ms))
         }
-        StatementPart::TimeStep { period_ms } => format!("Zeiten in Schritten von {}", describe_period(*period_ms)),
+        StatementPart::TimeStep { period_ms } => {
+            format!("Zeiten in Schritten von {}", describe_period(*period_ms))
+        }
         StatementPart::Delayed { period_ms } => format!("{} später", describe_period(*period_ms)),
         StatementPart::Hours { hours } => {
             let days: Vec<&str> = hours.days.iter().copied().map(german).collect();

@@ -1,5 +1,5 @@
-//! The verification of one entry or report by itself: everything that needs no other entry but the hash of the one
-//! before.
+//! The verification of one entry or report by itself: everything that needs no other entry but the
+//! hash of the one before.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,8 @@ use serde::Deserialize;
 
 use super::super::{Entry, Event, Hash, chain_hash, values_root};
 
-/// A stored entry, as raw as it lies there: whatever is wrong with it is to be found, not to be tripped over.
+/// A stored entry, as raw as it lies there: whatever is wrong with it is to be found, not to be
+/// tripped over.
 #[derive(Debug, Clone, Default)]
 pub struct StoredEntry {
     /// Its place.
@@ -68,7 +69,8 @@ impl StoredReport {
     pub fn digest(&self) -> ReportDigest {
         let values = match (&self.body, &self.salt) {
             (Some(body), Some(salt)) => {
-                let root = std::str::from_utf8(body).ok().and_then(|body| values_root(body, salt).ok());
+                let root =
+                    std::str::from_utf8(body).ok().and_then(|body| values_root(body, salt).ok());
                 Stored::Root(root.map(hex::encode))
             }
             (None, None) => Stored::Emptied,
@@ -105,7 +107,8 @@ pub struct CheckedEntry {
     pub(super) revocation: Option<String>,
 }
 
-/// What verification needs of an entry's text. Consents and revocations are rare and read as a whole.
+/// What verification needs of an entry's text. Consents and revocations are rare and read as a
+/// whole.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Glance<'t> {
@@ -140,10 +143,15 @@ impl StoredEntry {
         self.hash.as_slice().try_into().unwrap_or_default()
     }
 
-    /// Looks at the entry of a chain, given the stored hash of the one before it and its report, where there is one with
-    /// that number.
+    /// Looks at the entry of a chain, given the stored hash of the one before it and its report,
+    /// where there is one with that number.
     #[must_use]
-    pub fn check(&self, recipient: &[u8], previous: &Hash, report: Option<&ReportDigest>) -> CheckedEntry {
+    pub fn check(
+        &self,
+        recipient: &[u8],
+        previous: &Hash,
+        report: Option<&ReportDigest>,
+    ) -> CheckedEntry {
         let mut checked = CheckedEntry {
             number: u64::try_from(self.number).unwrap_or_default(),
             hash: self.stored_hash(),
@@ -156,8 +164,8 @@ impl StoredEntry {
         if content.is_some_and(|content| chain_hash(previous, content)[..] != self.hash[..]) {
             checked.faults.push("the entry or one before it was changed");
         }
-        let Some((content, glance)) =
-            content.and_then(|content| Some((content, serde_json::from_str::<Glance<'_>>(content).ok()?)))
+        let Some((content, glance)) = content
+            .and_then(|content| Some((content, serde_json::from_str::<Glance<'_>>(content).ok()?)))
         else {
             checked.faults.push("the entry cannot be read");
             return checked;
@@ -186,7 +194,12 @@ impl StoredEntry {
         }
     }
 
-    fn compare(&self, checked: &mut CheckedEntry, glance: &Glance<'_>, report: Option<&ReportDigest>) {
+    fn compare(
+        &self,
+        checked: &mut CheckedEntry,
+        glance: &Glance<'_>,
+        report: Option<&ReportDigest>,
+    ) {
         let Some(report) = report else {
             checked.faults.push("the report with the values was deleted");
             return;

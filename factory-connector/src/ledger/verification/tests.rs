@@ -26,8 +26,12 @@ fn entries(count: u32) -> (Vec<Row>, Heads, Vec<LinkedEntry>) {
     let values = hex::encode(values_root(REPORT, &SALT).expect("a report"));
     let mut linked = Vec::new();
     let stored = (0..count).map(|sequence| {
-        let range =
-            SequenceRange { data_set_writer_id: 1, epoch: 1, first_sequence: sequence, last_sequence: sequence };
+        let range = SequenceRange {
+            data_set_writer_id: 1,
+            epoch: 1,
+            first_sequence: sequence,
+            last_sequence: sequence,
+        };
         let is_queued = sequence % 2 == 0;
         let event = if is_queued {
             Event::Queued { range, values: values.clone(), consents: BTreeMap::new() }
@@ -137,11 +141,15 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
             recorded_at: 9,
             content: text.as_bytes().to_vec(),
             signature: key
-                .sign(&Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical())
+                .sign(
+                    &Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads)
+                        .canonical(),
+                )
                 .to_vec(),
             public_key: key.public().to_vec(),
         };
-        verify(entries, Surroundings { checkpoints: vec![statement], ..signed(linked, &key) }).is_intact()
+        verify(entries, Surroundings { checkpoints: vec![statement], ..signed(linked, &key) })
+            .is_intact()
     };
     assert!(check(&intact, &linked, &text));
     assert!(!check(&intact[..3], &linked[..3], &text), "a chain cut short and its end signed anew");
@@ -170,14 +178,21 @@ fn a_chain_goes_on_from_its_anchor() {
             content: text.into_bytes(),
         }
     };
-    let check = |entries: &[Row], anchors| verify(entries, Surroundings { anchors, ..signed(&linked, &key) });
+    let check = |entries: &[Row], anchors| {
+        verify(entries, Surroundings { anchors, ..signed(&linked, &key) })
+    };
     let outcome = check(&intact[3..], vec![anchor(3)]);
     assert!(outcome.is_intact(), "{outcome:?}");
     assert_eq!((outcome.entries, outcome.entries_pruned), (3, 3));
     assert!(check(&[], vec![anchor(6)]).is_intact(), "everything was removed");
-    assert!(!check(&intact[4..], vec![anchor(3)]).is_intact(), "more is missing than the anchor states");
+    assert!(
+        !check(&intact[4..], vec![anchor(3)]).is_intact(),
+        "more is missing than the anchor states"
+    );
     assert!(!check(&intact[3..], Vec::new()).is_intact(), "the anchor is missing");
     let mut changed = anchor(3);
-    changed.content = String::from_utf8_lossy(&changed.content).replace("\"number\":3", "\"number\":4").into_bytes();
+    changed.content = String::from_utf8_lossy(&changed.content)
+        .replace("\"number\":3", "\"number\":4")
+        .into_bytes();
     assert!(!check(&intact[4..], vec![changed]).is_intact(), "the anchor was changed");
 }

@@ -53,7 +53,15 @@ pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Res
         connection,
         "INSERT INTO revocation (revocation_id, revoked_at, content, signature, public_key) VALUES (?, ?, ?, ?, ?)",
         &changes.revocations,
-        |row| (&row.revocation_id, row.revoked_at.unix_micros(), &row.content, &row.signature, &row.public_key),
+        |row| {
+            (
+                &row.revocation_id,
+                row.revoked_at.unix_micros(),
+                &row.content,
+                &row.signature,
+                &row.public_key,
+            )
+        },
     )?;
     if let Some(made) = &changes.checkpoint {
         let number = i64::try_from(made.number).unwrap_or(i64::MAX);
@@ -61,7 +69,13 @@ pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Res
             connection,
             "INSERT INTO ledger_checkpoint (number, recorded_at, content, signature, public_key) \
              VALUES (?, ?, ?, ?, ?)",
-            (number, made.recorded_at.unix_micros(), &made.content, &made.signature, &made.public_key),
+            (
+                number,
+                made.recorded_at.unix_micros(),
+                &made.content,
+                &made.signature,
+                &made.public_key,
+            ),
         )?;
     }
     Ok(())

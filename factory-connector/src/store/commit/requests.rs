@@ -9,7 +9,8 @@ use crate::store::{
 
 /// Most dead letters kept; the oldest go.
 const DEAD_LETTERS_MAX: i64 = 10_000;
-/// How long ids of messages are remembered, in microseconds: longer than any broker keeps a message.
+/// How long ids of messages are remembered, in microseconds: longer than any broker keeps a
+/// message.
 const SEEN_MICROS_MAX: i64 = 90 * 86_400 * 1_000_000;
 
 pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
@@ -37,7 +38,11 @@ pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Res
         |(message_id, at)| (message_id.as_str(), at.unix_micros()),
     )?;
     if let Some((_, now)) = changes.seen.last() {
-        run(connection, "DELETE FROM seen WHERE seen_at < ?", (now.unix_micros() - SEEN_MICROS_MAX,))?;
+        run(
+            connection,
+            "DELETE FROM seen WHERE seen_at < ?",
+            (now.unix_micros() - SEEN_MICROS_MAX,),
+        )?;
     }
     write_rows(
         connection,

@@ -60,8 +60,7 @@ fn move_reports(connection: &Connection, change: &ReportMove) -> rusqlite::Resul
     let (statement, ids) = match change {
         ReportMove::Sent { reports, at } => return sent(connection, reports, *at),
         ReportMove::Receipted { reports, at } => {
-            let statement =
-                "UPDATE report SET state = 'DONE', receipted_at = ? WHERE id IN (SELECT value FROM json_each(?))";
+            let statement = "UPDATE report SET state = 'DONE', receipted_at = ? WHERE id IN (SELECT value FROM json_each(?))";
             return run(connection, statement, (at.unix_micros(), id_list(reports))).map(drop);
         }
         ReportMove::Waiting(ids) => (
@@ -79,7 +78,9 @@ fn move_reports(connection: &Connection, change: &ReportMove) -> rusqlite::Resul
              AND message IN (SELECT value FROM json_each(?))",
             ids,
         ),
-        ReportMove::Done(ids) => ("UPDATE report SET state = 'DONE' WHERE id IN (SELECT value FROM json_each(?))", ids),
+        ReportMove::Done(ids) => {
+            ("UPDATE report SET state = 'DONE' WHERE id IN (SELECT value FROM json_each(?))", ids)
+        }
         ReportMove::Revoked(ids) => {
             ("UPDATE report SET is_revoked = 1 WHERE id IN (SELECT value FROM json_each(?))", ids)
         }
@@ -87,8 +88,13 @@ fn move_reports(connection: &Connection, change: &ReportMove) -> rusqlite::Resul
     run(connection, statement, (id_list(ids),)).map(drop)
 }
 
-/// What was taken back while it was leaving has left all the same: its receipt is waited for, and it is not sent again.
-fn sent(connection: &Connection, reports: &[(i64, Option<MessageId>)], at: DateTime) -> rusqlite::Result<()> {
+/// What was taken back while it was leaving has left all the same: its receipt is waited for, and
+/// it is not sent again.
+fn sent(
+    connection: &Connection,
+    reports: &[(i64, Option<MessageId>)],
+    at: DateTime,
+) -> rusqlite::Result<()> {
     write_rows(
         connection,
         "UPDATE report SET is_revoked = iif(state = 'DONE', 1, is_revoked), state = 'SENT', sent_at = ?, \
@@ -118,8 +124,14 @@ pub(super) fn write_controls(connection: &Connection, changes: &Changes) -> rusq
         },
     )?;
     for (statement, ids) in [
-        ("DELETE FROM control WHERE id IN (SELECT value FROM json_each(?))", &changes.controls_done),
-        ("UPDATE control SET state = 'PARKED' WHERE id IN (SELECT value FROM json_each(?))", &changes.controls_parked),
+        (
+            "DELETE FROM control WHERE id IN (SELECT value FROM json_each(?))",
+            &changes.controls_done,
+        ),
+        (
+            "UPDATE control SET state = 'PARKED' WHERE id IN (SELECT value FROM json_each(?))",
+            &changes.controls_parked,
+        ),
         (
             "UPDATE control SET attempts = attempts + 1 WHERE id IN (SELECT value FROM json_each(?))",
             &changes.controls_attempted,

@@ -1,6 +1,9 @@
 //! Which entries: looked up by what they are about, so that a long chain is never read through.
 
-use asi_model::{DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId, OrganisationId};
+use asi_model::{
+    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId,
+    OrganisationId,
+};
 use sqlx::{QueryBuilder, Sqlite, SqlitePool};
 
 use crate::{
@@ -26,7 +29,8 @@ pub struct LedgerFilter {
     pub subject: Option<LedgerSubject>,
 }
 
-/// What entries are about: decisions about fields, the reports that carried them, and what became of those.
+/// What entries are about: decisions about fields, the reports that carried them, and what became
+/// of those.
 #[derive(Debug, Clone)]
 pub struct LedgerSubject {
     /// The network.
@@ -49,7 +53,12 @@ pub(super) enum Place {
 }
 
 /// The entries of a chain that a filter means, with their reports.
-pub(super) fn selection(recipient: &str, filter: &LedgerFilter, place: Place, limit: u32) -> QueryBuilder<Sqlite> {
+pub(super) fn selection(
+    recipient: &str,
+    filter: &LedgerFilter,
+    place: Place,
+    limit: u32,
+) -> QueryBuilder<Sqlite> {
     let mut sql = QueryBuilder::new(
         "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.message_id, r.sent_at, r.receipted_at \
          FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id WHERE e.recipient = ",
@@ -87,14 +96,22 @@ struct Chain<'c> {
 }
 
 impl Chain<'_> {
-    /// Numbers by an index. Without statistics SQLite would rather read the whole chain than use it.
+    /// Numbers by an index. Without statistics SQLite would rather read the whole chain than use
+    /// it.
     fn push_numbers(&self, sql: &mut QueryBuilder<Sqlite>, index: &'static str) {
-        sql.push("SELECT x.number FROM ledger_entry x INDEXED BY ").push(index).push(" WHERE x.recipient = ");
+        sql.push("SELECT x.number FROM ledger_entry x INDEXED BY ")
+            .push(index)
+            .push(" WHERE x.recipient = ");
         sql.push_bind(self.recipient.to_owned());
     }
 
     /// Decisions about the subject.
-    fn push_decisions(&self, sql: &mut QueryBuilder<Sqlite>, subject: &LedgerSubject, kind: Option<EventKind>) {
+    fn push_decisions(
+        &self,
+        sql: &mut QueryBuilder<Sqlite>,
+        subject: &LedgerSubject,
+        kind: Option<EventKind>,
+    ) {
         self.push_numbers(sql, "ledger_by_field");
         sql.push(" AND ");
         push_subject(sql, subject);
@@ -104,8 +121,14 @@ impl Chain<'_> {
         self.push_window(sql, "x");
     }
 
-    /// Reports that carried the subject: of each writer, epoch and kind as many as are wanted at all.
-    fn push_reports(&self, sql: &mut QueryBuilder<Sqlite>, subject: &LedgerSubject, kind: Option<EventKind>) {
+    /// Reports that carried the subject: of each writer, epoch and kind as many as are wanted at
+    /// all.
+    fn push_reports(
+        &self,
+        sql: &mut QueryBuilder<Sqlite>,
+        subject: &LedgerSubject,
+        kind: Option<EventKind>,
+    ) {
         let kinds: Vec<&str> = EventKind::OF_REPORTS
             .into_iter()
             .filter(|known| kind.is_none_or(|wanted| wanted == *known))
@@ -115,13 +138,16 @@ impl Chain<'_> {
         push_subject(sql, subject);
         sql.push(" GROUP BY writer_id, epoch) AS carried CROSS JOIN json_each(");
         sql.push_bind(serde_json::to_string(&kinds).expect("names serialise"));
-        sql.push(") AS kind CROSS JOIN ledger_entry y ON y.recipient = ").push_bind(self.recipient.to_owned());
+        sql.push(") AS kind CROSS JOIN ledger_entry y ON y.recipient = ")
+            .push_bind(self.recipient.to_owned());
         sql.push(" AND y.number IN (");
         self.push_numbers(sql, "ledger_by_writer");
         // The sign makes them values without a declared type, as those of the index are.
         sql.push(" AND x.writer_id = +carried.writer_id AND x.epoch = +carried.epoch AND x.event = kind.value");
         if let Some(name) = &subject.field_name {
-            sql.push(" AND (x.last_sequence IS NULL OR x.last_sequence >= +carried.first_sequence)");
+            sql.push(
+                " AND (x.last_sequence IS NULL OR x.last_sequence >= +carried.first_sequence)",
+            );
             sql.push(
                 " AND (x.event <> 'QUEUED' OR EXISTS (SELECT 1 FROM json_each(x.content, '$.consents') WHERE key = ",
             );
@@ -137,7 +163,8 @@ impl Chain<'_> {
             Place::After(number) => (".number > ", number),
         };
         sql.push(" AND ").push(of).push(sign).push_bind(number);
-        let bounds = [(".recorded_at >= ", self.filter.from), (".recorded_at < ", self.filter.until)];
+        let bounds =
+            [(".recorded_at >= ", self.filter.from), (".recorded_at < ", self.filter.until)];
         for (sign, at) in bounds.into_iter().filter_map(|(sign, at)| Some((sign, at?))) {
             sql.push(" AND ").push(of).push(sign).push_bind(at.unix_micros());
         }
@@ -145,7 +172,11 @@ impl Chain<'_> {
 
     fn push_order(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
         let order = if matches!(self.place, Place::Before(_)) { ".number DESC" } else { ".number" };
-        sql.push(" ORDER BY ").push(of).push(order).push(" LIMIT ").push_bind(i64::from(self.limit));
+        sql.push(" ORDER BY ")
+            .push(of)
+            .push(order)
+            .push(" LIMIT ")
+            .push_bind(i64::from(self.limit));
     }
 
     fn push_end(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
@@ -158,7 +189,10 @@ fn push_subject(sql: &mut QueryBuilder<Sqlite>, subject: &LedgerSubject) {
     sql.push("operation_network_id = ").push_bind(subject.operation_network_id.to_string());
     let parts = [
         ("operation_id", subject.operation_id.as_ref().map(ToString::to_string)),
-        ("dynamic_data_request_id", subject.dynamic_data_request_id.as_ref().map(ToString::to_string)),
+        (
+            "dynamic_data_request_id",
+            subject.dynamic_data_request_id.as_ref().map(ToString::to_string),
+        ),
         ("field_name", subject.field_name.as_ref().map(ToString::to_string)),
     ];
     for (column, value) in parts.into_iter().filter_map(|(column, value)| Some((column, value?))) {
@@ -166,11 +200,16 @@ fn push_subject(sql: &mut QueryBuilder<Sqlite>, subject: &LedgerSubject) {
     }
 }
 
-/// Fields that the ledger speaks of, in whose ids all these words occur, in the order of their keys.
+/// Fields that the ledger speaks of, in whose ids all these words occur, in the order of their
+/// keys.
 ///
 /// # Errors
 /// [`StoreError`] where the tables cannot be read.
-pub async fn ledger_fields(readers: &SqlitePool, words: &[String], limit: u32) -> Result<Vec<FieldKey>, StoreError> {
+pub async fn ledger_fields(
+    readers: &SqlitePool,
+    words: &[String],
+    limit: u32,
+) -> Result<Vec<FieldKey>, StoreError> {
     let mut sql = QueryBuilder::<Sqlite>::new(
         "SELECT operation_network_id, operation_id, dynamic_data_request_id, field_name FROM (\
          SELECT operation_network_id, operation_id, dynamic_data_request_id, field_name FROM carried_field UNION \
@@ -185,7 +224,8 @@ pub async fn ledger_fields(readers: &SqlitePool, words: &[String], limit: u32) -
         sql.push_bind(word.clone()).push("))");
     }
     sql.push(" ORDER BY 1, 2, 3, 4 LIMIT ").push_bind(i64::from(limit));
-    let rows = sql.build().fetch_all(readers).await.map_err(StoreError::while_doing("read the ledger"))?;
+    let rows =
+        sql.build().fetch_all(readers).await.map_err(StoreError::while_doing("read the ledger"))?;
     rows.iter().map(|row| Ok(request_key(row, 0)?.field(id::<FieldName>(row, 3)?))).collect()
 }
 
@@ -210,7 +250,8 @@ mod tests {
         let by_kind = "ledger_by_kind (recipient=? AND event=? AND number<?)";
         let by_field = "ledger_by_field (recipient=? AND operation_network_id=? AND operation_id=? AND \
                         dynamic_data_request_id=? AND field_name=? AND number<?)";
-        let by_writer = "ledger_by_writer (recipient=? AND writer_id=? AND epoch=? AND event=? AND number<?)";
+        let by_writer =
+            "ledger_by_writer (recipient=? AND writer_id=? AND epoch=? AND event=? AND number<?)";
         for (kind, subject, expected) in [
             (sent, None, vec![by_kind]),
             (None, Some(subject.clone()), vec![by_field, by_writer]),

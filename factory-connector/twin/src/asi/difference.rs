@@ -1,4 +1,5 @@
-//! What two states of one interface differ in, in terms of nodes: so that an update touches nothing else.
+//! What two states of one interface differ in, in terms of nodes: so that an update touches nothing
+//! else.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -18,7 +19,8 @@ pub(super) mod verb {
 /// One affected node of a model change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Affected {
-    /// The type definition of the affected node: an ASI type's id; 0 for the variables of report fields.
+    /// The type definition of the affected node: an ASI type's id; 0 for the variables of report
+    /// fields.
     pub type_id: u32,
     pub verbs: u8,
 }
@@ -63,10 +65,18 @@ fn by_identifier(interface: &Interface) -> HashMap<String, Place> {
 
 impl AsiProvider {
     /// Every variable of a place, by identifier: the field itself, its parts, units of parts.
-    pub(super) fn variables(&self, interface: &Interface, place: Place, identifier: &str) -> Vec<(String, DataValue)> {
+    pub(super) fn variables(
+        &self,
+        interface: &Interface,
+        place: Place,
+        identifier: &str,
+    ) -> Vec<(String, DataValue)> {
         let mut variables = Vec::new();
         if let Place::Field(field) = place {
-            variables.push((identifier.to_owned(), self.shown(&interface.records.read()[field as usize])));
+            variables.push((
+                identifier.to_owned(),
+                self.shown(&interface.records.read()[field as usize]),
+            ));
         }
         for part in interface.parts(place) {
             let part_id = format!("{identifier}#{}", part.name);
@@ -107,7 +117,9 @@ impl AsiProvider {
             let part_id = format!("{identifier}#{}", part.name);
             if !matches!(part.kind, PartKind::Property(_)) {
                 let below = interface.parts_of_part(place, part).into_iter();
-                difference.gone_parts.extend(below.map(|below| format!("{part_id}#{}", below.name)));
+                difference
+                    .gone_parts
+                    .extend(below.map(|below| format!("{part_id}#{}", below.name)));
             }
             difference.gone_parts.push(part_id);
         }
@@ -119,10 +131,12 @@ impl AsiProvider {
         let mut difference = Difference::default();
         let (before, after) = (by_identifier(old), by_identifier(new));
         for (identifier, &place) in &before {
-            let is_kept = after.get(identifier).is_some_and(|&now| old.type_of(place) == new.type_of(now));
+            let is_kept =
+                after.get(identifier).is_some_and(|&now| old.type_of(place) == new.type_of(now));
             if !is_kept {
                 self.remove(&mut difference, old, place);
-                if let Some(&parent) = old.parent(place).and_then(|p| after.get(&old.identifier(p))) {
+                if let Some(&parent) = old.parent(place).and_then(|p| after.get(&old.identifier(p)))
+                {
                     difference.affect(new, parent, verb::REFERENCE_DELETED);
                 }
                 if let Place::Relation(relation) = place {
@@ -161,7 +175,8 @@ impl AsiProvider {
         (new, place): (&Interface, Place),
         identifier: &str,
     ) {
-        let mut before: HashMap<String, DataValue> = self.variables(old, earlier, identifier).into_iter().collect();
+        let mut before: HashMap<String, DataValue> =
+            self.variables(old, earlier, identifier).into_iter().collect();
         let mut is_changed = false;
         for (id, value) in self.variables(new, place, identifier) {
             match before.remove(&id) {
@@ -195,7 +210,10 @@ impl AsiProvider {
         if let (Place::Relation(before), Place::Relation(now)) = (earlier, place) {
             let ends = |interface: &Interface, relation| {
                 let relation = interface.relation(relation);
-                let ends = (relation.predecessor_operation_id.clone(), relation.successor_operation_id.clone());
+                let ends = (
+                    relation.predecessor_operation_id.clone(),
+                    relation.successor_operation_id.clone(),
+                );
                 (relation.relation_type, ends)
             };
             if ends(old, before) != ends(new, now) {
@@ -209,7 +227,12 @@ impl AsiProvider {
     /// The containers whose references changed.
     pub(super) fn changed_containers(difference: &Difference) -> HashSet<&str> {
         let verbs = verb::REFERENCE_ADDED | verb::REFERENCE_DELETED;
-        difference.affected.iter().filter(|(_, a)| a.verbs & verbs != 0).map(|(id, _)| id.as_str()).collect()
+        difference
+            .affected
+            .iter()
+            .filter(|(_, a)| a.verbs & verbs != 0)
+            .map(|(id, _)| id.as_str())
+            .collect()
     }
 
     /// The type definition's node id of an affected node, null for the variables of fields.
@@ -218,7 +241,10 @@ impl AsiProvider {
     }
 }
 
-/// Properties carry the time of the whole document, which says nothing; fields carry their source's.
+/// Properties carry the time of the whole document, which says nothing; fields carry their
+/// source's.
 fn is_same(a: &DataValue, b: &DataValue, with_time: bool) -> bool {
-    a.value == b.value && a.status == b.status && (!with_time || a.source_timestamp == b.source_timestamp)
+    a.value == b.value
+        && a.status == b.status
+        && (!with_time || a.source_timestamp == b.source_timestamp)
 }

@@ -1,14 +1,18 @@
-//! One Activity Status Interface: the network as it was received, indexes into it, and a record for every field.
+//! One Activity Status Interface: the network as it was received, indexes into it, and a record for
+//! every field.
 //!
-//! Lists inside a network may be long, so everything is found by binary search over positions; the positions cost four
-//! bytes an entry.
+//! Lists inside a network may be long, so everything is found by binary search over positions; the
+//! positions cost four bytes an entry.
 
 use std::{collections::HashMap, sync::Arc};
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationRelationId, RequestKey,
+    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationRelationId,
+    RequestKey,
     messages::OperationNetworkMessage,
-    network::{DynamicDataRequest, Operation, OperationNetwork, OperationRelation, ReportField, Semantic},
+    network::{
+        DynamicDataRequest, Operation, OperationNetwork, OperationRelation, ReportField, Semantic,
+    },
 };
 use parking_lot::RwLock;
 
@@ -67,7 +71,9 @@ impl Interface {
         let network = &message.operation_network;
         let (mut requests, mut records) = (Vec::new(), Vec::new());
         for (operation_position, operation) in network.operation_list.iter().enumerate() {
-            for (request_position, request) in operation.dynamic_data_request_list.iter().enumerate() {
+            for (request_position, request) in
+                operation.dynamic_data_request_list.iter().enumerate()
+            {
                 let key = RequestKey {
                     operation_network_id: network.operation_network_id.clone(),
                     operation_id: operation.operation_id.clone(),
@@ -79,8 +85,13 @@ impl Interface {
                     first_field: position(records.len()),
                     data_set_writer_id: writers.get(&key).copied(),
                 });
-                let names = request.report_data_format.report_field_list.iter().map(|field| field.name.clone());
-                records.extend(names.map(|name| fields.remove(&key.field(name)).unwrap_or_default()));
+                let names = request
+                    .report_data_format
+                    .report_field_list
+                    .iter()
+                    .map(|field| field.name.clone());
+                records
+                    .extend(names.map(|name| fields.remove(&key.field(name)).unwrap_or_default()));
             }
         }
         let requests = requests.into_boxed_slice();
@@ -89,7 +100,9 @@ impl Interface {
             received_at,
             base_version,
             versions: HashMap::new(),
-            operations_by_id: ordered_by(network.operation_list.len(), |i| &network.operation_list[i].operation_id),
+            operations_by_id: ordered_by(network.operation_list.len(), |i| {
+                &network.operation_list[i].operation_id
+            }),
             relations_by_id: ordered_by(network.operation_relation_list.len(), |i| {
                 &network.operation_relation_list[i].operation_relation_id
             }),
@@ -155,11 +168,16 @@ impl Interface {
     /// The relations that name an operation.
     pub fn relations_of(&self, operation: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.relations_by_operation.partition_point(|(o, _)| *o < operation);
-        self.relations_by_operation[first..].iter().take_while(move |(o, _)| *o == operation).map(|(_, r)| *r)
+        self.relations_by_operation[first..]
+            .iter()
+            .take_while(move |(o, _)| *o == operation)
+            .map(|(_, r)| *r)
     }
 
     pub fn find_operation(&self, id: &str) -> Option<u32> {
-        find(&self.operations_by_id, |i| AsRef::<str>::as_ref(&self.network().operation_list[i].operation_id).cmp(id))
+        find(&self.operations_by_id, |i| {
+            AsRef::<str>::as_ref(&self.network().operation_list[i].operation_id).cmp(id)
+        })
     }
 
     pub fn find_operation_id(&self, id: &OperationId) -> Option<u32> {
@@ -168,7 +186,8 @@ impl Interface {
 
     pub fn find_relation(&self, id: &str) -> Option<u32> {
         find(&self.relations_by_id, |i| {
-            let relation_id: &OperationRelationId = &self.network().operation_relation_list[i].operation_relation_id;
+            let relation_id: &OperationRelationId =
+                &self.network().operation_relation_list[i].operation_relation_id;
             relation_id.as_str().cmp(id)
         })
     }
@@ -194,8 +213,10 @@ impl Interface {
     }
 
     pub fn find_key(&self, key: &FieldKey) -> Option<u32> {
-        let request =
-            self.find_request(key.request.operation_id.as_str(), key.request.dynamic_data_request_id.as_str())?;
+        let request = self.find_request(
+            key.request.operation_id.as_str(),
+            key.request.dynamic_data_request_id.as_str(),
+        )?;
         self.find_field(request, key.field_name.as_str())
     }
 
@@ -212,7 +233,9 @@ impl Interface {
     /// The DataSetWriterIds, by request.
     pub fn writers(&self) -> HashMap<RequestKey, u16> {
         let with_writer = self.network().requests().zip(&self.requests);
-        with_writer.filter_map(|((key, _, _), slot)| Some((key, slot.data_set_writer_id?))).collect()
+        with_writer
+            .filter_map(|((key, _, _), slot)| Some((key, slot.data_set_writer_id?)))
+            .collect()
     }
 
     /// The field that says an operation's state, if the operation has one.
@@ -229,7 +252,8 @@ impl Interface {
 }
 
 fn request_of<'a>(network: &'a OperationNetwork, slot: &RequestSlot) -> &'a DynamicDataRequest {
-    &network.operation_list[slot.operation as usize].dynamic_data_request_list[slot.position as usize]
+    &network.operation_list[slot.operation as usize].dynamic_data_request_list
+        [slot.position as usize]
 }
 
 fn fields_by_name(network: &OperationNetwork, requests: &[RequestSlot]) -> Box<[u32]> {

@@ -1,11 +1,12 @@
 //! The type model of [`asi_types`](asi_model::asi_types), and the few parts that no type declares.
 
 pub(crate) use asi_model::asi_types::{
-    ASI_MODEL_VERSION, ASI_NAMESPACE_URI, Argument as DeclaredArgument, DYNAMIC_DATA_REQUEST_TYPE, DataType,
-    ENUMERATIONS, EQUIPMENT_REQUIREMENT_TYPE, Enumeration, FIELD_PARTS, HAS_OPERATION, INSPECTION_OPERATION_TYPE,
-    INTERFACE_TYPE, Method, OBJECT_TYPES, OPERATION_NETWORK_TYPE, OPERATION_RELATION_TYPE, ObjectType,
-    PRODUCTION_OPERATION_TYPE, Part, PartKind, REFERENCE_TYPES, RELATION_CONDITION_TYPE, REPORT_DATA_FORMAT_TYPE,
-    ReferenceSupertype, TRANSPORTATION_OPERATION_TYPE, ValueType, dependency, instance_namespace_uri, object_type,
+    ASI_MODEL_VERSION, ASI_NAMESPACE_URI, Argument as DeclaredArgument, DYNAMIC_DATA_REQUEST_TYPE,
+    DataType, ENUMERATIONS, EQUIPMENT_REQUIREMENT_TYPE, Enumeration, FIELD_PARTS, HAS_OPERATION,
+    INSPECTION_OPERATION_TYPE, INTERFACE_TYPE, Method, OBJECT_TYPES, OPERATION_NETWORK_TYPE,
+    OPERATION_RELATION_TYPE, ObjectType, PRODUCTION_OPERATION_TYPE, Part, PartKind,
+    REFERENCE_TYPES, RELATION_CONDITION_TYPE, REPORT_DATA_FORMAT_TYPE, ReferenceSupertype,
+    TRANSPORTATION_OPERATION_TYPE, ValueType, dependency, instance_namespace_uri, object_type,
     parts_of_type,
 };
 use opcua_stack::opcua::types::{DataTypeId, VariableTypeId};

@@ -20,7 +20,10 @@ impl AsiProvider {
             None => Node {
                 browse_name: QualifiedName::new(self.instances, FOLDER_NAME),
                 display_name: LocalizedText::from("Collaborative Process Twin"),
-                description: LocalizedText::new("en", "Every operation network that concerns this factory."),
+                description: LocalizedText::new(
+                    "en",
+                    "Every operation network that concerns this factory.",
+                ),
                 type_definition: Some(folder_type()),
                 class: NodeKind::Object,
             },
@@ -37,30 +40,45 @@ impl AsiProvider {
             type_definition: interface.type_of(place).map(|id| self.type_id(id)),
             class: NodeKind::Object,
         };
-        let fixed =
-            |name: &str| Node { browse_name: QualifiedName::new(self.types, name), ..instance(name, None, None) };
+        let fixed = |name: &str| Node {
+            browse_name: QualifiedName::new(self.types, name),
+            ..instance(name, None, None)
+        };
         match place {
-            Place::Interface => {
-                instance(network.operation_network_id.as_str(), network.name.as_ref(), network.description.as_ref())
-            }
+            Place::Interface => instance(
+                network.operation_network_id.as_str(),
+                network.name.as_ref(),
+                network.description.as_ref(),
+            ),
             Place::OperationNetwork => fixed("OperationNetwork"),
             Place::Operation(operation) => {
                 let operation = interface.operation(operation);
-                instance(operation.operation_id.as_str(), operation.name.as_ref(), operation.description.as_ref())
+                instance(
+                    operation.operation_id.as_str(),
+                    operation.name.as_ref(),
+                    operation.description.as_ref(),
+                )
             }
             Place::Requirement(operation, at) => {
-                let requirement = &interface.operation(operation).equipment_requirement_list[at as usize];
+                let requirement =
+                    &interface.operation(operation).equipment_requirement_list[at as usize];
                 instance(requirement.equipment_requirement_id.as_str(), None, None)
             }
             Place::Relation(relation) => {
                 instance(interface.relation(relation).operation_relation_id.as_str(), None, None)
             }
-            Place::Condition(relation, at) => {
-                instance(interface.relation(relation).condition_list[at as usize].condition_id.as_str(), None, None)
-            }
+            Place::Condition(relation, at) => instance(
+                interface.relation(relation).condition_list[at as usize].condition_id.as_str(),
+                None,
+                None,
+            ),
             Place::Request(request) => {
                 let request = interface.request(request);
-                instance(request.dynamic_data_request_id.as_str(), None, request.description.as_ref())
+                instance(
+                    request.dynamic_data_request_id.as_str(),
+                    None,
+                    request.description.as_ref(),
+                )
             }
             Place::ReportDataFormat(_) => fixed("ReportDataFormat"),
             Place::Field(field) => {
@@ -90,12 +108,19 @@ impl AsiProvider {
             PartKind::Component(value) if unit.is_some() => {
                 (variable(value), Some(VariableTypeId::AnalogUnitType.into()))
             }
-            PartKind::Component(value) => (variable(value), Some(VariableTypeId::BaseDataVariableType.into())),
+            PartKind::Component(value) => {
+                (variable(value), Some(VariableTypeId::BaseDataVariableType.into()))
+            }
             PartKind::Object(id) => (NodeKind::Object, Some(self.type_id(id))),
-            PartKind::Method(_) => (NodeKind::Method { callable_by: model::callable_by(part.name) }, None),
+            PartKind::Method(_) => {
+                (NodeKind::Method { callable_by: model::callable_by(part.name) }, None)
+            }
         };
         Node {
-            browse_name: QualifiedName::new(if part.is_standard { 0 } else { self.types }, part.name),
+            browse_name: QualifiedName::new(
+                if part.is_standard { 0 } else { self.types },
+                part.name,
+            ),
             display_name: LocalizedText::from(part.name),
             description: LocalizedText::null(),
             type_definition,

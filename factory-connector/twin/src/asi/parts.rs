@@ -1,5 +1,5 @@
-//! The parts of a place: properties, component variables and methods, with values computed from the network and the
-//! records.
+//! The parts of a place: properties, component variables and methods, with values computed from the
+//! network and the records.
 
 use asi_model::{
     DateTime,
@@ -9,8 +9,8 @@ use asi_model::{
 };
 use opcua_stack::{
     opcua::types::{
-        Argument, DataTypeId, DataValue, EUInformation, ExtensionObject, LocalizedText, NodeId, Range, StatusCode,
-        UAString, Variant,
+        Argument, DataTypeId, DataValue, EUInformation, ExtensionObject, LocalizedText, NodeId,
+        Range, StatusCode, UAString, Variant,
     },
     values::{status_to_stack, time_to_stack},
 };
@@ -18,8 +18,8 @@ use opcua_stack::{
 use super::{
     interface::Interface,
     model::{
-        self, DataType, DeclaredArgument, FIELD_PARTS, INPUT_ARGUMENTS, Method, OUTPUT_ARGUMENTS, Part, PartKind,
-        UNIT_PART, parts_of_type,
+        self, DataType, DeclaredArgument, FIELD_PARTS, INPUT_ARGUMENTS, Method, OUTPUT_ARGUMENTS,
+        Part, PartKind, UNIT_PART, parts_of_type,
     },
     place::Place,
 };
@@ -45,20 +45,25 @@ impl Interface {
         })
     }
 
-    /// The parts that this place has now. Component objects are places of their own and not among them.
+    /// The parts that this place has now. Component objects are places of their own and not among
+    /// them.
     pub fn parts(&self, place: Place) -> Vec<&'static Part> {
         self.possible_parts(place).into_iter().filter(|part| self.has_part(place, part)).collect()
     }
 
     /// The part of this place with a name, if it has it now.
     pub fn part(&self, place: Place, name: &str) -> Option<&'static Part> {
-        self.possible_parts(place).into_iter().find(|part| part.name == name && self.has_part(place, part))
+        self.possible_parts(place)
+            .into_iter()
+            .find(|part| part.name == name && self.has_part(place, part))
     }
 
     /// The parts that a place of this kind can have.
     pub fn possible_parts(&self, place: Place) -> Vec<&'static Part> {
         match self.type_of(place) {
-            Some(id) => parts_of_type(id).filter(|part| !matches!(part.kind, PartKind::Object(_))).collect(),
+            Some(id) => {
+                parts_of_type(id).filter(|part| !matches!(part.kind, PartKind::Object(_))).collect()
+            }
             None => FIELD_PARTS.iter().collect(),
         }
     }
@@ -77,17 +82,29 @@ impl Interface {
     }
 
     /// The value of a property below a part.
-    pub fn part_of_part_value(&self, place: Place, part: &Part, below: &Part, types: u16) -> Option<DataValue> {
+    pub fn part_of_part_value(
+        &self,
+        place: Place,
+        part: &Part,
+        below: &Part,
+        types: u16,
+    ) -> Option<DataValue> {
         match part.kind {
-            PartKind::Method(method) => Some(fixed(argument_values(method, below, types), self.received_at)),
-            _ => Some(fixed(engineering_units(self.unit_of(place, part)?).into(), self.received_at)),
+            PartKind::Method(method) => {
+                Some(fixed(argument_values(method, below, types), self.received_at))
+            }
+            _ => {
+                Some(fixed(engineering_units(self.unit_of(place, part)?).into(), self.received_at))
+            }
         }
     }
 
     /// The unit of a component variable.
     pub fn unit_of(&self, place: Place, part: &Part) -> Option<&str> {
         match (place, part.name) {
-            (Place::Operation(operation), "PlannedQuantity") => self.operation(operation).quantity_unit.as_deref(),
+            (Place::Operation(operation), "PlannedQuantity") => {
+                self.operation(operation).quantity_unit.as_deref()
+            }
             _ => None,
         }
     }
@@ -99,8 +116,13 @@ impl Interface {
         }
         if let Place::Field(field) = place {
             let (_, definition) = self.field(field);
-            return field_part(definition, self.planned_quantity(field), &self.records.read()[field as usize], part)
-                .map(|value| value.unwrap_or_else(|variant| fixed(variant, self.received_at)));
+            return field_part(
+                definition,
+                self.planned_quantity(field),
+                &self.records.read()[field as usize],
+                part,
+            )
+            .map(|value| value.unwrap_or_else(|variant| fixed(variant, self.received_at)));
         }
         if let (Place::Operation(operation), "State") = (place, part.name) {
             return (!self.operation(operation).stub).then(|| self.state(operation));
@@ -122,7 +144,9 @@ impl Interface {
         let shown = self.record(field).shown_value();
         let state = shown.value.as_scalar().and_then(|scalar| match scalar.as_str() {
             Some(name) => OperationState::from_name(name),
-            None => usize::try_from(scalar.as_i128()?).ok().and_then(|i| OperationState::ALL.get(i).copied()),
+            None => usize::try_from(scalar.as_i128()?)
+                .ok()
+                .and_then(|i| OperationState::ALL.get(i).copied()),
         });
         let status = match (&state, shown.status.is_bad()) {
             (None, false) => StatusCode::BadOutOfRange,
@@ -177,12 +201,16 @@ impl Interface {
             "OperationId" => text(operation.operation_id.as_str()),
             "Name" => optional_text(operation.name.as_ref()),
             "Description" => optional_text(operation.description.as_ref()),
-            "OwningFactoryId" => operation.owning_factory_id.as_ref().and_then(|id| text(id.as_str())),
+            "OwningFactoryId" => {
+                operation.owning_factory_id.as_ref().and_then(|id| text(id.as_str()))
+            }
             "PlannedStart" => operation.planned_start.map(time),
             "PlannedEnd" => operation.planned_end.map(time),
             "PlannedQuantity" => operation.planned_quantity.map(Variant::from),
             _ => match &operation.kind {
-                OperationKind::Production { product_id } if name == "ProductId" => optional_text(product_id.as_ref()),
+                OperationKind::Production { product_id } if name == "ProductId" => {
+                    optional_text(product_id.as_ref())
+                }
                 OperationKind::Inspection { inspected_operation_id: Some(id), .. }
                     if name == "InspectedOperationId" =>
                 {
@@ -191,7 +219,9 @@ impl Interface {
                 OperationKind::Inspection { characteristic, .. } if name == "Characteristic" => {
                     optional_text(characteristic.as_ref())
                 }
-                OperationKind::Transportation { origin, .. } if name == "Origin" => optional_text(origin.as_ref()),
+                OperationKind::Transportation { origin, .. } if name == "Origin" => {
+                    optional_text(origin.as_ref())
+                }
                 OperationKind::Transportation { destination, .. } if name == "Destination" => {
                     optional_text(destination.as_ref())
                 }
@@ -229,7 +259,9 @@ impl Interface {
             "ConditionId" => text(condition.condition_id.as_str()),
             "ConditionKind" => Some((condition.condition_kind as i32).into()),
             "Time" => condition.time.map(time),
-            "Duration" => condition.duration.map(|duration| (duration.0.as_secs_f64() * 1000.0).into()),
+            "Duration" => {
+                condition.duration.map(|duration| (duration.0.as_secs_f64() * 1000.0).into())
+            }
             _ => None,
         }
     }
@@ -243,7 +275,8 @@ impl Interface {
             }
             "RequesterId" => text(request.requester_id.as_str()),
             "Recipients" => {
-                let recipients: Vec<String> = request.recipient_list.iter().map(ToString::to_string).collect();
+                let recipients: Vec<String> =
+                    request.recipient_list.iter().map(ToString::to_string).collect();
                 Some(recipients.into())
             }
             "Purpose" => text(&request.purpose),
@@ -284,7 +317,8 @@ fn absent(status: StatusCode) -> DataValue {
     DataValue { status: Some(status), ..DataValue::default() }
 }
 
-/// A property of a field: `Err` with a value that the request fixed, `Ok` with one that the record says.
+/// A property of a field: `Err` with a value that the request fixed, `Ok` with one that the record
+/// says.
 fn field_part(
     definition: &ReportField,
     planned_quantity: Option<f64>,
@@ -305,9 +339,13 @@ fn field_part(
         "EngineeringUnits" if definition.field_type.0.is_numeric() => {
             definition.unit.as_deref().map(|unit| Err(engineering_units(unit).into()))
         }
-        "EURange" if definition.field_type.0.is_numeric() => engineering_range(definition, planned_quantity)
-            .map(|range| Err(ExtensionObject::from_message(range).into())),
-        "Semantic" => definition.semantic.as_ref().map(|semantic| Err(Variant::from(semantic.as_str()))),
+        "EURange" if definition.field_type.0.is_numeric() => {
+            engineering_range(definition, planned_quantity)
+                .map(|range| Err(ExtensionObject::from_message(range).into()))
+        }
+        "Semantic" => {
+            definition.semantic.as_ref().map(|semantic| Err(Variant::from(semantic.as_str())))
+        }
         "IsMapped" => Some(Ok(match record.mapping_state {
             MappingState::Pending => decided(false.into(), StatusCode::UncertainInitialValue),
             MappingState::Mapped => decided(true.into(), StatusCode::Good),
@@ -330,10 +368,15 @@ fn field_part(
 }
 
 /// The range that a field's values normally lie in, where its meaning tells.
-pub(super) fn engineering_range(definition: &ReportField, planned_quantity: Option<f64>) -> Option<Range> {
+pub(super) fn engineering_range(
+    definition: &ReportField,
+    planned_quantity: Option<f64>,
+) -> Option<Range> {
     let high = match definition.semantic.as_ref()? {
         Semantic::PercentComplete => 100.0,
-        Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity => planned_quantity?,
+        Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity => {
+            planned_quantity?
+        }
         _ => return None,
     };
     (high > 0.0).then_some(Range { low: 0.0, high })
@@ -360,8 +403,10 @@ fn method_parts(method: &'static Method) -> Vec<&'static Part> {
 /// The value of a method's InputArguments or OutputArguments.
 pub(super) fn argument_values(method: &Method, part: &Part, types: u16) -> Variant {
     let arguments = if part.name == INPUT_ARGUMENTS.name { method.inputs } else { method.outputs };
-    let objects: Vec<ExtensionObject> =
-        arguments.iter().map(|argument| ExtensionObject::from_message(argument_value(argument, types))).collect();
+    let objects: Vec<ExtensionObject> = arguments
+        .iter()
+        .map(|argument| ExtensionObject::from_message(argument_value(argument, types)))
+        .collect();
     Variant::from(objects)
 }
 
@@ -383,7 +428,8 @@ pub(super) fn data_type_id(data_type: DataType, types: u16) -> NodeId {
     }
 }
 
-/// The NodeId of a built-in type as a DataType (OPC 10000-6 §5.1.2: the same numbers; Variant is BaseDataType).
+/// The NodeId of a built-in type as a DataType (OPC 10000-6 §5.1.2: the same numbers; Variant is
+/// BaseDataType).
 pub(super) fn built_in_type_id(built_in: asi_model::BuiltInType) -> NodeId {
     match built_in {
         asi_model::BuiltInType::Variant => DataTypeId::BaseDataType.into(),

@@ -1,9 +1,10 @@
 //! Where a node sits in an Activity Status Interface, and its readable NodeId.
 //!
-//! `<net>`, `<net>/op/<op>`, `<net>/op/<op>/req/<req>`, `.../<field>`, `<net>/op/<op>/eq/<requirement>`,
-//! `<net>/rel/<rel>`, `<net>/rel/<rel>/cond/<condition>`; parts with a fixed BrowseName follow after `#`. Inside an id
-//! `/`, `#` and `%` are percent-encoded, and so are blanks at its ends, so that every id has one NodeId and the other way
-//! round, over all restarts.
+//! `<net>`, `<net>/op/<op>`, `<net>/op/<op>/req/<req>`, `.../<field>`,
+//! `<net>/op/<op>/eq/<requirement>`, `<net>/rel/<rel>`, `<net>/rel/<rel>/cond/<condition>`; parts
+//! with a fixed BrowseName follow after `#`. Inside an id `/`, `#` and `%` are percent-encoded, and
+//! so are blanks at its ends, so that every id has one NodeId and the other way round, over all
+//! restarts.
 
 use std::borrow::Cow;
 
@@ -11,7 +12,8 @@ use asi_model::instance::{decode_segment, encode_segment};
 
 use super::interface::Interface;
 
-/// Where a node sits: an object, or a report field's variable. Numbers are positions within the interface.
+/// Where a node sits: an object, or a report field's variable. Numbers are positions within the
+/// interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Place {
     Interface,
@@ -82,7 +84,9 @@ impl<'a> Identifier<'a> {
         };
         Some(match (place, self.parts.split_first()) {
             (Place::Interface, Some((&OPERATION_NETWORK, rest))) => (Place::OperationNetwork, rest),
-            (Place::Request(request), Some((&REPORT_DATA_FORMAT, rest))) => (Place::ReportDataFormat(request), rest),
+            (Place::Request(request), Some((&REPORT_DATA_FORMAT, rest))) => {
+                (Place::ReportDataFormat(request), rest)
+            }
             _ => (place, &self.parts),
         })
     }
@@ -102,7 +106,8 @@ impl Interface {
             Place::Operation(operation) => self.push_operation(&mut out, operation),
             Place::Requirement(operation, at) => {
                 self.push_operation(&mut out, operation);
-                let requirement = &self.operation(operation).equipment_requirement_list[at as usize];
+                let requirement =
+                    &self.operation(operation).equipment_requirement_list[at as usize];
                 push_segment(&mut out, "/eq/", requirement.equipment_requirement_id.as_str());
             }
             Place::Relation(relation) => self.push_relation(&mut out, relation),
@@ -139,7 +144,8 @@ impl Interface {
         push_segment(out, "/req/", self.request(request).dynamic_data_request_id.as_str());
     }
 
-    /// The place above in the hierarchy; `None` for the interface itself, which hangs under the folder.
+    /// The place above in the hierarchy; `None` for the interface itself, which hangs under the
+    /// folder.
     pub fn parent(&self, place: Place) -> Option<Place> {
         Some(match place {
             Place::Interface => return None,
@@ -161,16 +167,18 @@ impl Interface {
             Place::OperationNetwork => {
                 let network = self.network();
                 let operations = count(network.operation_list.len()).map(Place::Operation);
-                operations.chain(count(network.operation_relation_list.len()).map(Place::Relation)).collect()
+                operations
+                    .chain(count(network.operation_relation_list.len()).map(Place::Relation))
+                    .collect()
             }
             Place::Operation(operation) => {
                 let requirements = self.operation(operation).equipment_requirement_list.len();
                 let requirements = count(requirements).map(|at| Place::Requirement(operation, at));
                 requirements.chain(self.requests_of(operation).map(Place::Request)).collect()
             }
-            Place::Relation(relation) => {
-                count(self.relation(relation).condition_list.len()).map(|at| Place::Condition(relation, at)).collect()
-            }
+            Place::Relation(relation) => count(self.relation(relation).condition_list.len())
+                .map(|at| Place::Condition(relation, at))
+                .collect(),
             Place::Request(request) => vec![Place::ReportDataFormat(request)],
             Place::ReportDataFormat(request) => self.fields_of(request).map(Place::Field).collect(),
             Place::Requirement(..) | Place::Condition(..) | Place::Field(_) => Vec::new(),

@@ -12,7 +12,10 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         server::{SubscriptionCache, node_manager::MonitoredItemRef},
-        types::{DataValue, Identifier, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode, Variant},
+        types::{
+            DataValue, Identifier, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode,
+            Variant,
+        },
     },
     values::to_stack,
 };
@@ -28,7 +31,10 @@ use crate::{
     access::{FieldWriter, TwinUser},
     document::FieldRecord,
     events::EventReporter,
-    provider::{CallOutcome, Node, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor, WriteRequest},
+    provider::{
+        CallOutcome, Node, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
+        WriteRequest,
+    },
 };
 
 /// Provides the instances.
@@ -84,7 +90,8 @@ pub(super) struct At {
 
 impl AsiProvider {
     pub fn new(surroundings: AsiSurroundings) -> Self {
-        let AsiSurroundings { types, instances, uri, subscriptions, namespaces, writer, events } = surroundings;
+        let AsiSurroundings { types, instances, uri, subscriptions, namespaces, writer, events } =
+            surroundings;
         Self {
             types,
             instances,
@@ -156,7 +163,11 @@ impl AsiProvider {
 
     fn folder_version(&self) -> DataValue {
         let version = self.state.read().version.to_string();
-        DataValue { value: Some(version.into()), status: Some(StatusCode::Good), ..DataValue::default() }
+        DataValue {
+            value: Some(version.into()),
+            status: Some(StatusCode::Good),
+            ..DataValue::default()
+        }
     }
 }
 
@@ -188,7 +199,9 @@ impl NodeProvider for AsiProvider {
             Located::Node(At { interface, place, part: Some(part), below: Some(below) }) => {
                 interface.part_of_part_value(place, part, below, self.types)
             }
-            Located::Node(At { interface, place, part: Some(part), .. }) => interface.part_value(place, part),
+            Located::Node(At { interface, place, part: Some(part), .. }) => {
+                interface.part_value(place, part)
+            }
             Located::Node(At { interface, place: Place::Field(field), .. }) => {
                 let records = interface.records.read();
                 Some(self.shown(&records[field as usize]))
@@ -201,8 +214,10 @@ impl NodeProvider for AsiProvider {
         if *node_id == ObjectId::ObjectsFolder {
             if after == 0 {
                 // The only one, so it does not matter whether the visitor wants more.
-                let _: ControlFlow<()> =
-                    visit(1, reference(ReferenceTypeId::Organizes, true, self.id(FOLDER_ID.to_owned())));
+                let _: ControlFlow<()> = visit(
+                    1,
+                    reference(ReferenceTypeId::Organizes, true, self.id(FOLDER_ID.to_owned())),
+                );
             }
             return;
         }
@@ -218,14 +233,20 @@ impl NodeProvider for AsiProvider {
                 None => self.place_references(&at.interface, at.place),
             },
         };
-        for (position, reference) in (1..).zip(references).skip(usize::try_from(after).unwrap_or(usize::MAX)) {
+        for (position, reference) in
+            (1..).zip(references).skip(usize::try_from(after).unwrap_or(usize::MAX))
+        {
             if visit(position, reference).is_break() {
                 return;
             }
         }
     }
 
-    fn targets_named(&self, node_id: &NodeId, browse_name: &QualifiedName) -> Option<Vec<Reference>> {
+    fn targets_named(
+        &self,
+        node_id: &NodeId,
+        browse_name: &QualifiedName,
+    ) -> Option<Vec<Reference>> {
         let Some(Located::Folder(None)) = self.locate(node_id) else { return None };
         let name = browse_name.name.as_ref();
         if browse_name.namespace_index == self.instances {
@@ -234,7 +255,12 @@ impl NodeProvider for AsiProvider {
         }
         let part = FOLDER_PARTS.iter().find(|part| part.is_standard && part.name == name);
         let target = part.map(|part| self.id(format!("{FOLDER_ID}#{}", part.name)));
-        Some(target.map(|id| reference(ReferenceTypeId::HasProperty, true, id)).into_iter().collect())
+        Some(
+            target
+                .map(|id| reference(ReferenceTypeId::HasProperty, true, id))
+                .into_iter()
+                .collect(),
+        )
     }
 
     fn tell_again(&self, items: &[&MonitoredItemRef]) {
@@ -245,7 +271,13 @@ impl NodeProvider for AsiProvider {
         self.write_field(user, request).await
     }
 
-    async fn call(&self, user: &TwinUser, object: &NodeId, method: &NodeId, arguments: &[Variant]) -> CallOutcome {
+    async fn call(
+        &self,
+        user: &TwinUser,
+        object: &NodeId,
+        method: &NodeId,
+        arguments: &[Variant],
+    ) -> CallOutcome {
         self.call_method(user, object, method, arguments).await
     }
 }

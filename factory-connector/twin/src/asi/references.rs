@@ -16,7 +16,8 @@ use super::{
 };
 use crate::provider::{Reference, ReferenceVisitor};
 
-/// Positions among the folder's references below this are its own; above it, the sequences of interfaces.
+/// Positions among the folder's references below this are its own; above it, the sequences of
+/// interfaces.
 const FOLDER_OWN_REFERENCES: u64 = 16;
 
 impl AsiProvider {
@@ -25,7 +26,11 @@ impl AsiProvider {
         let own = [
             reference(ReferenceTypeId::Organizes, false, ObjectId::ObjectsFolder.into()),
             reference(ReferenceTypeId::HasTypeDefinition, true, folder_type()),
-            reference(ReferenceTypeId::HasProperty, true, self.id(format!("{folder}#{}", FOLDER_PARTS[0].name))),
+            reference(
+                ReferenceTypeId::HasProperty,
+                true,
+                self.id(format!("{folder}#{}", FOLDER_PARTS[0].name)),
+            ),
         ];
         for (position, reference) in (1..).zip(own).filter(|(position, _)| *position > after) {
             if visit(position, reference).is_break() {
@@ -37,7 +42,11 @@ impl AsiProvider {
         loop {
             let next = {
                 let state = self.state.read();
-                state.by_sequence.range(sequence + 1..).next().map(|(sequence, id)| (*sequence, id.clone()))
+                state
+                    .by_sequence
+                    .range(sequence + 1..)
+                    .next()
+                    .map(|(sequence, id)| (*sequence, id.clone()))
             };
             let Some((found, id)) = next else { return };
             sequence = found;
@@ -61,9 +70,14 @@ impl AsiProvider {
             Place::Field(field) => Some(field_type(interface.field(field).1)),
             _ => interface.type_of(place).map(|id| self.type_id(id)),
         };
-        references.extend(definition.map(|id| reference(ReferenceTypeId::HasTypeDefinition, true, id)));
+        references
+            .extend(definition.map(|id| reference(ReferenceTypeId::HasTypeDefinition, true, id)));
         for part in interface.parts(place) {
-            references.push(reference(part_reference(part), true, self.id(format!("{identifier}#{}", part.name))));
+            references.push(reference(
+                part_reference(part),
+                true,
+                self.id(format!("{identifier}#{}", part.name)),
+            ));
         }
         for child in interface.children(place) {
             references.push(Reference {
@@ -79,11 +93,20 @@ impl AsiProvider {
     }
 
     /// The second representation of relations: arrows between operations.
-    fn push_dependencies(&self, interface: &Interface, operation: u32, references: &mut Vec<Reference>) {
+    fn push_dependencies(
+        &self,
+        interface: &Interface,
+        operation: u32,
+        references: &mut Vec<Reference>,
+    ) {
         let own_id = &interface.operation(operation).operation_id;
         for relation in interface.relations_of(operation).map(|r| interface.relation(r)) {
             let is_forward = relation.predecessor_operation_id == *own_id;
-            let other = if is_forward { &relation.successor_operation_id } else { &relation.predecessor_operation_id };
+            let other = if is_forward {
+                &relation.successor_operation_id
+            } else {
+                &relation.predecessor_operation_id
+            };
             if let Some(other) = interface.find_operation_id(other) {
                 references.push(Reference {
                     reference_type: self.type_id(model::dependency(relation.relation_type)),
@@ -130,13 +153,19 @@ impl AsiProvider {
                 part
             }
         };
-        let definition = self.part_node(shown, at.interface.unit_of(at.place, shown)).type_definition;
-        references.extend(definition.map(|id| reference(ReferenceTypeId::HasTypeDefinition, true, id)));
+        let definition =
+            self.part_node(shown, at.interface.unit_of(at.place, shown)).type_definition;
+        references
+            .extend(definition.map(|id| reference(ReferenceTypeId::HasTypeDefinition, true, id)));
         references
     }
 }
 
-pub(super) fn reference(reference_type: ReferenceTypeId, is_forward: bool, target: NodeId) -> Reference {
+pub(super) fn reference(
+    reference_type: ReferenceTypeId,
+    is_forward: bool,
+    target: NodeId,
+) -> Reference {
     Reference { reference_type: reference_type.into(), is_forward, target }
 }
 

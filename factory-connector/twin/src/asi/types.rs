@@ -4,21 +4,23 @@ use std::{collections::HashMap, ops::ControlFlow};
 
 use async_trait::async_trait;
 use opcua_stack::opcua::types::{
-    DataTypeId, DataValue, EnumDefinition, EnumField, ExtensionObject, Identifier, LocalizedText, NodeClass, NodeId,
-    ObjectId, ObjectTypeId, QualifiedName, ReferenceTypeId, StatusCode, VariableTypeId, Variant,
+    DataTypeId, DataValue, EnumDefinition, EnumField, ExtensionObject, Identifier, LocalizedText,
+    NodeClass, NodeId, ObjectId, ObjectTypeId, QualifiedName, ReferenceTypeId, StatusCode,
+    VariableTypeId, Variant,
 };
 
 use super::{
     model::{
-        self, ENUMERATIONS, Enumeration, INPUT_ARGUMENTS, OBJECT_TYPES, OUTPUT_ARGUMENTS, ObjectType, Part, PartKind,
-        REFERENCE_TYPES, ReferenceSupertype,
+        self, ENUMERATIONS, Enumeration, INPUT_ARGUMENTS, OBJECT_TYPES, OUTPUT_ARGUMENTS,
+        ObjectType, Part, PartKind, REFERENCE_TYPES, ReferenceSupertype,
     },
     parts::{argument_values, data_type_id},
 };
 use crate::{
     access::TwinUser,
     provider::{
-        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor, WriteRequest,
+        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
+        WriteRequest,
     },
 };
 
@@ -43,7 +45,8 @@ pub(crate) struct TypeProvider {
 impl TypeProvider {
     /// The types in the namespace with this index.
     pub fn new(index: u16) -> Self {
-        let mut this = Self { index, nodes: HashMap::new(), references: HashMap::new(), types: Vec::new() };
+        let mut this =
+            Self { index, nodes: HashMap::new(), references: HashMap::new(), types: Vec::new() };
         for model in &OBJECT_TYPES {
             this.add_object_type(model);
         }
@@ -55,7 +58,9 @@ impl TypeProvider {
             let class = NodeKind::ReferenceType {
                 is_abstract: model.is_abstract,
                 is_symmetric: false,
-                inverse_name: model.inverse_name.map_or_else(LocalizedText::null, LocalizedText::from),
+                inverse_name: model
+                    .inverse_name
+                    .map_or_else(LocalizedText::null, LocalizedText::from),
             };
             this.add_type(model.id, model.name, "", class, supertype);
         }
@@ -79,7 +84,14 @@ impl TypeProvider {
         }
     }
 
-    fn add_type(&mut self, id: u32, name: &str, description: &str, class: NodeKind, supertype: NodeId) {
+    fn add_type(
+        &mut self,
+        id: u32,
+        name: &str,
+        description: &str,
+        class: NodeKind,
+        supertype: NodeId,
+    ) {
         let node_id = self.id(id);
         self.types.push((node_id.clone(), supertype.clone(), class.node_class()));
         let node = Node {
@@ -108,16 +120,24 @@ impl TypeProvider {
     /// Adds the instance declaration of a part (OPC 10000-3 §6.2).
     fn add_declaration(&mut self, type_id: u32, id: u32, part: &'static Part) {
         let (class, type_definition, reference_type): (_, Option<NodeId>, _) = match part.kind {
-            PartKind::Property(value) => {
-                (self.variable(value), Some(model::PROPERTY_TYPE.into()), ReferenceTypeId::HasProperty)
+            PartKind::Property(value) => (
+                self.variable(value),
+                Some(model::PROPERTY_TYPE.into()),
+                ReferenceTypeId::HasProperty,
+            ),
+            PartKind::Component(value) => (
+                self.variable(value),
+                Some(VariableTypeId::BaseDataVariableType.into()),
+                ReferenceTypeId::HasComponent,
+            ),
+            PartKind::Object(id) => {
+                (NodeKind::Object, Some(self.id(id)), ReferenceTypeId::HasComponent)
             }
-            PartKind::Component(value) => {
-                (self.variable(value), Some(VariableTypeId::BaseDataVariableType.into()), ReferenceTypeId::HasComponent)
-            }
-            PartKind::Object(id) => (NodeKind::Object, Some(self.id(id)), ReferenceTypeId::HasComponent),
-            PartKind::Method(_) => {
-                (NodeKind::Method { callable_by: model::callable_by(part.name) }, None, ReferenceTypeId::HasComponent)
-            }
+            PartKind::Method(_) => (
+                NodeKind::Method { callable_by: model::callable_by(part.name) },
+                None,
+                ReferenceTypeId::HasComponent,
+            ),
         };
         let namespace = if part.is_standard { 0 } else { self.index };
         let node = Node {
@@ -128,14 +148,19 @@ impl TypeProvider {
             class,
         };
         // A declaration has no value of its own; null stands for it.
-        let value = matches!(part.kind, PartKind::Property(_) | PartKind::Component(_)).then_some(Variant::Empty);
+        let value = matches!(part.kind, PartKind::Property(_) | PartKind::Component(_))
+            .then_some(Variant::Empty);
         self.nodes.insert(id, (node, value));
         let node_id = self.id(id);
         self.refer(&self.id(type_id), reference_type, &node_id);
         if let Some(definition) = type_definition {
             self.refer_forward(&node_id, ReferenceTypeId::HasTypeDefinition, definition);
         }
-        let rule = if part.is_mandatory { ObjectId::ModellingRule_Mandatory } else { ObjectId::ModellingRule_Optional };
+        let rule = if part.is_mandatory {
+            ObjectId::ModellingRule_Mandatory
+        } else {
+            ObjectId::ModellingRule_Optional
+        };
         self.refer_forward(&node_id, ReferenceTypeId::HasModellingRule, rule.into());
         if let PartKind::Method(method) = part.kind {
             for (offset, arguments, below) in [
@@ -157,32 +182,57 @@ impl TypeProvider {
             description: LocalizedText::null(),
             name: (*name).into(),
         });
-        let definition = ExtensionObject::from_message(EnumDefinition { fields: Some(fields.collect()) });
+        let definition =
+            ExtensionObject::from_message(EnumDefinition { fields: Some(fields.collect()) });
         let class = NodeKind::DataType { definition: Some(Box::new(definition)) };
         self.add_type(model.id, model.name, "", class, DataTypeId::Enumeration.into());
-        let names: Vec<LocalizedText> = model.values.iter().map(|name| LocalizedText::from(*name)).collect();
+        let names: Vec<LocalizedText> =
+            model.values.iter().map(|name| LocalizedText::from(*name)).collect();
         let id = model.id * DECLARATIONS_PER_TYPE + ENUM_STRINGS;
-        self.add_property(model.id, id, "EnumStrings", DataTypeId::LocalizedText, Variant::from(names));
+        self.add_property(
+            model.id,
+            id,
+            "EnumStrings",
+            DataTypeId::LocalizedText,
+            Variant::from(names),
+        );
     }
 
     /// Adds a standard array property with a value.
-    fn add_property(&mut self, owner: u32, id: u32, name: &str, data_type: DataTypeId, value: Variant) {
+    fn add_property(
+        &mut self,
+        owner: u32,
+        id: u32,
+        name: &str,
+        data_type: DataTypeId,
+        value: Variant,
+    ) {
         let node = Node {
             browse_name: QualifiedName::new(0, name),
             display_name: LocalizedText::from(name),
             description: LocalizedText::null(),
             type_definition: Some(model::PROPERTY_TYPE.into()),
-            class: NodeKind::Variable { data_type: data_type.into(), value_rank: 1, is_writable: false },
+            class: NodeKind::Variable {
+                data_type: data_type.into(),
+                value_rank: 1,
+                is_writable: false,
+            },
         };
         self.nodes.insert(id, (node, Some(value)));
         let node_id = self.id(id);
         self.refer(&self.id(owner), ReferenceTypeId::HasProperty, &node_id);
-        self.refer_forward(&node_id, ReferenceTypeId::HasTypeDefinition, model::PROPERTY_TYPE.into());
+        self.refer_forward(
+            &node_id,
+            ReferenceTypeId::HasTypeDefinition,
+            model::PROPERTY_TYPE.into(),
+        );
     }
 
-    /// A reference that the target's side does not list, as type definitions and modelling rules would be long lists.
+    /// A reference that the target's side does not list, as type definitions and modelling rules
+    /// would be long lists.
     fn refer_forward(&mut self, from: &NodeId, reference_type: ReferenceTypeId, to: NodeId) {
-        let reference = Reference { reference_type: reference_type.into(), is_forward: true, target: to };
+        let reference =
+            Reference { reference_type: reference_type.into(), is_forward: true, target: to };
         self.references.entry(from.clone()).or_default().push(reference);
     }
 
@@ -201,15 +251,21 @@ impl TypeProvider {
         }
     }
 
-    /// The node id of a method's declaration, so that clients may call the type's method on an object.
+    /// The node id of a method's declaration, so that clients may call the type's method on an
+    /// object.
     pub fn method_declaration(index: u16, type_id: u32, name: &str) -> Option<NodeId> {
-        let number = model::object_type(type_id)?.parts.iter().position(|part| part.name == name)?;
+        let number =
+            model::object_type(type_id)?.parts.iter().position(|part| part.name == name)?;
         Some(NodeId::new(index, type_id * DECLARATIONS_PER_TYPE + u32::try_from(number).ok()? + 1))
     }
 }
 
 fn described(description: &str) -> LocalizedText {
-    if description.is_empty() { LocalizedText::null() } else { LocalizedText::new("en", description) }
+    if description.is_empty() {
+        LocalizedText::null()
+    } else {
+        LocalizedText::new("en", description)
+    }
 }
 
 #[async_trait]
@@ -232,12 +288,18 @@ impl NodeProvider for TypeProvider {
 
     fn value(&self, node_id: &NodeId) -> Option<DataValue> {
         let value = self.entry(node_id)?.1.clone()?;
-        Some(DataValue { value: Some(value), status: Some(StatusCode::Good), ..DataValue::default() })
+        Some(DataValue {
+            value: Some(value),
+            status: Some(StatusCode::Good),
+            ..DataValue::default()
+        })
     }
 
     fn references(&self, node_id: &NodeId, after: u64, visit: &mut ReferenceVisitor<'_>) {
         let Some(references) = self.references.get(node_id) else { return };
-        for (position, reference) in (1..).zip(references).skip(usize::try_from(after).unwrap_or(usize::MAX)) {
+        for (position, reference) in
+            (1..).zip(references).skip(usize::try_from(after).unwrap_or(usize::MAX))
+        {
             if let ControlFlow::Break(()) = visit(position, reference.clone()) {
                 return;
             }
@@ -249,10 +311,20 @@ impl NodeProvider for TypeProvider {
     }
 
     async fn write(&self, _user: &TwinUser, request: WriteRequest<'_>) -> StatusCode {
-        if self.entry(request.node_id).is_some() { StatusCode::BadNotWritable } else { StatusCode::BadNodeIdUnknown }
+        if self.entry(request.node_id).is_some() {
+            StatusCode::BadNotWritable
+        } else {
+            StatusCode::BadNodeIdUnknown
+        }
     }
 
-    async fn call(&self, _user: &TwinUser, _object: &NodeId, _method: &NodeId, _arguments: &[Variant]) -> CallOutcome {
+    async fn call(
+        &self,
+        _user: &TwinUser,
+        _object: &NodeId,
+        _method: &NodeId,
+        _arguments: &[Variant],
+    ) -> CallOutcome {
         CallOutcome::failed(StatusCode::BadMethodInvalid)
     }
 }

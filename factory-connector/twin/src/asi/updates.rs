@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use asi_model::{
-    DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, instance::FOLDER_ID, messages::MappingState,
+    DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, instance::FOLDER_ID,
+    messages::MappingState,
 };
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,
@@ -45,7 +46,8 @@ impl AsiProvider {
         let id = document.message.operation_network.operation_network_id.clone();
         let revision = document.message.revision;
         let old = self.interface(id.as_str());
-        let sequence = old.as_ref().map_or_else(|| self.state.read().last_sequence + 1, |old| old.sequence);
+        let sequence =
+            old.as_ref().map_or_else(|| self.state.read().last_sequence + 1, |old| old.sequence);
         let mut new = Interface::new(document, sequence, revision);
         let difference = match &old {
             Some(old) => self.difference(old, &new),
@@ -107,7 +109,9 @@ impl AsiProvider {
         let mut shown = 0;
         let mut told = Vec::with_capacity(values.len());
         for (key, value) in values {
-            let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else { continue };
+            let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else {
+                continue;
+            };
             let Some(field) = interface.find_key(&key) else { continue };
             let visible = {
                 let mut records = interface.records.write();
@@ -129,7 +133,9 @@ impl AsiProvider {
     /// Shows a decision. False where the field does not exist.
     pub fn publish_decision(&self, key: &FieldKey, record: FieldRecord) -> bool {
         let _order = self.publishing.lock();
-        let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else { return false };
+        let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else {
+            return false;
+        };
         let Some(field) = interface.find_key(key) else { return false };
         let place = Place::Field(field);
         let identifier = interface.identifier(place);
@@ -164,20 +170,23 @@ impl AsiProvider {
         if interface.field(field).1.semantic == Some(asi_model::network::Semantic::OperationState)
             && interface.state_field(operation) == Some(field)
             && let place = Place::Operation(operation)
-            && let Some(value) = interface.part(place, "State").and_then(|part| interface.part_value(place, part))
+            && let Some(value) =
+                interface.part(place, "State").and_then(|part| interface.part_value(place, part))
         {
             told.push((format!("{}#State", interface.identifier(place)), value));
         }
     }
 
-    /// Tells items that were just registered the present values; what they were told already is no change to them.
+    /// Tells items that were just registered the present values; what they were told already is no
+    /// change to them.
     pub(super) fn tell_present_values(&self, items: &[&MonitoredItemRef]) {
         let _order = self.publishing.lock();
         let mut notifier = self.subscriptions.data_notifier();
         for item in items.iter().filter(|item| item.attribute() == AttributeId::Value) {
-            let present = self
-                .value(item.node_id())
-                .unwrap_or_else(|| DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() });
+            let present = self.value(item.node_id()).unwrap_or_else(|| DataValue {
+                status: Some(StatusCode::BadNodeIdUnknown),
+                ..DataValue::default()
+            });
             let value = DataValue { server_timestamp: Some(StackTime::now()), ..present };
             if let Some(mut registered) = notifier.notify_for(item.node_id(), AttributeId::Value) {
                 registered.data_value_to_item(value, &item.handle());
@@ -192,7 +201,8 @@ impl AsiProvider {
         for chunk in values.chunks(TOLD_AT_ONCE_MAX) {
             let mut notifier = self.subscriptions.data_notifier();
             for (identifier, value) in chunk {
-                if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), AttributeId::Value)
+                if let Some(mut items) =
+                    notifier.notify_for((self.instances, identifier.as_str()), AttributeId::Value)
                 {
                     items.data_value(DataValue { server_timestamp: Some(now), ..value.clone() });
                 }
@@ -227,7 +237,9 @@ impl AsiProvider {
         let mut notifier = self.subscriptions.data_notifier();
         for identifier in identifiers {
             for &attribute in attributes {
-                if let Some(mut items) = notifier.notify_for((self.instances, identifier.as_str()), attribute) {
+                if let Some(mut items) =
+                    notifier.notify_for((self.instances, identifier.as_str()), attribute)
+                {
                     items.data_value(gone.clone());
                 }
             }
@@ -256,7 +268,8 @@ impl AsiProvider {
         self.events.report_nodes(&changes, verb::NODE_ADDED, verb::NODE_DELETED);
         if let Some(verbs) = folder {
             let type_id = super::types::folder_type();
-            changes.insert(0, NodeChange { node_id: self.id(FOLDER_ID.to_owned()), type_id, verbs });
+            changes
+                .insert(0, NodeChange { node_id: self.id(FOLDER_ID.to_owned()), type_id, verbs });
         }
         let what = match (folder, new) {
             (Some(_), Some(_)) => "An Activity Status Interface was added.",
@@ -279,7 +292,8 @@ fn keep_versions(old: &Interface, new: &mut Interface, difference: &Difference) 
             let identifier = new.identifier(place);
             let earlier = before.get(&identifier)?;
             let version = old.version(*earlier);
-            (!changed.contains(identifier.as_str()) && version != new.base_version).then_some((place, version))
+            (!changed.contains(identifier.as_str()) && version != new.base_version)
+                .then_some((place, version))
         })
         .collect();
     new.versions.extend(kept);

@@ -34,9 +34,15 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 const REASON_BYTES_MAX: usize = 2000;
 
 impl AsiProvider {
-    pub(super) async fn write_field(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode {
+    pub(super) async fn write_field(
+        &self,
+        user: &TwinUser,
+        request: WriteRequest<'_>,
+    ) -> StatusCode {
         let located = self.locate(request.node_id);
-        let Some(Located::Node(At { interface, place: Place::Field(field), part: None, .. })) = located else {
+        let Some(Located::Node(At { interface, place: Place::Field(field), part: None, .. })) =
+            located
+        else {
             return match located {
                 Some(_) => StatusCode::BadNotWritable,
                 None => StatusCode::BadNodeIdUnknown,
@@ -77,7 +83,9 @@ impl AsiProvider {
         interface: &Interface,
         field: u32,
     ) -> Result<(), StatusCode> {
-        if request.attribute != AttributeId::Value || !interface.records.read()[field as usize].is_writable() {
+        if request.attribute != AttributeId::Value
+            || !interface.records.read()[field as usize].is_writable()
+        {
             return Err(StatusCode::BadNotWritable);
         }
         if !user.role.may_write() {
@@ -90,7 +98,9 @@ impl AsiProvider {
         let value = from_stack(request.value.clone(), &self.namespaces).value;
         let (owner, definition) = interface.field(field);
         let operation = interface.operation(interface.slot(owner).operation);
-        let planned = (operation.quantity_unit == definition.unit).then_some(operation.planned_quantity).flatten();
+        let planned = (operation.quantity_unit == definition.unit)
+            .then_some(operation.planned_quantity)
+            .flatten();
         check_value(definition, planned, &value)
     }
 
@@ -101,54 +111,89 @@ impl AsiProvider {
         method: &NodeId,
         arguments: &[Variant],
     ) -> CallOutcome {
-        let Some(Located::Node(At { interface, place, part: None, .. })) = self.locate(object) else {
+        let Some(Located::Node(At { interface, place, part: None, .. })) = self.locate(object)
+        else {
             return CallOutcome::failed(StatusCode::BadNodeIdUnknown);
         };
         let Some(name) = self.method_name(&interface, place, method) else {
             return CallOutcome::failed(StatusCode::BadMethodInvalid);
         };
         match (place, name) {
-            (Place::Request(request), "Decide") => self.decide(user, &interface, request, arguments).await,
+            (Place::Request(request), "Decide") => {
+                self.decide(user, &interface, request, arguments).await
+            }
             (Place::Interface, "ExportNodeSet") if arguments.is_empty() => Self::export(&interface),
-            (Place::Interface, "ExportNodeSet") => CallOutcome::failed(StatusCode::BadTooManyArguments),
+            (Place::Interface, "ExportNodeSet") => {
+                CallOutcome::failed(StatusCode::BadTooManyArguments)
+            }
             _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
         }
     }
 
     /// The name of a method of this place, given as its own node or as its type's declaration.
-    fn method_name(&self, interface: &Interface, place: Place, method: &NodeId) -> Option<&'static str> {
+    fn method_name(
+        &self,
+        interface: &Interface,
+        place: Place,
+        method: &NodeId,
+    ) -> Option<&'static str> {
         let type_id = interface.type_of(place)?;
         let identifier = interface.identifier(place);
-        model::object_type(type_id)?.parts.iter().map(|part| part.name).find(|name| match &method.identifier {
-            Identifier::String(id) if method.namespace == self.instances => {
-                id.as_ref().strip_prefix(identifier.as_str()).and_then(|rest| rest.strip_prefix('#')) == Some(name)
+        model::object_type(type_id)?.parts.iter().map(|part| part.name).find(|name| {
+            match &method.identifier {
+                Identifier::String(id) if method.namespace == self.instances => {
+                    id.as_ref()
+                        .strip_prefix(identifier.as_str())
+                        .and_then(|rest| rest.strip_prefix('#'))
+                        == Some(name)
+                }
+                _ => {
+                    TypeProvider::method_declaration(self.types, type_id, name).as_ref()
+                        == Some(method)
+                }
             }
-            _ => TypeProvider::method_declaration(self.types, type_id, name).as_ref() == Some(method),
         })
     }
 
-    async fn decide(&self, user: &TwinUser, interface: &Interface, request: u32, arguments: &[Variant]) -> CallOutcome {
+    async fn decide(
+        &self,
+        user: &TwinUser,
+        interface: &Interface,
+        request: u32,
+        arguments: &[Variant],
+    ) -> CallOutcome {
         if arguments.len() != 3 {
-            let status =
-                if arguments.len() < 3 { StatusCode::BadArgumentsMissing } else { StatusCode::BadTooManyArguments };
+            let status = if arguments.len() < 3 {
+                StatusCode::BadArgumentsMissing
+            } else {
+                StatusCode::BadTooManyArguments
+            };
             return CallOutcome::failed(status);
         }
         let field = text(&arguments[0]).map(|name| interface.find_field(request, name));
         let state = mapping_state(&arguments[1]);
         let reason = optional_text(&arguments[2]);
         let (field, mapping_state, reason) = match (field, state, reason) {
-            (Some(Some(field)), Ok(state), Ok(reason)) if state != MappingState::Refused || reason.is_some() => {
+            (Some(Some(field)), Ok(state), Ok(reason))
+                if state != MappingState::Refused || reason.is_some() =>
+            {
                 (field, state, reason)
             }
             (field, state, reason) => {
-                let unknown = if field.is_some() { StatusCode::BadNotFound } else { StatusCode::BadTypeMismatch };
+                let unknown = if field.is_some() {
+                    StatusCode::BadNotFound
+                } else {
+                    StatusCode::BadTypeMismatch
+                };
                 return CallOutcome::invalid_arguments(vec![
                     if matches!(field, Some(Some(_))) { StatusCode::Good } else { unknown },
                     state.err().unwrap_or(StatusCode::Good),
                     // What remains wrong is a refusal without a reason.
                     match reason {
                         Err(status) => status,
-                        Ok(None) if state == Ok(MappingState::Refused) => StatusCode::BadInvalidArgument,
+                        Ok(None) if state == Ok(MappingState::Refused) => {
+                            StatusCode::BadInvalidArgument
+                        }
                         Ok(_) => StatusCode::Good,
                     },
                 ]);
@@ -162,7 +207,8 @@ impl AsiProvider {
             Err(_) => StatusCode::BadTimeout,
         };
         if status.is_bad() {
-            let node_id = self.id(format!("{}#MappingState", interface.identifier(Place::Field(field))));
+            let node_id =
+                self.id(format!("{}#MappingState", interface.identifier(Place::Field(field))));
             let old_value = Variant::from(interface.record(field).mapping_state as i32);
             self.events.report_write(|| AuditWrite {
                 node_id,
@@ -234,9 +280,15 @@ fn mapping_state(variant: &Variant) -> Result<MappingState, StatusCode> {
 }
 
 /// Whether a value may become a field's: its type, its rank, its range.
-fn check_value(definition: &ReportField, planned: Option<f64>, value: &ModelVariant) -> Result<(), StatusCode> {
+fn check_value(
+    definition: &ReportField,
+    planned: Option<f64>,
+    value: &ModelVariant,
+) -> Result<(), StatusCode> {
     let wanted = definition.field_type.0;
-    let fits_type = value.built_in_type().is_some_and(|found| found == wanted || wanted == BuiltInType::Variant);
+    let fits_type = value
+        .built_in_type()
+        .is_some_and(|found| found == wanted || wanted == BuiltInType::Variant);
     let rank = match value {
         ModelVariant::Null => return Err(StatusCode::BadTypeMismatch),
         ModelVariant::Scalar(_) => VALUE_RANK_SCALAR,
@@ -265,14 +317,21 @@ fn check_value(definition: &ReportField, planned: Option<f64>, value: &ModelVari
     // Only a percentage has hard bounds: more than planned may well be produced.
     let is_percent = definition.semantic == Some(Semantic::PercentComplete);
     match (scalar.as_f64(), engineering_range(definition, planned)) {
-        (Some(number), Some(range)) if is_percent && !(range.low..=range.high).contains(&number) => {
+        (Some(number), Some(range))
+            if is_percent && !(range.low..=range.high).contains(&number) =>
+        {
             Err(StatusCode::BadOutOfRange)
         }
-        (Some(number), _) if !is_percent && is_quantity(definition) && number < 0.0 => Err(StatusCode::BadOutOfRange),
+        (Some(number), _) if !is_percent && is_quantity(definition) && number < 0.0 => {
+            Err(StatusCode::BadOutOfRange)
+        }
         _ => Ok(()),
     }
 }
 
 fn is_quantity(definition: &ReportField) -> bool {
-    matches!(definition.semantic, Some(Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity))
+    matches!(
+        definition.semantic,
+        Some(Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity)
+    )
 }

@@ -13,7 +13,8 @@ use tokio_util::sync::CancellationToken;
 const SERVICE: &str = "_opcua-tcp._tcp.local.";
 /// The path of the endpoint URL, and the capability of OPC 10000-12 Annex D: provides current data.
 const TEXTS: [(&str, &str); 2] = [("path", "/"), ("caps", "DA")];
-/// Longest part of a name, in bytes (RFC 1035 §2.3.4), with room left for a number where the name is taken.
+/// Longest part of a name, in bytes (RFC 1035 §2.3.4), with room left for a number where the name
+/// is taken.
 const LABEL_BYTES_MAX: usize = 63 - " (100)".len();
 /// How long saying goodbye may take.
 const GOODBYE_MAX: Duration = Duration::from_secs(2);
@@ -28,7 +29,10 @@ pub(super) struct Announcement {
 
 /// The name of this machine in multicast DNS.
 pub(crate) fn local_host_name() -> String {
-    let name = hostname().ok().filter(|name| !name.is_empty()).unwrap_or_else(|| "verbund-twin".to_owned());
+    let name = hostname()
+        .ok()
+        .filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "verbund-twin".to_owned());
     format!("{}.local", cut(name.split('.').next().unwrap_or_default()))
 }
 
@@ -63,7 +67,9 @@ impl Announcement {
         // Ending takes leave of all who listen.
         let ended = daemon.shutdown()?;
         if tokio::time::timeout(GOODBYE_MAX, ended.recv_async()).await.is_err() {
-            tracing::warn!("The announcement by multicast DNS could not be taken back in time; it runs out by itself.");
+            tracing::warn!(
+                "The announcement by multicast DNS could not be taken back in time; it runs out by itself."
+            );
         }
         Ok(())
     }
@@ -74,17 +80,22 @@ impl Announcement {
         let ip = self.address.ip();
         if ip.is_unspecified() {
             // Addresses come and go with the interfaces.
-            return Ok(ServiceInfo::new(SERVICE, name, &host, (), port, &TEXTS[..])?.enable_addr_auto());
+            return Ok(
+                ServiceInfo::new(SERVICE, name, &host, (), port, &TEXTS[..])?.enable_addr_auto()
+            );
         }
         ServiceInfo::new(SERVICE, name, &host, ip, port, &TEXTS[..])
     }
 }
 
-/// On which interfaces nobody could reach what listens on this address, and on which of these somebody could.
+/// On which interfaces nobody could reach what listens on this address, and on which of these
+/// somebody could.
 fn interfaces(listening: IpAddr) -> (Vec<IfKind>, Vec<IfKind>) {
     match listening {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => (vec![IfKind::IPv6, IfKind::LoopbackV4], Vec::new()),
-        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => (vec![IfKind::LoopbackV4, IfKind::LoopbackV6], Vec::new()),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => {
+            (vec![IfKind::LoopbackV4, IfKind::LoopbackV6], Vec::new())
+        }
         address => (vec![IfKind::All], vec![IfKind::Addr(address)]),
     }
 }
@@ -98,7 +109,9 @@ fn report(event: &DaemonEvent) {
             mdns.name = change.new_name,
             "The twin's name was taken in multicast DNS; it has another one now."
         ),
-        DaemonEvent::Error(error) => tracing::warn!(%error, "Multicast DNS has a problem on an interface."),
+        DaemonEvent::Error(error) => {
+            tracing::warn!(%error, "Multicast DNS has a problem on an interface.")
+        }
         _ => {}
     }
 }

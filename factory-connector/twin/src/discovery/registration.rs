@@ -1,5 +1,5 @@
-//! Registration with a local discovery server (OPC 10000-4 §5.5.5, §5.5.6): repeated, so that a server that forgot the
-//! twin learns of it again, and taken back at the end.
+//! Registration with a local discovery server (OPC 10000-4 §5.5.5, §5.5.6): repeated, so that a
+//! server that forgot the twin learns of it again, and taken back at the end.
 
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
@@ -111,8 +111,14 @@ impl Registration {
         );
     }
 
-    async fn register_within(&self, limit: Duration, is_online: bool) -> Result<(), RegistrationError> {
-        tokio::time::timeout(limit, self.register(is_online)).await.unwrap_or(Err(RegistrationError::Timeout))
+    async fn register_within(
+        &self,
+        limit: Duration,
+        is_online: bool,
+    ) -> Result<(), RegistrationError> {
+        tokio::time::timeout(limit, self.register(is_online))
+            .await
+            .unwrap_or(Err(RegistrationError::Timeout))
     }
 
     /// RegisterServer2, or RegisterServer where the discovery server is too old for it.
@@ -122,15 +128,19 @@ impl Registration {
             .ok_or(RegistrationError::NoSecureEndpoint)?;
         self.check_certificate(&endpoint)?;
         let server = RegisteredServer { is_online, ..self.server.clone() };
-        let (session, _) = client.connect_to_endpoint_directly(endpoint, IdentityToken::Anonymous)?;
+        let (session, _) =
+            client.connect_to_endpoint_directly(endpoint, IdentityToken::Anonymous)?;
         let channel = session.channel();
         let header = || RequestHeader {
             timeout_hint: u32::try_from(REQUEST_TIMEOUT.as_millis()).unwrap_or(u32::MAX),
             ..RequestHeader::new(&NodeId::null(), &DateTime::now(), channel.request_handle())
         };
         // Announcing by multicast is the twin's own affair, so the server is not asked to do it.
-        let newer =
-            RegisterServer2Request { request_header: header(), server: server.clone(), discovery_configuration: None };
+        let newer = RegisterServer2Request {
+            request_header: header(),
+            server: server.clone(),
+            discovery_configuration: None,
+        };
         match self.exchange(channel, newer.into()).await? {
             StatusCode::BadServiceUnsupported | StatusCode::BadNotImplemented => {}
             status if status.is_good() => return Ok(()),
@@ -143,7 +153,8 @@ impl Registration {
         }
     }
 
-    /// A client that is the twin itself: the discovery server compares certificate and registered application.
+    /// A client that is the twin itself: the discovery server compares certificate and registered
+    /// application.
     fn client(&self) -> Result<Client, RegistrationError> {
         ClientBuilder::new()
             .application_name("Verbund Twin")
@@ -154,14 +165,18 @@ impl Registration {
             .session_retry_limit(0)
             .request_timeout(REQUEST_TIMEOUT)
             .client()
-            .map_err(|faults| Error::new(StatusCode::BadConfigurationError, faults.join(", ")).into())
+            .map_err(|faults| {
+                Error::new(StatusCode::BadConfigurationError, faults.join(", ")).into()
+            })
     }
 
     fn check_certificate(&self, endpoint: &EndpointDescription) -> Result<(), RegistrationError> {
         let policy = SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
         let certificate = X509::from_byte_string(&endpoint.server_certificate)?;
         let bearer = CertificateBearer { address: None, application: &endpoint.server };
-        self.validator.validate(&certificate, policy, &bearer).map_err(|_| RegistrationError::Untrusted)
+        self.validator
+            .validate(&certificate, policy, &bearer)
+            .map_err(|_| RegistrationError::Untrusted)
     }
 
     /// Opens the channel, sends one request, closes; the status of the answer.
@@ -199,14 +214,20 @@ impl Registration {
     }
 }
 
-/// The endpoint that protects best; registering needs the twin's certificate, so one without security is none.
+/// The endpoint that protects best; registering needs the twin's certificate, so one without
+/// security is none.
 fn strongest(endpoints: Vec<EndpointDescription>) -> Option<EndpointDescription> {
     let is_usable = |endpoint: &EndpointDescription| {
         let policy = SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
         matches!(
             policy,
-            SecurityPolicy::Basic256Sha256 | SecurityPolicy::Aes128Sha256RsaOaep | SecurityPolicy::Aes256Sha256RsaPss
-        ) && matches!(endpoint.security_mode, MessageSecurityMode::Sign | MessageSecurityMode::SignAndEncrypt)
+            SecurityPolicy::Basic256Sha256
+                | SecurityPolicy::Aes128Sha256RsaOaep
+                | SecurityPolicy::Aes256Sha256RsaPss
+        ) && matches!(
+            endpoint.security_mode,
+            MessageSecurityMode::Sign | MessageSecurityMode::SignAndEncrypt
+        )
     };
     let strength = |endpoint: &EndpointDescription| {
         (endpoint.security_mode == MessageSecurityMode::SignAndEncrypt, endpoint.security_level)
@@ -226,23 +247,26 @@ mod tests {
     #[test]
     fn pauses_double_up_to_the_interval() {
         let interval = Duration::from_secs(60);
-        let pauses: Vec<u64> = (1..=6).map(|failures| retry_after(failures, interval).as_secs()).collect();
+        let pauses: Vec<u64> =
+            (1..=6).map(|failures| retry_after(failures, interval).as_secs()).collect();
         assert_eq!(pauses, [5, 10, 20, 40, 60, 60]);
         assert_eq!(retry_after(u32::MAX, interval), interval);
     }
 
     #[test]
     fn the_strongest_endpoint_is_taken_and_none_without_security() {
-        let endpoint = |policy: SecurityPolicy, security_mode, security_level| EndpointDescription {
-            security_policy_uri: policy.to_uri().into(),
-            security_mode,
-            security_level,
-            ..EndpointDescription::default()
-        };
+        let endpoint =
+            |policy: SecurityPolicy, security_mode, security_level| EndpointDescription {
+                security_policy_uri: policy.to_uri().into(),
+                security_mode,
+                security_level,
+                ..EndpointDescription::default()
+            };
         let none = endpoint(SecurityPolicy::None, MessageSecurityMode::None, 200);
         let old = endpoint(SecurityPolicy::Basic256, MessageSecurityMode::SignAndEncrypt, 150);
         let signed = endpoint(SecurityPolicy::Basic256Sha256, MessageSecurityMode::Sign, 100);
-        let encrypted = endpoint(SecurityPolicy::Basic256Sha256, MessageSecurityMode::SignAndEncrypt, 50);
+        let encrypted =
+            endpoint(SecurityPolicy::Basic256Sha256, MessageSecurityMode::SignAndEncrypt, 50);
         assert_eq!(strongest(vec![none.clone(), old.clone()]), None);
         assert_eq!(strongest(vec![none, old, encrypted.clone(), signed]), Some(encrypted));
     }

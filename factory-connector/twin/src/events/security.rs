@@ -1,4 +1,5 @@
-//! The part of the audit trail that says who came, and who was turned away: secure channels, sessions, certificates.
+//! The part of the audit trail that says who came, and who was turned away: secure channels,
+//! sessions, certificates.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,8 +7,8 @@ use opcua_stack::opcua::{
     crypto::X509,
     server::{ChannelDescription, SessionEvent, SessionObserver, authenticator::UserToken},
     types::{
-        ByteString, ExtensionObject, NodeId, ObjectTypeId, SecurityTokenRequestType, StatusCode, UAString,
-        UserNameIdentityToken, Variant,
+        ByteString, ExtensionObject, NodeId, ObjectTypeId, SecurityTokenRequestType, StatusCode,
+        UAString, UserNameIdentityToken, Variant,
     },
 };
 
@@ -40,13 +41,24 @@ impl SessionObserver for SessionAudit {
     fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>) {
         if let Some(events) = self.events.get().filter(|events| events.is_listened_to()) {
             let message = "A session ended, for its client was silent for too long.".to_owned();
-            events.send(&events.session_ended("Session/Timeout", session_id, user_token, StatusCode::Good, message));
+            events.send(&events.session_ended(
+                "Session/Timeout",
+                session_id,
+                user_token,
+                StatusCode::Good,
+                message,
+            ));
         }
     }
 }
 
 impl EventReporter {
-    fn session_event(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode) -> ServerEvent {
+    fn session_event(
+        &self,
+        channel: &ChannelDescription,
+        event: SessionEvent,
+        outcome: StatusCode,
+    ) -> ServerEvent {
         match event {
             SessionEvent::ChannelOpened { request_type, requested_lifetime } => {
                 self.channel_opened(channel, request_type, requested_lifetime, outcome)
@@ -102,7 +114,8 @@ impl EventReporter {
             (true, _) => "A secure channel was opened.",
         };
         let event_type = ObjectTypeId::AuditOpenSecureChannelEventType;
-        let mut event = self.audit(event_type, system::OPEN_SECURE_CHANNEL, outcome, message.to_owned());
+        let mut event =
+            self.audit(event_type, system::OPEN_SECURE_CHANNEL, outcome, message.to_owned());
         event.set("SourceName", "SecureChannel/OpenSecureChannel");
         set_channel(&mut event, channel);
         event.set("RequestType", request_type.unwrap_or(SecurityTokenRequestType::Issue) as i32);
@@ -128,7 +141,8 @@ impl EventReporter {
             encryption_algorithm: token.encryption_algorithm.clone(),
         });
         let user = shown.as_ref().map_or("anonymous", |token| token.user_name.as_ref()).to_owned();
-        let message = if outcome.is_good() { "A user signed in." } else { "A user was not signed in." };
+        let message =
+            if outcome.is_good() { "A user signed in." } else { "A user was not signed in." };
         let event_type = ObjectTypeId::AuditActivateSessionEventType;
         let mut event = self.audit(event_type, &user, outcome, message.to_owned());
         event.set("SourceName", "Session/ActivateSession");
@@ -144,9 +158,17 @@ impl EventReporter {
     /// A session was ended because its user changed.
     pub fn report_terminated(&self, session_id: NodeId, user_token: UserToken) {
         if self.is_listened_to() {
-            let message = "A session was ended, for its user got another password or role, or is gone.".to_owned();
+            let message =
+                "A session was ended, for its user got another password or role, or is gone."
+                    .to_owned();
             let token = Some(user_token);
-            self.send(&self.session_ended("Session/Terminated", session_id, token, StatusCode::Good, message));
+            self.send(&self.session_ended(
+                "Session/Terminated",
+                session_id,
+                token,
+                StatusCode::Good,
+                message,
+            ));
         }
     }
 
@@ -160,40 +182,55 @@ impl EventReporter {
         }
     }
 
-    /// CertificateUpdatedAuditEventType (OPC 10000-12 §7.10.18): the twin shows another certificate from now on.
+    /// CertificateUpdatedAuditEventType (OPC 10000-12 §7.10.18): the twin shows another certificate
+    /// from now on.
     pub fn report_own_certificate(&self, certificate: &X509) {
         if self.is_listened_to() {
-            let message = format!("The server uses the certificate {} now.", certificate.thumbprint().as_hex_string());
+            let message = format!(
+                "The server uses the certificate {} now.",
+                certificate.thumbprint().as_hex_string()
+            );
             let event_type = ObjectTypeId::CertificateUpdatedAuditEventType;
-            let mut event = self.audit(event_type, system::UPDATE_CERTIFICATE, StatusCode::Good, message);
+            let mut event =
+                self.audit(event_type, system::UPDATE_CERTIFICATE, StatusCode::Good, message);
             event.set("SourceName", "Method/UpdateCertificate");
             self.send(&event);
         }
     }
 
-    /// AuditCertificateEventType (OPC 10000-5 §6.4.12) and its subtypes: a certificate was not accepted.
+    /// AuditCertificateEventType (OPC 10000-5 §6.4.12) and its subtypes: a certificate was not
+    /// accepted.
     pub fn report_certificate(&self, certificate: &X509, verdict: Verdict) {
         if !self.is_listened_to() {
             return;
         }
         let (event_type, status) = match verdict {
-            Verdict::Unreadable => (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificateInvalid),
-            Verdict::Rejected | Verdict::Unknown => {
-                (ObjectTypeId::AuditCertificateUntrustedEventType, StatusCode::BadCertificateUntrusted)
+            Verdict::Unreadable => {
+                (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificateInvalid)
             }
-            Verdict::OutOfTime => {
-                (ObjectTypeId::AuditCertificateExpiredEventType, StatusCode::BadCertificateTimeInvalid)
+            Verdict::Rejected | Verdict::Unknown => (
+                ObjectTypeId::AuditCertificateUntrustedEventType,
+                StatusCode::BadCertificateUntrusted,
+            ),
+            Verdict::OutOfTime => (
+                ObjectTypeId::AuditCertificateExpiredEventType,
+                StatusCode::BadCertificateTimeInvalid,
+            ),
+            Verdict::Revoked => {
+                (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevoked)
             }
-            Verdict::Revoked => (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevoked),
-            Verdict::RevocationUnknown => {
-                (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevocationUnknown)
-            }
-            Verdict::Usage => {
-                (ObjectTypeId::AuditCertificateMismatchEventType, StatusCode::BadCertificateUseNotAllowed)
-            }
-            Verdict::KeyLength => {
-                (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificatePolicyCheckFailed)
-            }
+            Verdict::RevocationUnknown => (
+                ObjectTypeId::AuditCertificateRevokedEventType,
+                StatusCode::BadCertificateRevocationUnknown,
+            ),
+            Verdict::Usage => (
+                ObjectTypeId::AuditCertificateMismatchEventType,
+                StatusCode::BadCertificateUseNotAllowed,
+            ),
+            Verdict::KeyLength => (
+                ObjectTypeId::AuditCertificateInvalidEventType,
+                StatusCode::BadCertificatePolicyCheckFailed,
+            ),
         };
         let message = format!("A client's certificate was not accepted: {verdict}.");
         let mut event = self.audit(event_type, system::CREATE_SESSION, status, message);
@@ -209,7 +246,8 @@ fn set_channel(event: &mut ServerEvent, channel: &ChannelDescription) {
     event.set("SecureChannelId", channel.secure_channel_id.to_string());
     event.set("ClientCertificate", certificate.map_or_else(ByteString::null, X509::as_byte_string));
     let thumbprint = certificate.map(|certificate| certificate.thumbprint().as_hex_string());
-    event.set("ClientCertificateThumbprint", thumbprint.map_or_else(UAString::null, UAString::from));
+    event
+        .set("ClientCertificateThumbprint", thumbprint.map_or_else(UAString::null, UAString::from));
 }
 
 fn shortened(text: &str) -> &str {

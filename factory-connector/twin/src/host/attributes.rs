@@ -6,7 +6,8 @@ use opcua_stack::opcua::{
         node_manager::ParsedReadValueId,
     },
     types::{
-        AttributeId, DataEncoding, DataValue, DateTime, NodeId, NumericRange, StatusCode, TimestampsToReturn, Variant,
+        AttributeId, DataEncoding, DataValue, DateTime, NodeId, NumericRange, StatusCode,
+        TimestampsToReturn, Variant,
     },
 };
 
@@ -18,15 +19,22 @@ use crate::{
 
 impl ProviderTable {
     /// Reads one attribute as a user in a role sees it.
-    pub(super) fn read(&self, item: &ParsedReadValueId, role: Role, timestamps: TimestampsToReturn) -> DataValue {
+    pub(super) fn read(
+        &self,
+        item: &ParsedReadValueId,
+        role: Role,
+        timestamps: TimestampsToReturn,
+    ) -> DataValue {
         match self.read_or_fail(item, role) {
             Ok(mut value) => {
                 keep_timestamps(&mut value, timestamps);
                 value
             }
-            Err(status) => {
-                DataValue { status: Some(status), server_timestamp: Some(DateTime::now()), ..DataValue::default() }
-            }
+            Err(status) => DataValue {
+                status: Some(status),
+                server_timestamp: Some(DateTime::now()),
+                ..DataValue::default()
+            },
         }
     }
 
@@ -50,7 +58,8 @@ impl ProviderTable {
         if item.index_range.has_range() {
             return Err(StatusCode::BadIndexRangeDataMismatch);
         }
-        let value = attribute(&item.node_id, node, item.attribute_id, role).ok_or(StatusCode::BadAttributeIdInvalid)?;
+        let value = attribute(&item.node_id, node, item.attribute_id, role)
+            .ok_or(StatusCode::BadAttributeIdInvalid)?;
         Ok(DataValue { value: Some(value), status: Some(StatusCode::Good), ..DataValue::default() })
     }
 }
@@ -78,7 +87,9 @@ fn class_attribute(kind: NodeKind, attribute: AttributeId, role: Role) -> Option
             // 0: of any length.
             vec![0_u32; usize::try_from(value_rank).unwrap_or(1)].into()
         }
-        (NodeKind::Variable { is_writable, .. }, AttributeId::AccessLevel) => access_level(is_writable).into(),
+        (NodeKind::Variable { is_writable, .. }, AttributeId::AccessLevel) => {
+            access_level(is_writable).into()
+        }
         (NodeKind::Variable { is_writable, .. }, AttributeId::UserAccessLevel) => {
             access_level(is_writable && role.may_write()).into()
         }
@@ -89,14 +100,20 @@ fn class_attribute(kind: NodeKind, attribute: AttributeId, role: Role) -> Option
         (NodeKind::Variable { .. }, AttributeId::MinimumSamplingInterval) => (-1_f64).into(),
         (NodeKind::Variable { .. }, AttributeId::Historizing) => false.into(),
         (NodeKind::Method { .. }, AttributeId::Executable) => true.into(),
-        (NodeKind::Method { callable_by }, AttributeId::UserExecutable) => role.includes(callable_by).into(),
+        (NodeKind::Method { callable_by }, AttributeId::UserExecutable) => {
+            role.includes(callable_by).into()
+        }
         (
             NodeKind::ObjectType { is_abstract } | NodeKind::ReferenceType { is_abstract, .. },
             AttributeId::IsAbstract,
         ) => is_abstract.into(),
         (NodeKind::DataType { .. }, AttributeId::IsAbstract) => false.into(),
-        (NodeKind::ReferenceType { is_symmetric, .. }, AttributeId::Symmetric) => is_symmetric.into(),
-        (NodeKind::ReferenceType { inverse_name, .. }, AttributeId::InverseName) => inverse_name.into(),
+        (NodeKind::ReferenceType { is_symmetric, .. }, AttributeId::Symmetric) => {
+            is_symmetric.into()
+        }
+        (NodeKind::ReferenceType { inverse_name, .. }, AttributeId::InverseName) => {
+            inverse_name.into()
+        }
         (NodeKind::DataType { definition: Some(definition) }, AttributeId::DataTypeDefinition) => {
             Variant::ExtensionObject(*definition)
         }
@@ -105,8 +122,11 @@ fn class_attribute(kind: NodeKind, attribute: AttributeId, role: Role) -> Option
 }
 
 fn access_level(is_writable: bool) -> u8 {
-    let level =
-        if is_writable { AccessLevel::CURRENT_READ | AccessLevel::CURRENT_WRITE } else { AccessLevel::CURRENT_READ };
+    let level = if is_writable {
+        AccessLevel::CURRENT_READ | AccessLevel::CURRENT_WRITE
+    } else {
+        AccessLevel::CURRENT_READ
+    };
     level.bits()
 }
 

@@ -11,8 +11,8 @@ use opcua_stack::opcua::{
 use super::ProviderTable;
 use crate::provider::{Node, Reference};
 
-/// Where BrowseNext goes on: a provider and the position within its references. A few bytes, however many references
-/// are still to come.
+/// Where BrowseNext goes on: a provider and the position within its references. A few bytes,
+/// however many references are still to come.
 struct Position {
     provider: usize,
     after: u64,
@@ -59,8 +59,11 @@ impl ProviderTable {
 
     fn add(&self, browsed: &mut BrowseNode, reference: Reference) {
         let Some(owner) = self.owner(&reference.target) else {
-            let direction =
-                if reference.is_forward { ReferenceDirection::Forward } else { ReferenceDirection::Inverse };
+            let direction = if reference.is_forward {
+                ReferenceDirection::Forward
+            } else {
+                ReferenceDirection::Inverse
+            };
             browsed.push_external_reference(ExternalReference::new(
                 reference.target.into(),
                 reference.reference_type,
@@ -77,7 +80,8 @@ impl ProviderTable {
 
 /// Direction and reference type; the class of the target is looked at once the target is known.
 fn is_wanted(node: &BrowseNode, reference: &Reference, types: &dyn TypeTree) -> bool {
-    let direction = if reference.is_forward { node.allows_forward() } else { node.allows_inverse() };
+    let direction =
+        if reference.is_forward { node.allows_forward() } else { node.allows_inverse() };
     direction && node.allows_reference_type(&reference.reference_type, types)
 }
 
@@ -89,7 +93,9 @@ fn describe(reference: Reference, target: Node) -> ReferenceDescription {
 pub(super) fn metadata(node_id: NodeId, node: Node) -> NodeMetadata {
     NodeMetadata {
         node_id: ExpandedNodeId::new(node_id),
-        type_definition: node.type_definition.map_or_else(ExpandedNodeId::null, ExpandedNodeId::new),
+        type_definition: node
+            .type_definition
+            .map_or_else(ExpandedNodeId::null, ExpandedNodeId::new),
         browse_name: node.browse_name,
         display_name: node.display_name,
         node_class: node.class.node_class(),

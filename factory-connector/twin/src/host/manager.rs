@@ -10,8 +10,8 @@ use opcua_stack::opcua::{
         CreateMonitoredItem,
         diagnostics::NamespaceMetadata,
         node_manager::{
-            BrowseNode, BrowsePathItem, ExternalReferenceRequest, MethodCall, MonitoredItemRef, NodeManager, ReadNode,
-            RequestContext, ServerContext, WriteNode,
+            BrowseNode, BrowsePathItem, ExternalReferenceRequest, MethodCall, MonitoredItemRef,
+            NodeManager, ReadNode, RequestContext, ServerContext, WriteNode,
         },
     },
     types::{AttributeId, IdType, NodeClass, NodeId, StatusCode, TimestampsToReturn},
@@ -87,10 +87,15 @@ impl NodeManager for HostManager {
         Ok(())
     }
 
-    async fn write(&self, context: &RequestContext, nodes_to_write: &mut [&mut WriteNode]) -> Result<(), StatusCode> {
+    async fn write(
+        &self,
+        context: &RequestContext,
+        nodes_to_write: &mut [&mut WriteNode],
+    ) -> Result<(), StatusCode> {
         let user = user_of(&context.token);
         let table = self.0.table.load_full();
-        // All at once, so that they share a commit; begun in order, so that writes to one node keep theirs.
+        // All at once, so that they share a commit; begun in order, so that writes to one node keep
+        // theirs.
         let writes = nodes_to_write.iter_mut().map(|node| {
             let (table, user) = (&table, &user);
             async move {
@@ -114,7 +119,11 @@ impl NodeManager for HostManager {
         Ok(())
     }
 
-    async fn browse(&self, context: &RequestContext, nodes_to_browse: &mut [BrowseNode]) -> Result<(), StatusCode> {
+    async fn browse(
+        &self,
+        context: &RequestContext,
+        nodes_to_browse: &mut [BrowseNode],
+    ) -> Result<(), StatusCode> {
         let table = self.0.table.load();
         let types = context.type_tree.read();
         for node in nodes_to_browse {
@@ -155,7 +164,8 @@ impl NodeManager for HostManager {
                 continue;
             }
             let value = table.read(target, role, item.timestamps_to_return());
-            // A value whose status is bad can be monitored; a node or attribute that does not exist cannot.
+            // A value whose status is bad can be monitored; a node or attribute that does not exist
+            // cannot.
             match value.status() {
                 status @ (StatusCode::BadNodeIdUnknown
                 | StatusCode::BadAttributeIdInvalid
@@ -170,13 +180,19 @@ impl NodeManager for HostManager {
         Ok(())
     }
 
-    async fn monitored_items_created(&self, _context: &RequestContext, items: &[&MonitoredItemRef]) {
+    async fn monitored_items_created(
+        &self,
+        _context: &RequestContext,
+        items: &[&MonitoredItemRef],
+    ) {
         let table = self.0.table.load_full();
         for provider in &table.providers {
             let own: Vec<&MonitoredItemRef> = items
                 .iter()
                 .copied()
-                .filter(|item| table.owner(item.node_id()).is_some_and(|owner| Arc::ptr_eq(owner, provider)))
+                .filter(|item| {
+                    table.owner(item.node_id()).is_some_and(|owner| Arc::ptr_eq(owner, provider))
+                })
                 .collect();
             if !own.is_empty() {
                 provider.tell_again(&own);
@@ -184,7 +200,11 @@ impl NodeManager for HostManager {
         }
     }
 
-    async fn call(&self, context: &RequestContext, methods_to_call: &mut [&mut MethodCall]) -> Result<(), StatusCode> {
+    async fn call(
+        &self,
+        context: &RequestContext,
+        methods_to_call: &mut [&mut MethodCall],
+    ) -> Result<(), StatusCode> {
         let user = user_of(&context.token);
         let table = self.0.table.load_full();
         for call in methods_to_call {
@@ -196,9 +216,13 @@ impl NodeManager for HostManager {
                 }
                 Some(provider) => match table.node(call.method_id()).map(|node| node.class) {
                     Some(NodeKind::Method { callable_by }) if user.role.includes(callable_by) => {
-                        provider.call(&user, call.object_id(), call.method_id(), call.arguments()).await
+                        provider
+                            .call(&user, call.object_id(), call.method_id(), call.arguments())
+                            .await
                     }
-                    Some(NodeKind::Method { .. }) => CallOutcome::failed(StatusCode::BadUserAccessDenied),
+                    Some(NodeKind::Method { .. }) => {
+                        CallOutcome::failed(StatusCode::BadUserAccessDenied)
+                    }
                     _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
                 },
             };

@@ -15,10 +15,18 @@ use crate::provider::Reference;
 const NODES_PER_PATH_MAX: usize = 100_000;
 
 impl ProviderTable {
-    /// Follows a path as far as the providers' nodes go. Nodes of other managers that it reaches are handed on.
-    pub(super) fn translate(&self, item: &mut BrowsePathItem<'_>, context: &RequestContext, types: &dyn TypeTree) {
+    /// Follows a path as far as the providers' nodes go. Nodes of other managers that it reaches
+    /// are handed on.
+    pub(super) fn translate(
+        &self,
+        item: &mut BrowsePathItem<'_>,
+        context: &RequestContext,
+        types: &dyn TypeTree,
+    ) {
         if let Some(expected) = item.unmatched_browse_name() {
-            let is_match = self.node(item.node_id()).is_some_and(|n| expected.is_null() || &n.browse_name == expected);
+            let is_match = self
+                .node(item.node_id())
+                .is_some_and(|n| expected.is_null() || &n.browse_name == expected);
             if !is_match {
                 return;
             }
@@ -38,7 +46,11 @@ impl ProviderTable {
                         next.push(reference.target);
                     } else {
                         // Whether the name fits, the node's own manager knows.
-                        found.push((reference.target, depth + 1, Some(element.target_name.clone())));
+                        found.push((
+                            reference.target,
+                            depth + 1,
+                            Some(element.target_name.clone()),
+                        ));
                     }
                 });
             }
@@ -49,7 +61,8 @@ impl ProviderTable {
         }
     }
 
-    /// The references of a node that fit one element of a path; for targets that are not ours, all but the name.
+    /// The references of a node that fit one element of a path; for targets that are not ours, all
+    /// but the name.
     fn follow(
         &self,
         node_id: &NodeId,
@@ -62,7 +75,8 @@ impl ProviderTable {
                 && (element.reference_type_id.is_null()
                     || reference.reference_type == element.reference_type_id
                     || element.include_subtypes
-                        && types.is_subtype_of(&reference.reference_type, &element.reference_type_id))
+                        && types
+                            .is_subtype_of(&reference.reference_type, &element.reference_type_id))
         };
         for provider in &self.providers {
             if !element.is_inverse
@@ -73,7 +87,9 @@ impl ProviderTable {
                 continue;
             }
             provider.references(node_id, 0, &mut |_, reference| {
-                if is_wanted(&reference) && self.may_be_named(&reference.target, &element.target_name) {
+                if is_wanted(&reference)
+                    && self.may_be_named(&reference.target, &element.target_name)
+                {
                     visit(reference);
                 }
                 ControlFlow::Continue(())
@@ -83,7 +99,9 @@ impl ProviderTable {
 
     fn may_be_named(&self, node_id: &NodeId, name: &QualifiedName) -> bool {
         match self.owner(node_id) {
-            Some(owner) => owner.node(node_id).is_some_and(|node| name.is_null() || &node.browse_name == name),
+            Some(owner) => {
+                owner.node(node_id).is_some_and(|node| name.is_null() || &node.browse_name == name)
+            }
             None => true,
         }
     }

@@ -52,12 +52,16 @@ pub(crate) fn certified_names(config: &TwinConfig) -> Vec<String> {
     names
 }
 
-/// Makes sure that a usable certificate is there: for this application, these host names, and for long enough. True
-/// where a new one was made.
+/// Makes sure that a usable certificate is there: for this application, these host names, and for
+/// long enough. True where a new one was made.
 ///
 /// # Errors
 /// [`TwinError`] when the folder cannot be written or no certificate can be made.
-pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) -> Result<bool, TwinError> {
+pub(crate) fn ensure(
+    config: &TwinConfig,
+    application_uri: &str,
+    now: DateTime,
+) -> Result<bool, TwinError> {
     let folder = &config.pki_directory;
     prepare_folders(folder)?;
     let hosts = certified_names(config);
@@ -72,7 +76,10 @@ pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) 
         );
         return Ok(false);
     }
-    tracing::info!(reason = flaw, "The twin makes itself a new certificate; clients have to trust it anew.");
+    tracing::info!(
+        reason = flaw,
+        "The twin makes itself a new certificate; clients have to trust it anew."
+    );
     create(folder, config, application_uri, &hosts)?;
     Ok(true)
 }
@@ -81,8 +88,12 @@ pub(crate) fn ensure(config: &TwinConfig, application_uri: &str, now: DateTime) 
 ///
 /// # Errors
 /// As [`ensure`].
-pub(crate) fn create_if_missing(config: &TwinConfig, application_uri: &str) -> Result<(), TwinError> {
-    let exists = [CERTIFICATE_FILE, KEY_FILE].iter().all(|file| config.pki_directory.join(file).exists());
+pub(crate) fn create_if_missing(
+    config: &TwinConfig,
+    application_uri: &str,
+) -> Result<(), TwinError> {
+    let exists =
+        [CERTIFICATE_FILE, KEY_FILE].iter().all(|file| config.pki_directory.join(file).exists());
     if exists {
         return prepare_folders(&config.pki_directory);
     }
@@ -95,10 +106,15 @@ pub(crate) fn create_if_missing(config: &TwinConfig, application_uri: &str) -> R
 /// [`TwinError::Certificate`] when one of them cannot be read.
 pub(crate) fn load(config: &TwinConfig) -> Result<Option<ServerIdentity>, TwinError> {
     let failed = |reason: String| TwinError::Certificate { reason };
-    let certificate = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE)).map_err(failed)?;
-    let private_key = CertificateStore::read_pkey(&config.pki_directory.join(KEY_FILE)).map_err(failed)?;
+    let certificate = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE))
+        .map_err(failed)?;
+    let private_key =
+        CertificateStore::read_pkey(&config.pki_directory.join(KEY_FILE)).map_err(failed)?;
     let fits = is_pair(&certificate, &private_key);
-    Ok(fits.then_some(ServerIdentity { certificate: Some(certificate), private_key: Some(private_key) }))
+    Ok(fits.then_some(ServerIdentity {
+        certificate: Some(certificate),
+        private_key: Some(private_key),
+    }))
 }
 
 /// When the certificate that is there has to be renewed, from now; zero where it is time.
@@ -110,20 +126,24 @@ pub(crate) fn due_in(config: &TwinConfig, now: DateTime) -> Duration {
 
 /// From now until the certificate is to be renewed, in seconds.
 fn seconds_left(certificate: &X509, config: &TwinConfig, now: DateTime) -> i64 {
-    let until_end = certificate.not_after().map_or(0, |end| end.timestamp() - now.unix_micros().div_euclid(1_000_000));
+    let until_end = certificate
+        .not_after()
+        .map_or(0, |end| end.timestamp() - now.unix_micros().div_euclid(1_000_000));
     until_end - i64::from(config.security.certificate_renewal_days) * 86_400
 }
 
 /// Whether an authority issued the certificate that is there, rather than the twin itself.
 fn is_issued(folder: &Path) -> bool {
     let der = fs::read(folder.join(CERTIFICATE_FILE)).unwrap_or_default();
-    X509Certificate::from_der(&der).is_ok_and(|(_, certificate)| certificate.issuer() != certificate.subject())
+    X509Certificate::from_der(&der)
+        .is_ok_and(|(_, certificate)| certificate.issuer() != certificate.subject())
 }
 
 pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
     for name in ["own", "private", "trusted", "rejected", "issuers", "crl", knocks::FOLDER] {
         let path = folder.join(name);
-        fs::create_dir_all(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+        fs::create_dir_all(&path)
+            .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
     }
     restrict(&folder.join("private"), 0o700)
 }
@@ -151,12 +171,16 @@ fn flaw(
     let Ok(certificate) = CertificateStore::read_cert(&folder.join(CERTIFICATE_FILE)) else {
         return Some("there is none");
     };
-    let Ok(key) = CertificateStore::read_pkey(&folder.join(KEY_FILE)) else { return Some("its key is missing") };
+    let Ok(key) = CertificateStore::read_pkey(&folder.join(KEY_FILE)) else {
+        return Some("its key is missing");
+    };
     if !is_pair(&certificate, &key) {
         return Some("it does not belong to its key");
     }
     let der = certificate.as_byte_string();
-    let Ok((_, parsed)) = X509Certificate::from_der(der.as_ref()) else { return Some("it cannot be read") };
+    let Ok((_, parsed)) = X509Certificate::from_der(der.as_ref()) else {
+        return Some("it cannot be read");
+    };
     if application_uri_of(&parsed) != Some(application_uri) {
         return Some("it was made for another factory");
     }
@@ -170,14 +194,22 @@ pub(crate) fn is_pair(certificate: &X509, key: &PrivateKey) -> bool {
     use opcua_stack::opcua::crypto::KeySize;
     let (probe, mut signature) = (b"the same pair", vec![0; key.size()]);
     key.sign_sha256(probe, &mut signature).is_ok()
-        && certificate.public_key().is_ok_and(|public| public.verify_sha256(probe, &signature).unwrap_or(false))
+        && certificate
+            .public_key()
+            .is_ok_and(|public| public.verify_sha256(probe, &signature).unwrap_or(false))
 }
 
-fn create(folder: &Path, config: &TwinConfig, application_uri: &str, hosts: &[String]) -> Result<(), TwinError> {
-    // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name. The loopback names are added where the twin
-    // listens there.
+fn create(
+    folder: &Path,
+    config: &TwinConfig,
+    application_uri: &str,
+    hosts: &[String],
+) -> Result<(), TwinError> {
+    // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name. The loopback names are
+    // added where the twin listens there.
     let is_local = config.listen.ip().is_loopback() || config.listen.ip().is_unspecified();
-    let names = X509Data::alt_host_names(application_uri, Some(hosts.to_vec()), is_local, false, is_local);
+    let names =
+        X509Data::alt_host_names(application_uri, Some(hosts.to_vec()), is_local, false, is_local);
     let wanted = X509Data {
         key_size: KEY_BITS,
         common_name: format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str)),
@@ -188,7 +220,8 @@ fn create(folder: &Path, config: &TwinConfig, application_uri: &str, hosts: &[St
         alt_host_names: names,
         certificate_duration_days: config.security.certificate_validity_days.max(1),
     };
-    // Beside the old ones first: a crash in between leaves a pair that does not fit, which the next start notices.
+    // Beside the old ones first: a crash in between leaves a pair that does not fit, which the next
+    // start notices.
     let new = (folder.join("own/new.der"), folder.join("private/new.pem"));
     CertificateStore::create_certificate_and_key(&wanted, true, &new.0, &new.1)
         .map_err(|reason| TwinError::Certificate { reason })?;

@@ -1,4 +1,5 @@
-//! Limits on connections: in total and from one address, so that one client that misbehaves shuts out nobody else.
+//! Limits on connections: in total and from one address, so that one client that misbehaves shuts
+//! out nobody else.
 
 use std::{
     any::Any,
@@ -33,7 +34,8 @@ impl ConnectionFilter for ConnectionLimits {
     fn admit(&self, peer: SocketAddr) -> Option<Box<dyn Any + Send>> {
         let address = peer.ip().to_canonical();
         let mut open = self.open.lock();
-        let (total, from_here) = (open.values().sum::<usize>(), open.get(&address).copied().unwrap_or(0));
+        let (total, from_here) =
+            (open.values().sum::<usize>(), open.get(&address).copied().unwrap_or(0));
         let why = match () {
             () if total >= self.total_max => "total",
             () if from_here >= self.per_address_max => "address",
@@ -72,7 +74,11 @@ mod tests {
 
     #[test]
     fn limits_hold_and_are_freed() {
-        let limits = TwinLimits { connections_max: 3, connections_per_address_max: 2, ..TwinLimits::default() };
+        let limits = TwinLimits {
+            connections_max: 3,
+            connections_per_address_max: 2,
+            ..TwinLimits::default()
+        };
         let filter = ConnectionLimits::new(&limits);
         let peer = |host: u8| SocketAddr::from(([10, 0, 0, host], 5000));
         let first = filter.admit(peer(1));

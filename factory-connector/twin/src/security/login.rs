@@ -1,4 +1,5 @@
-//! Users of the twin: names and passwords through the connector's [`Authenticator`], roles in the session's token.
+//! Users of the twin: names and passwords through the connector's [`Authenticator`], roles in the
+//! session's token.
 
 use std::{
     sync::Arc,
@@ -9,7 +10,9 @@ use async_trait::async_trait;
 use opcua_stack::opcua::{
     server::{
         ServerEndpoint,
-        authenticator::{AuthManager, CoreServerPermissions, Password, UserToken, user_pass_security_policy_id},
+        authenticator::{
+            AuthManager, CoreServerPermissions, Password, UserToken, user_pass_security_policy_id,
+        },
     },
     types::{Error, MessageSecurityMode, StatusCode, UAString, UserTokenPolicy, UserTokenType},
 };
@@ -30,7 +33,8 @@ const ANONYMOUS_POLICY_ID: &str = "anonymous";
 /// The name of anonymous users, where the development setting lets them in.
 const ANONYMOUS: &str = "anonymous";
 
-/// The user behind a session's token. A token that is none of ours is a viewer's, the least that there is.
+/// The user behind a session's token. A token that is none of ours is a viewer's, the least that
+/// there is.
 pub(crate) fn user_of(token: &UserToken) -> TwinUser {
     match token.0.split_once(':').and_then(|(role, name)| Some((Role::from_name(role)?, name))) {
         Some((role, name)) => TwinUser { name: Arc::from(name), role },
@@ -81,7 +85,10 @@ impl AuthManager for Login {
             return Ok(());
         }
         count("refused");
-        Err(Error::new(StatusCode::BadIdentityTokenRejected, "sign in with a user name and password"))
+        Err(Error::new(
+            StatusCode::BadIdentityTokenRejected,
+            "sign in with a user name and password",
+        ))
     }
 
     async fn authenticate_username_identity_token(
@@ -141,7 +148,8 @@ mod tests {
 
     #[test]
     fn tokens_keep_name_and_role() {
-        for (name, role) in [("anna", Role::Engineer), ("b:c", Role::Operator), ("", Role::Viewer)] {
+        for (name, role) in [("anna", Role::Engineer), ("b:c", Role::Operator), ("", Role::Viewer)]
+        {
             let user = user_of(&token_of(name, role));
             assert_eq!((user.name.as_ref(), user.role), (name, role));
         }

@@ -1,4 +1,5 @@
-//! An own certificate that an authority issues: the request for it, and its installation. The key is made here and stays.
+//! An own certificate that an authority issues: the request for it, and its installation. The key
+//! is made here and stays.
 
 mod check;
 
@@ -11,12 +12,15 @@ use std::{
 
 use asi_model::{DateTime, FactoryId};
 use opcua_stack::opcua::crypto::{CertificateStore, KeySize, PrivateKey, X509};
-use rcgen::{CertificateParams, DnType, ExtendedKeyUsagePurpose, KeyPair, KeyUsagePurpose, SanType};
+use rcgen::{
+    CertificateParams, DnType, ExtendedKeyUsagePurpose, KeyPair, KeyUsagePurpose, SanType,
+};
 use x509_parser::{certificate::X509Certificate, pem::Pem, prelude::FromDer, time::ASN1Time};
 
 use super::{
     certificate::{
-        CERTIFICATE_FILE, KEY_BITS, KEY_FILE, certified_names, create_if_missing, is_pair, prepare_folders, restrict,
+        CERTIFICATE_FILE, KEY_BITS, KEY_FILE, certified_names, create_if_missing, is_pair,
+        prepare_folders, restrict,
     },
     trust::{TrustFault, faults, knocks::thumbprint, refuse, replace, time},
 };
@@ -50,7 +54,8 @@ pub struct OwnCertificate {
     pub key_bits: usize,
 }
 
-/// Whose certificate is asked for, beside application and hosts. Authorities may put something else in its place.
+/// Whose certificate is asked for, beside application and hosts. Authorities may put something else
+/// in its place.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RequestedSubject {
     /// The common name; the twin's own where absent.
@@ -61,8 +66,8 @@ pub struct RequestedSubject {
     pub with_new_key: bool,
 }
 
-/// The twin's own certificate and key, as files. What changes there is used from the next connection on, also by a twin
-/// that runs in another process.
+/// The twin's own certificate and key, as files. What changes there is used from the next
+/// connection on, also by a twin that runs in another process.
 #[derive(Debug, Clone)]
 pub struct ApplicationCertificate {
     config: TwinConfig,
@@ -86,11 +91,13 @@ impl ApplicationCertificate {
         describe(&read.map_err(|reason| TwinError::Certificate { reason })?)
     }
 
-    /// A request for a certificate (PKCS #10, as PEM) for this application and its configured host names, to be given to
-    /// an authority. The key that it is signed with is kept until a certificate for it is installed.
+    /// A request for a certificate (PKCS #10, as PEM) for this application and its configured host
+    /// names, to be given to an authority. The key that it is signed with is kept until a
+    /// certificate for it is installed.
     ///
     /// # Errors
-    /// [`TwinError`] when the key cannot be read, made or kept, or a name cannot stand in a certificate.
+    /// [`TwinError`] when the key cannot be read, made or kept, or a name cannot stand in a
+    /// certificate.
     pub fn request(&self, wanted: &RequestedSubject) -> Result<String, TwinError> {
         let failed = |reason: String| TwinError::Certificate { reason };
         self.ensure()?;
@@ -107,16 +114,20 @@ impl ApplicationCertificate {
             .and_then(|request| request.pem())
             .map_err(|error| failed(format!("the request cannot be made: {error}")))?;
         self.keep_requested_key(key.serialize_pem().as_bytes())?;
-        tracing::info!(with_new_key = wanted.with_new_key, "A certificate for the twin was requested.");
+        tracing::info!(
+            with_new_key = wanted.with_new_key,
+            "A certificate for the twin was requested."
+        );
         Ok(request)
     }
 
-    /// Puts an issued certificate in the place of the present one. The content is PEM - the certificate, and those of the
-    /// authorities up to the root in any order - or the certificate alone in DER where its authorities are known to the
-    /// trust list.
+    /// Puts an issued certificate in the place of the present one. The content is PEM - the
+    /// certificate, and those of the authorities up to the root in any order - or the certificate
+    /// alone in DER where its authorities are known to the trust list.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong, [`TwinError`] when it cannot be stored.
+    /// [`TwinError::Refused`] with everything that is wrong, [`TwinError`] when it cannot be
+    /// stored.
     pub fn install(&self, content: &[u8], by: &str) -> Result<OwnCertificate, TwinError> {
         prepare_folders(&self.config.pki_directory)?;
         let certificates = certificates(content)?;
@@ -146,7 +157,8 @@ impl ApplicationCertificate {
         authorities.extend(self.known_authorities());
         refuse(check::faults(der, &authorities, &wanted))?;
 
-        // The certificate last: the twin takes a pair only when it fits, and a request outlives a crash in between.
+        // The certificate last: the twin takes a pair only when it fits, and a request outlives a
+        // crash in between.
         if key_file == REQUESTED_KEY_FILE {
             self.write_key(KEY_FILE, &read_file(&self.path(REQUESTED_KEY_FILE))?)?;
         }
@@ -158,7 +170,11 @@ impl ApplicationCertificate {
             _ => {}
         }
         let installed = describe(&certificate)?;
-        tracing::info!(by, certificate.thumbprint = installed.thumbprint, "A certificate for the twin was installed.");
+        tracing::info!(
+            by,
+            certificate.thumbprint = installed.thumbprint,
+            "A certificate for the twin was installed."
+        );
         Ok(installed)
     }
 
@@ -169,13 +185,18 @@ impl ApplicationCertificate {
     fn parameters(&self, wanted: &RequestedSubject) -> Result<CertificateParams, rcgen::Error> {
         let hosts = certified_names(&self.config);
         let mut parameters = CertificateParams::default();
-        let own_name = || format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str));
+        let own_name =
+            || format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str));
         parameters.distinguished_name = rcgen::DistinguishedName::new();
-        parameters.distinguished_name.push(DnType::CommonName, wanted.common_name.clone().unwrap_or_else(own_name));
+        parameters
+            .distinguished_name
+            .push(DnType::CommonName, wanted.common_name.clone().unwrap_or_else(own_name));
         let organization = wanted.organization.clone().unwrap_or_else(|| "Verbund".to_owned());
         parameters.distinguished_name.push(DnType::OrganizationName, organization);
-        // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name; usages as given there.
-        parameters.subject_alt_names = vec![SanType::URI(self.application_uri.as_str().try_into()?)];
+        // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name; usages as given
+        // there.
+        parameters.subject_alt_names =
+            vec![SanType::URI(self.application_uri.as_str().try_into()?)];
         for host in hosts {
             let name = match host.parse() {
                 Ok(address) => SanType::IpAddress(address),
@@ -189,7 +210,8 @@ impl ApplicationCertificate {
             KeyUsagePurpose::KeyEncipherment,
             KeyUsagePurpose::DataEncipherment,
         ];
-        parameters.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth, ExtendedKeyUsagePurpose::ClientAuth];
+        parameters.extended_key_usages =
+            vec![ExtendedKeyUsagePurpose::ServerAuth, ExtendedKeyUsagePurpose::ClientAuth];
         Ok(parameters)
     }
 
@@ -210,7 +232,11 @@ impl ApplicationCertificate {
     /// The certificates of authorities that the trust list knows.
     fn known_authorities(&self) -> Vec<Vec<u8>> {
         let folders = ["trusted", "issuers"].map(|folder| self.config.pki_directory.join(folder));
-        folders.iter().flat_map(|folder| super::validation::files(folder, "der")).map(|(_, der)| der).collect()
+        folders
+            .iter()
+            .flat_map(|folder| super::validation::files(folder, "der"))
+            .map(|(_, der)| der)
+            .collect()
     }
 
     fn path(&self, file: &str) -> PathBuf {
@@ -226,7 +252,11 @@ pub(crate) fn application_uri(factory_id: &FactoryId) -> String {
 /// The certificates in a file.
 fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
     if content.len() > FILE_BYTES_MAX {
-        return Err(TrustFault::new("TOO_LONG", "It is longer than any certificate with its chain.").into());
+        return Err(TrustFault::new(
+            "TOO_LONG",
+            "It is longer than any certificate with its chain.",
+        )
+        .into());
     }
     if !content.windows(10).any(|window| window == b"-----BEGIN") {
         faults::certificate(content)?;
@@ -234,7 +264,8 @@ fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
     }
     let mut found = Vec::new();
     for block in Pem::iter_from_buffer(content) {
-        let block = block.map_err(|_| TrustFault::new("NOT_A_CERTIFICATE", "The PEM text in it is damaged."))?;
+        let block = block
+            .map_err(|_| TrustFault::new("NOT_A_CERTIFICATE", "The PEM text in it is damaged."))?;
         if block.label.contains("PRIVATE KEY") {
             return Err(TrustFault::new(
                 "PRIVATE_KEY",
@@ -244,7 +275,11 @@ fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
             .into());
         }
         if block.label.contains("REQUEST") {
-            return Err(TrustFault::new("NOT_ISSUED", "This is a request. Give what the authority makes of it.").into());
+            return Err(TrustFault::new(
+                "NOT_ISSUED",
+                "This is a request. Give what the authority makes of it.",
+            )
+            .into());
         }
         faults::certificate(&block.contents)?;
         found.push(block.contents);

@@ -1,5 +1,5 @@
-//! The own certificate while the twin runs: renewed before it expires, and replaced where somebody put another one in its
-//! place.
+//! The own certificate while the twin runs: renewed before it expires, and replaced where somebody
+//! put another one in its place.
 
 use std::{
     fs,
@@ -43,7 +43,8 @@ impl Renewal {
                 () = tokio::time::sleep(COMPARE) => {}
                 () = shutdown.cancelled() => return,
             }
-            let file = fs::read(self.config.pki_directory.join(certificate::CERTIFICATE_FILE)).unwrap_or_default();
+            let file = fs::read(self.config.pki_directory.join(certificate::CERTIFICATE_FILE))
+                .unwrap_or_default();
             if file != seen {
                 if self.replace().await {
                     seen = file;
@@ -123,7 +124,9 @@ impl Renewal {
             let is_new = certificate::ensure(&config, &application_uri, now())?;
             Ok::<_, TwinError>(if is_new { certificate::load(&config)? } else { None })
         });
-        let renewed = renewed.await.map_err(|error| TwinError::Certificate { reason: error.to_string() })??;
+        let renewed = renewed
+            .await
+            .map_err(|error| TwinError::Certificate { reason: error.to_string() })??;
         let is_new = renewed.is_some();
         if let Some(identity) = renewed {
             self.take(identity);

@@ -55,7 +55,9 @@ impl Throttle {
         }
         let window = self.window;
         let count = |failures: Option<Failures>| match failures {
-            Some(f) if f.is_within(window, now) => Failures { count: f.count.saturating_add(1), ..f },
+            Some(f) if f.is_within(window, now) => {
+                Failures { count: f.count.saturating_add(1), ..f }
+            }
             _ => Failures { count: 1, first: now },
         };
         let of_user = count(self.users.get(user).copied());

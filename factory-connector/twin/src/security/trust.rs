@@ -1,8 +1,8 @@
-//! The trust list: certificates of clients that an engineer approved, those that wait for it, authorities and their
-//! revocation lists.
+//! The trust list: certificates of clients that an engineer approved, those that wait for it,
+//! authorities and their revocation lists.
 //!
-//! A certificate that is new to the twin lands among the rejected ones; approving moves it to the trusted ones. The
-//! folders are the truth: the server looks into them at every connection.
+//! A certificate that is new to the twin lands among the rejected ones; approving moves it to the
+//! trusted ones. The folders are the truth: the server looks into them at every connection.
 
 mod authorities;
 pub(crate) mod faults;
@@ -62,8 +62,8 @@ pub struct ClientCertificate {
     pub rejection: Option<Rejection>,
 }
 
-/// Lists, approves and rejects client certificates, authorities and revocation lists. Changes name who makes them, for
-/// the log and the audit trail.
+/// Lists, approves and rejects client certificates, authorities and revocation lists. Changes name
+/// who makes them, for the log and the audit trail.
 #[derive(Clone)]
 pub struct TrustList {
     folder: PathBuf,
@@ -83,9 +83,15 @@ impl TrustList {
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn list(&self) -> Result<Vec<ClientCertificate>, TwinError> {
         let mut all = Vec::new();
-        for (name, state) in [(REJECTED, CertificateState::Rejected), (TRUSTED, CertificateState::Trusted)] {
+        for (name, state) in
+            [(REJECTED, CertificateState::Rejected), (TRUSTED, CertificateState::Trusted)]
+        {
             for path in self.files(name, "der")?.into_iter().take(LISTED_MAX) {
-                all.extend(CertificateStore::read_cert(&path).ok().and_then(|found| self.describe(&found, state)));
+                all.extend(
+                    CertificateStore::read_cert(&path)
+                        .ok()
+                        .and_then(|found| self.describe(&found, state)),
+                );
             }
         }
         all.sort_by_key(|certificate| {
@@ -108,7 +114,8 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Turns the bearer of a certificate away from the next connection on. False where it was not trusted.
+    /// Turns the bearer of a certificate away from the next connection on. False where it was not
+    /// trusted.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
@@ -120,16 +127,21 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Trusts a certificate that was brought here another way, as DER: a client's, or an authority's whose clients are
-    /// to be trusted.
+    /// Trusts a certificate that was brought here another way, as DER: a client's, or an
+    /// authority's whose clients are to be trusted.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
+    /// cannot be stored.
     pub fn trust_new(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let parsed = faults::certificate(der)?;
         let is_authority = faults::is_authority(&parsed);
         let now = ASN1Time::now();
-        refuse(if is_authority { faults::of_authority(&parsed, now) } else { faults::of_client(der, &parsed, now) })?;
+        refuse(if is_authority {
+            faults::of_authority(&parsed, now)
+        } else {
+            faults::of_client(der, &parsed, now)
+        })?;
         let certificate = read(der)?;
         let thumbprint = thumbprint(&certificate);
         if !self.trust(&thumbprint, by)? {
@@ -140,7 +152,8 @@ impl TrustList {
         Ok(())
     }
 
-    /// A client's certificate to be shown; none where it is a trusted authority's, which has a list of its own.
+    /// A client's certificate to be shown; none where it is a trusted authority's, which has a list
+    /// of its own.
     fn describe(&self, certificate: &X509, state: CertificateState) -> Option<ClientCertificate> {
         let thumbprint = thumbprint(certificate);
         let der = certificate.as_byte_string();
@@ -173,7 +186,8 @@ impl TrustList {
 
     fn shift(&self, thumbprint: &str, from: &str, to: &str) -> Result<bool, TwinError> {
         let Some(path) = self.find(from, thumbprint)? else { return Ok(false) };
-        let target = self.folder.join(to).join(path.file_name().expect("a file of a folder has a name"));
+        let target =
+            self.folder.join(to).join(path.file_name().expect("a file of a folder has a name"));
         fs::rename(&path, &target).map_err(|source| TwinError::Pki { path: target, source })?;
         Ok(true)
     }
@@ -189,7 +203,8 @@ impl TrustList {
 
     fn files(&self, name: &str, wanted: &str) -> Result<Vec<PathBuf>, TwinError> {
         let folder = self.folder.join(name);
-        let entries = fs::read_dir(&folder).map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
+        let entries = fs::read_dir(&folder)
+            .map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
         let mut files: Vec<PathBuf> = entries
             .filter_map(|entry| entry.ok().map(|entry| entry.path()))
             .filter(|path| path.extension().is_some_and(|extension| extension == wanted))
@@ -201,7 +216,11 @@ impl TrustList {
 
 fn read(der: &[u8]) -> Result<X509, TwinError> {
     X509::from_der(der).map_err(|_| {
-        TrustFault::new("NOT_A_CERTIFICATE", "These bytes are a certificate that the OPC UA stack cannot read.").into()
+        TrustFault::new(
+            "NOT_A_CERTIFICATE",
+            "These bytes are a certificate that the OPC UA stack cannot read.",
+        )
+        .into()
     })
 }
 

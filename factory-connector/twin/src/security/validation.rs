@@ -1,8 +1,10 @@
-//! Judging the certificates of clients: trusted one by one, or issued by a trusted authority and not revoked.
+//! Judging the certificates of clients: trusted one by one, or issued by a trusted authority and
+//! not revoked.
 //!
-//! In the certificate folder, `trusted` holds certificates of clients and of authorities, `issuers` those of authorities
-//! that are needed to complete chains but not trusted themselves, `crl` the authorities' revocation lists (DER), and
-//! `rejected` what came and waits for an approval. OPC 10000-4 §6.1.3 gives the order of the checks.
+//! In the certificate folder, `trusted` holds certificates of clients and of authorities, `issuers`
+//! those of authorities that are needed to complete chains but not trusted themselves, `crl` the
+//! authorities' revocation lists (DER), and `rejected` what came and waits for an approval. OPC
+//! 10000-4 §6.1.3 gives the order of the checks.
 
 use std::{
     fs,
@@ -17,7 +19,8 @@ use opcua_stack::opcua::{
     types::{Error, StatusCode},
 };
 use x509_parser::{
-    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
+    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList,
+    time::ASN1Time,
 };
 
 use super::trust::{
@@ -78,7 +81,11 @@ pub(crate) struct Validator {
 }
 
 impl Validator {
-    pub fn new(folder: &Path, trust_unknown: bool, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
+    pub fn new(
+        folder: &Path,
+        trust_unknown: bool,
+        events: Arc<OnceLock<Arc<EventReporter>>>,
+    ) -> Self {
         Self { folder: folder.to_owned(), knocks: Knocks::new(folder), trust_unknown, events }
     }
 
@@ -88,7 +95,8 @@ impl Validator {
         if files(&self.folder.join("rejected"), "der").any(|(_, known)| known == der) {
             return Err(Verdict::Rejected);
         }
-        let is_trusted_itself = files(&self.folder.join("trusted"), "der").any(|(_, known)| known == der);
+        let is_trusted_itself =
+            files(&self.folder.join("trusted"), "der").any(|(_, known)| known == der);
         if !is_trusted_itself {
             self.follow_chain(&leaf)?;
         }
@@ -103,16 +111,21 @@ impl Validator {
 
     /// From issuer to issuer until a trusted one, looking at each step whether it was revoked.
     fn follow_chain(&self, leaf: &X509Certificate<'_>) -> Result<(), Verdict> {
-        let trusted: Vec<Vec<u8>> = files(&self.folder.join("trusted"), "der").map(|(_, der)| der).collect();
-        let issuers: Vec<Vec<u8>> = files(&self.folder.join("issuers"), "der").map(|(_, der)| der).collect();
-        let lists: Vec<Vec<u8>> = files(&self.folder.join("crl"), "crl").map(|(_, der)| der).collect();
+        let trusted: Vec<Vec<u8>> =
+            files(&self.folder.join("trusted"), "der").map(|(_, der)| der).collect();
+        let issuers: Vec<Vec<u8>> =
+            files(&self.folder.join("issuers"), "der").map(|(_, der)| der).collect();
+        let lists: Vec<Vec<u8>> =
+            files(&self.folder.join("crl"), "crl").map(|(_, der)| der).collect();
         let mut subject = leaf.clone();
         for _ in 0..CHAIN_LENGTH_MAX {
             let found = trusted
                 .iter()
                 .map(|der| (der, true))
                 .chain(issuers.iter().map(|der| (der, false)))
-                .filter_map(|(der, is_trusted)| Some((X509Certificate::from_der(der).ok()?.1, is_trusted)))
+                .filter_map(|(der, is_trusted)| {
+                    Some((X509Certificate::from_der(der).ok()?.1, is_trusted))
+                })
                 .find(|(authority, _)| is_issued_by(&subject, authority));
             let Some((authority, is_trusted)) = found else { return Err(Verdict::Unknown) };
             check_revocation(&subject, &authority, &lists)?;
@@ -141,8 +154,15 @@ impl Validator {
     }
 
     /// Notes who knocked in vain, for certificates that the engineer finds in the list.
-    fn note(&self, certificate: &X509, der: &[u8], verdict: Verdict, bearer: &CertificateBearer<'_>) {
-        let is_listed = |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
+    fn note(
+        &self,
+        certificate: &X509,
+        der: &[u8],
+        verdict: Verdict,
+        bearer: &CertificateBearer<'_>,
+    ) {
+        let is_listed =
+            |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
         if is_listed("rejected") || is_listed("trusted") {
             let now = DateTime::from(std::time::SystemTime::now());
             self.knocks.remember(certificate, &Rejection::new(now, verdict.reason(), bearer));
@@ -167,7 +187,9 @@ impl CertificateValidator for Validator {
                 self.keep_rejected(certificate, der.as_ref());
             }
         }
-        let fits = certificate.public_key().is_ok_and(|key| security_policy.is_valid_keylength(key.bit_length()));
+        let fits = certificate
+            .public_key()
+            .is_ok_and(|key| security_policy.is_valid_keylength(key.bit_length()));
         let verdict = verdict.and(if fits { Ok(()) } else { Err(Verdict::KeyLength) });
         verdict.map_err(|verdict| {
             tracing::warn!(
@@ -199,11 +221,15 @@ pub(crate) fn is_issued_by(subject: &X509Certificate<'_>, authority: &X509Certif
 }
 
 /// Whether an authority signed a revocation list.
-pub(crate) fn is_signed_by(list: &CertificateRevocationList<'_>, authority: &X509Certificate<'_>) -> bool {
+pub(crate) fn is_signed_by(
+    list: &CertificateRevocationList<'_>,
+    authority: &X509Certificate<'_>,
+) -> bool {
     list.verify_signature(authority.public_key()).is_ok()
 }
 
-/// A certificate that was issued by an authority needs that authority's current word that it still stands.
+/// A certificate that was issued by an authority needs that authority's current word that it still
+/// stands.
 fn check_revocation(
     subject: &X509Certificate<'_>,
     authority: &X509Certificate<'_>,
@@ -218,7 +244,10 @@ fn check_revocation(
     let mut is_known = false;
     for list in current {
         is_known = true;
-        if list.iter_revoked_certificates().any(|revoked| revoked.raw_serial() == subject.raw_serial()) {
+        if list
+            .iter_revoked_certificates()
+            .any(|revoked| revoked.raw_serial() == subject.raw_serial())
+        {
             return Err(Verdict::Revoked);
         }
     }
@@ -226,7 +255,10 @@ fn check_revocation(
 }
 
 /// The files of a folder with their content; what cannot be read is left out.
-pub(crate) fn files(folder: &Path, extension: &'static str) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
+pub(crate) fn files(
+    folder: &Path,
+    extension: &'static str,
+) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     entries.filter_map(move |entry| {
         let path = entry.ok()?.path();

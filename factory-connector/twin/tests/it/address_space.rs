@@ -2,12 +2,15 @@
 
 use asi_model::messages::MappingState;
 use opcua_stack::opcua::types::{
-    AttributeId, BrowseDirection, BrowsePath, NodeClass, NodeId, ObjectId, QualifiedName, ReferenceTypeId,
-    RelativePath, RelativePathElement, StatusCode, UAString, VariableTypeId, Variant,
+    AttributeId, BrowseDirection, BrowsePath, NodeClass, NodeId, ObjectId, QualifiedName,
+    ReferenceTypeId, RelativePath, RelativePathElement, StatusCode, UAString, VariableTypeId,
+    Variant,
 };
 use twin::FieldRecord;
 
-use crate::harness::{INSTANCES, TYPES, TestTwin, document, external, field, field_id, instance, message};
+use crate::harness::{
+    INSTANCES, TYPES, TestTwin, document, external, field, field_id, instance, message,
+};
 
 #[tokio::test]
 async fn an_interface_is_browsed_from_the_objects_folder_to_the_field() {
@@ -15,7 +18,12 @@ async fn an_interface_is_browsed_from_the_objects_folder_to_the_field() {
     twin.handle.apply(document(message("frame-4711", 3)));
     let client = twin.client("vera").await;
 
-    assert!(client.children(ObjectId::ObjectsFolder).await.contains(&"CollaborativeProcessTwin".to_owned()));
+    assert!(
+        client
+            .children(ObjectId::ObjectsFolder)
+            .await
+            .contains(&"CollaborativeProcessTwin".to_owned())
+    );
     let folder = client.children(instance("#CollaborativeProcessTwin")).await;
     assert_eq!(folder, ["NodeVersion", "frame-4711", "FolderType"]);
     let interface = client.children(instance("frame-4711")).await;
@@ -32,9 +40,17 @@ async fn an_interface_is_browsed_from_the_objects_folder_to_the_field() {
         ]
     );
     let network = client.children(instance("frame-4711#OperationNetwork")).await;
-    assert_eq!(&network[1..], ["OperationNetworkId", "Name", "NodeVersion", "MakeFrame1", "InspectFrame1", "rel1"]);
-    let report = client.children(instance("frame-4711/op/MakeFrame1/req/ReqResponse1#ReportDataFormat")).await;
-    assert_eq!(&report[1..], ["ReportName", "NodeVersion", "progressStatus", "percent", "temperatures", "state"]);
+    assert_eq!(
+        &network[1..],
+        ["OperationNetworkId", "Name", "NodeVersion", "MakeFrame1", "InspectFrame1", "rel1"]
+    );
+    let report = client
+        .children(instance("frame-4711/op/MakeFrame1/req/ReqResponse1#ReportDataFormat"))
+        .await;
+    assert_eq!(
+        &report[1..],
+        ["ReportName", "NodeVersion", "progressStatus", "percent", "temperatures", "state"]
+    );
     let properties = client.children(instance(&field_id("frame-4711", "progressStatus"))).await;
     assert_eq!(
         properties,
@@ -54,7 +70,10 @@ async fn an_interface_is_browsed_from_the_objects_folder_to_the_field() {
     );
     // The stub of a neighbour has its identity and nothing else.
     let stub = client.children(instance("frame-4711/op/InspectFrame1")).await;
-    assert_eq!(stub, ["InspectionOperationType", "OperationId", "Name", "OwningFactoryId", "NodeVersion"]);
+    assert_eq!(
+        stub,
+        ["InspectionOperationType", "OperationId", "Name", "OwningFactoryId", "NodeVersion"]
+    );
     client.close().await;
     twin.stop().await;
 }
@@ -77,8 +96,9 @@ async fn every_reference_is_known_from_both_ends() {
                 continue;
             }
             let back = client.browse(target.clone(), BrowseDirection::Inverse).await;
-            let is_known =
-                back.iter().any(|r| r.node_id.node_id == node_id && r.reference_type_id == forward.reference_type_id);
+            let is_known = back.iter().any(|r| {
+                r.node_id.node_id == node_id && r.reference_type_id == forward.reference_type_id
+            });
             assert!(is_known, "{target} knows that {node_id} refers to it");
             open.push(target);
         }
@@ -95,16 +115,27 @@ async fn relations_stand_as_objects_and_as_arrows() {
     let client = twin.client("vera").await;
     let arrows = |references: Vec<opcua_stack::opcua::types::ReferenceDescription>| {
         let finish_to_start = NodeId::new(TYPES, 2003_u32);
-        let arrows: Vec<_> = references.into_iter().filter(|r| r.reference_type_id == finish_to_start).collect();
+        let arrows: Vec<_> =
+            references.into_iter().filter(|r| r.reference_type_id == finish_to_start).collect();
         arrows.into_iter().map(|r| (r.is_forward, r.node_id.node_id)).collect::<Vec<_>>()
     };
-    let (make, inspect) = (instance("frame-4711/op/MakeFrame1"), instance("frame-4711/op/InspectFrame1"));
-    assert_eq!(arrows(client.browse(make.clone(), BrowseDirection::Both).await), [(true, inspect.clone())]);
+    let (make, inspect) =
+        (instance("frame-4711/op/MakeFrame1"), instance("frame-4711/op/InspectFrame1"));
+    assert_eq!(
+        arrows(client.browse(make.clone(), BrowseDirection::Both).await),
+        [(true, inspect.clone())]
+    );
     assert_eq!(arrows(client.browse(inspect, BrowseDirection::Both).await), [(false, make)]);
     let relation = client.read("frame-4711/rel/rel1#PredecessorOperationId").await.value;
     assert_eq!(relation, Some("MakeFrame1".into()));
-    assert_eq!(client.read("frame-4711/rel/rel1#RelationType").await.value, Some(Variant::Int32(0)));
-    assert_eq!(client.read("frame-4711/rel/rel1/cond/c1#Duration").await.value, Some(Variant::Double(28_800_000.0)));
+    assert_eq!(
+        client.read("frame-4711/rel/rel1#RelationType").await.value,
+        Some(Variant::Int32(0))
+    );
+    assert_eq!(
+        client.read("frame-4711/rel/rel1/cond/c1#Duration").await.value,
+        Some(Variant::Double(28_800_000.0))
+    );
     client.close().await;
     twin.stop().await;
 }
@@ -128,7 +159,10 @@ async fn the_status_tells_where_a_field_stands() {
     assert_eq!(client.read(&id).await.status(), StatusCode::BadNotSupported);
     let shown = client.read(&is_mapped).await;
     assert_eq!((shown.status(), shown.value), (StatusCode::Good, Some(false.into())));
-    assert_eq!(client.read(&format!("{id}#DecisionReason")).await.value, Some("not our business".into()));
+    assert_eq!(
+        client.read(&format!("{id}#DecisionReason")).await.value,
+        Some("not our business".into())
+    );
 
     assert!(twin.handle.publish_decision(&own, external()));
     let measured = "2019-04-18T18:20:05Z".parse().unwrap();
@@ -136,7 +170,11 @@ async fn the_status_tells_where_a_field_stands() {
     assert_eq!(twin.handle.publish_values(vec![(own, value)]), 1);
     let shown = client.read(&id).await;
     assert_eq!((shown.status(), shown.value), (StatusCode::Good, Some(7_u64.into())));
-    assert_eq!(shown.source_timestamp.unwrap().ticks(), measured.ticks(), "the source's time is kept");
+    assert_eq!(
+        shown.source_timestamp.unwrap().ticks(),
+        measured.ticks(),
+        "the source's time is kept"
+    );
     assert_eq!(client.read(&is_mapped).await.value, Some(true.into()));
     assert_eq!(client.read(&format!("{id}#ValueSource")).await.value, Some(Variant::Int32(2)));
     client.close().await;
@@ -161,12 +199,20 @@ async fn attributes_are_those_of_the_class() {
     for (attribute, expected) in checks {
         assert_eq!(viewer.attribute(&id, attribute).await.value, Some(expected), "{attribute:?}");
     }
-    assert_eq!(operator.attribute(&id, AttributeId::UserAccessLevel).await.value, Some(Variant::Byte(3)));
+    assert_eq!(
+        operator.attribute(&id, AttributeId::UserAccessLevel).await.value,
+        Some(Variant::Byte(3))
+    );
     let absent = viewer.attribute(&id, AttributeId::EventNotifier).await;
     assert_eq!(absent.status(), StatusCode::BadAttributeIdInvalid);
     let array = instance(&field_id("net", "temperatures"));
-    assert_eq!(viewer.attribute(&array, AttributeId::ArrayDimensions).await.value, Some(vec![0_u32].into()));
-    for unknown in ["nowhere", "net/op/nothing", "net#Nothing", "net/op/MakeFrame1/req/ReqResponse1/x", "a%zz"] {
+    assert_eq!(
+        viewer.attribute(&array, AttributeId::ArrayDimensions).await.value,
+        Some(vec![0_u32].into())
+    );
+    for unknown in
+        ["nowhere", "net/op/nothing", "net#Nothing", "net/op/MakeFrame1/req/ReqResponse1/x", "a%zz"]
+    {
         let read = viewer.attribute(&instance(unknown), AttributeId::DisplayName).await;
         assert_eq!(read.status(), StatusCode::BadNodeIdUnknown, "{unknown}");
     }
@@ -182,12 +228,19 @@ async fn types_are_browsed_under_the_standard_ones() {
     let types = client.children(opcua_stack::opcua::types::ObjectTypeId::BaseObjectType).await;
     assert!(types.contains(&"OperationType".to_owned()));
     let subtypes = client.children(NodeId::new(TYPES, 1003_u32)).await;
-    for name in ["ProductionOperationType", "InspectionOperationType", "TransportationOperationType", "OperationId"] {
+    for name in [
+        "ProductionOperationType",
+        "InspectionOperationType",
+        "TransportationOperationType",
+        "OperationId",
+    ] {
         assert!(subtypes.contains(&name.to_owned()), "{name}");
     }
-    let is_abstract = client.attribute(&NodeId::new(TYPES, 1003_u32), AttributeId::IsAbstract).await.value;
+    let is_abstract =
+        client.attribute(&NodeId::new(TYPES, 1003_u32), AttributeId::IsAbstract).await.value;
     assert_eq!(is_abstract, Some(true.into()));
-    let states = client.attribute(&NodeId::new(TYPES, 300_101_u32), AttributeId::Value).await.value.unwrap();
+    let states =
+        client.attribute(&NodeId::new(TYPES, 300_101_u32), AttributeId::Value).await.value.unwrap();
     let Variant::Array(states) = states else { panic!("EnumStrings is an array") };
     assert_eq!(states.values.len(), 3);
     let namespaces = client.session.read_namespace_array().await.unwrap();
@@ -258,9 +311,15 @@ async fn many_interfaces_are_browsed_in_pages() {
             break;
         }
         pages += 1;
-        result = client.session.browse_next(false, &[result.continuation_point]).await.unwrap().remove(0);
+        result = client
+            .session
+            .browse_next(false, &[result.continuation_point])
+            .await
+            .unwrap()
+            .remove(0);
     }
-    let expected: Vec<UAString> = (0..25).filter(|n| *n != 7).map(|n| UAString::from(format!("net-{n:02}"))).collect();
+    let expected: Vec<UAString> =
+        (0..25).filter(|n| *n != 7).map(|n| UAString::from(format!("net-{n:02}"))).collect();
     assert_eq!(names, expected);
     assert_eq!(pages, 4);
     client.close().await;

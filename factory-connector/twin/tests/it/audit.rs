@@ -1,5 +1,5 @@
-//! The audit trail of who came and who was turned away, as the Server object's subscribers hear it; and the renewal of
-//! the certificate under running sessions.
+//! The audit trail of who came and who was turned away, as the Server object's subscribers hear it;
+//! and the renewal of the certificate under running sessions.
 
 use std::time::{Duration, SystemTime};
 
@@ -19,7 +19,10 @@ pub const FIELDS: [&str; 7] =
     ["EventType", "SourceName", "ClientUserId", "Status", "StatusCodeId", "SessionId", "Message"];
 
 /// The next event of a type; what else happens meanwhile is passed over.
-pub async fn next_of(heard: &mut UnboundedReceiver<Vec<Variant>>, of: ObjectTypeId) -> Vec<Variant> {
+pub async fn next_of(
+    heard: &mut UnboundedReceiver<Vec<Variant>>,
+    of: ObjectTypeId,
+) -> Vec<Variant> {
     loop {
         let event = next(heard).await;
         if event[0] == NodeId::from(of).into() {
@@ -57,9 +60,15 @@ async fn coming_and_going_is_audited() {
     assert_eq!((&changed[1], &changed[2]), (&"Method/UpdateTrustList".into(), &"anna".into()));
     assert!(list.trust(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
 
-    let (identity, pki) = (IdentityToken::new_user_name("otto", "otto-secret"), twin.folder.path().join("client-otto"));
+    let (identity, pki) = (
+        IdentityToken::new_user_name("otto", "otto-secret"),
+        twin.folder.path().join("client-otto"),
+    );
     let silence = Duration::from_secs(1);
-    let silent = Client::connect_for(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256, silence).await.unwrap();
+    let silent =
+        Client::connect_for(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256, silence)
+            .await
+            .unwrap();
     silent.vanish();
     let expired = next_of(&mut heard, ObjectTypeId::AuditSessionEventType).await;
     assert_eq!((&expired[1], &expired[2]), (&"Session/Timeout".into(), &"otto".into()));
@@ -108,7 +117,10 @@ async fn who_is_turned_away_is_audited() {
     let certificate = next_of(&mut heard, ObjectTypeId::AuditCertificateUntrustedEventType).await;
     assert_eq!(certificate[4], StatusCode::BadCertificateUntrusted.into());
     let refused = next_of(&mut heard, ObjectTypeId::AuditCreateSessionEventType).await;
-    assert_eq!((&refused[3], &refused[4]), (&false.into(), &StatusCode::BadSecurityChecksFailed.into()));
+    assert_eq!(
+        (&refused[3], &refused[4]),
+        (&false.into(), &StatusCode::BadSecurityChecksFailed.into())
+    );
 
     // Encrypted for another certificate, a channel does not open.
     let mut bytes = crate::hostile::hello(&twin.url, 65_535);
@@ -124,9 +136,11 @@ async fn who_is_turned_away_is_audited() {
     twin.stop().await;
 }
 
-/// Puts a certificate for the twin where it looks for its own, that is due to be renewed in some seconds.
+/// Puts a certificate for the twin where it looks for its own, that is due to be renewed in some
+/// seconds.
 fn put_old_certificate(pki: &std::path::Path, seconds_left: i64, renewal_days: u32) {
-    let key = rcgen::KeyPair::try_from(PrivateKey::new(2048).unwrap().to_der().unwrap().as_bytes()).unwrap();
+    let key = rcgen::KeyPair::try_from(PrivateKey::new(2048).unwrap().to_der().unwrap().as_bytes())
+        .unwrap();
     let mut params = rcgen::CertificateParams::new(Vec::new()).unwrap();
     params.subject_alt_names = vec![
         rcgen::SanType::URI("urn:verbund:twin:FOR_MUC".try_into().unwrap()),
@@ -140,7 +154,8 @@ fn put_old_certificate(pki: &std::path::Path, seconds_left: i64, renewal_days: u
     ];
     let now = time::OffsetDateTime::from(SystemTime::now());
     params.not_before = now - time::Duration::days(1);
-    params.not_after = now + time::Duration::days(renewal_days.into()) + time::Duration::seconds(seconds_left);
+    params.not_after =
+        now + time::Duration::days(renewal_days.into()) + time::Duration::seconds(seconds_left);
     let certificate = params.self_signed(&key).unwrap();
     for name in ["own", "private"] {
         std::fs::create_dir_all(pki.join(name)).unwrap();
@@ -187,12 +202,15 @@ pub fn shown(client: &Client) -> Vec<u8> {
     client.session.endpoint_info().endpoint.server_certificate.as_ref().to_vec()
 }
 
-/// Between asking for the endpoints and connecting the certificate may change, so one more attempt is fair.
+/// Between asking for the endpoints and connecting the certificate may change, so one more attempt
+/// is fair.
 pub async fn connect_anew(twin: &TestTwin) -> Client {
     for _ in 0..2 {
         let identity = IdentityToken::new_user_name("otto", "otto-secret");
         let pki = twin.folder.path().join("client-otto");
-        if let Ok(client) = Client::connect(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256).await {
+        if let Ok(client) =
+            Client::connect(&twin.url, pki, identity, SecurityPolicy::Basic256Sha256).await
+        {
             return client;
         }
     }

@@ -13,7 +13,8 @@ impl Authority {
         let mut params = rcgen::CertificateParams::default();
         params.distinguished_name.push(rcgen::DnType::CommonName, name);
         params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
-        params.key_usages = vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
+        params.key_usages =
+            vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
         let key = rcgen::KeyPair::generate().unwrap();
         let certificate = params.self_signed(&key).unwrap();
         let (pem, certificate) = (certificate.pem(), certificate.der().to_vec());
@@ -27,8 +28,11 @@ impl Authority {
         let mut params = rcgen::CertificateParams::new(vec!["localhost".to_owned()]).unwrap();
         params.distinguished_name.push(rcgen::DnType::CommonName, format!("client {serial}"));
         params.serial_number = Some(serial.into());
-        params.subject_alt_names.insert(0, rcgen::SanType::URI("urn:verbund:test:client".try_into().unwrap()));
-        params.key_usages = vec![rcgen::KeyUsagePurpose::DigitalSignature, rcgen::KeyUsagePurpose::KeyEncipherment];
+        params
+            .subject_alt_names
+            .insert(0, rcgen::SanType::URI("urn:verbund:test:client".try_into().unwrap()));
+        params.key_usages =
+            vec![rcgen::KeyUsagePurpose::DigitalSignature, rcgen::KeyUsagePurpose::KeyEncipherment];
         let certificate = params.signed_by(&key, &self.issuer).unwrap();
         for name in ["own", "private"] {
             std::fs::create_dir_all(folder.join(name)).unwrap();
@@ -43,7 +47,12 @@ impl Authority {
     }
 
     /// The list of what was revoked, from the beginning of one year to that of another.
-    pub fn revocation_list_of(&self, serials: &[u64], this_update: i32, next_update: i32) -> Vec<u8> {
+    pub fn revocation_list_of(
+        &self,
+        serials: &[u64],
+        this_update: i32,
+        next_update: i32,
+    ) -> Vec<u8> {
         let revoked = serials.iter().map(|serial| rcgen::RevokedCertParams {
             serial_number: (*serial).into(),
             revocation_time: rcgen::date_time_ymd(this_update, 1, 1),

@@ -5,14 +5,16 @@ use opcua_stack::opcua::{
     client::EventCallback,
     types::{
         AttributeId, ContentFilter, EventFilter, ExtensionObject, ModelChangeStructureDataType,
-        MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId, ObjectId, ObjectTypeId, ReadValueId,
-        SimpleAttributeOperand, StatusCode, TimestampsToReturn, Variant,
+        MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId, ObjectId,
+        ObjectTypeId, ReadValueId, SimpleAttributeOperand, StatusCode, TimestampsToReturn, Variant,
     },
 };
 use tokio::sync::mpsc;
 use twin::FieldRecord;
 
-use crate::harness::{Client, TestTwin, document, external, field, field_id, instance, message, next, now};
+use crate::harness::{
+    Client, TestTwin, document, external, field, field_id, instance, message, next, now,
+};
 
 #[tokio::test]
 async fn values_are_pushed_in_order_and_none_is_lost() {
@@ -23,7 +25,8 @@ async fn values_are_pushed_in_order_and_none_is_lost() {
     let mut changes = client.subscribe(&[instance(&field_id("net", "progressStatus"))]).await;
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadWaitingForInitialData);
     for value in 1..=500_u64 {
-        twin.handle.publish_values(vec![(field("net", "progressStatus"), DataValue::good(value, now()))]);
+        twin.handle
+            .publish_values(vec![(field("net", "progressStatus"), DataValue::good(value, now()))]);
         if value % 50 == 0 {
             // The queue holds 100 values.
             for expected in value - 49..=value {
@@ -61,8 +64,9 @@ async fn a_revision_touches_only_what_differs() {
     // The first state has a semantic on `temperatures`, so that the second can take it away.
     let mut list = fields(&mut revised);
     list[2].semantic = Some("urn:example:temperature".parse().unwrap());
-    revised.operation_network.operation_list[0].dynamic_data_request_list[0].report_data_format.report_field_list =
-        list;
+    revised.operation_network.operation_list[0].dynamic_data_request_list[0]
+        .report_data_format
+        .report_field_list = list;
     let mut document_with_value = document(revised);
     let record = FieldRecord { value: DataValue::good(7_u64, now()), ..external() };
     document_with_value.fields.insert(field("net", "progressStatus"), record);
@@ -79,7 +83,9 @@ async fn a_revision_touches_only_what_differs() {
     let mut removed = list.remove(0);
     removed.name = "another".parse().unwrap();
     list.push(removed);
-    second.operation_network.operation_list[0].dynamic_data_request_list[0].report_data_format.report_field_list = list;
+    second.operation_network.operation_list[0].dynamic_data_request_list[0]
+        .report_data_format
+        .report_field_list = list;
     let applied = twin.handle.apply(document(second));
     assert_eq!((applied.nodes_added, applied.nodes_removed), (1, 1));
 
@@ -109,7 +115,10 @@ async fn a_changed_status_alone_is_heard() {
     let id = field_id("net", "progressStatus");
     let mut changes = client.subscribe(&[instance(&id)]).await;
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadWaitingForInitialData);
-    let refused = FieldRecord { mapping_state: asi_model::messages::MappingState::Refused, ..FieldRecord::default() };
+    let refused = FieldRecord {
+        mapping_state: asi_model::messages::MappingState::Refused,
+        ..FieldRecord::default()
+    };
     twin.handle.publish_decision(&field("net", "progressStatus"), refused);
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadNotSupported);
     twin.handle.remove(&"net".parse().unwrap());
@@ -119,20 +128,31 @@ async fn a_changed_status_alone_is_heard() {
 }
 
 /// Subscribes to the fields of an event type at the Server object.
-pub async fn events(client: &Client, of: ObjectTypeId, fields: &[&str]) -> mpsc::UnboundedReceiver<Vec<Variant>> {
+pub async fn events(
+    client: &Client,
+    of: ObjectTypeId,
+    fields: &[&str],
+) -> mpsc::UnboundedReceiver<Vec<Variant>> {
     let (sender, receiver) = mpsc::unbounded_channel();
     let callback = EventCallback::new(move |fields, _| {
         let _ = sender.send(fields.unwrap_or_default());
     });
     let interval = std::time::Duration::from_millis(10);
-    let subscription = client.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await.unwrap();
+    let subscription = client
+        .session
+        .create_subscription(interval, 1000, 100, 0, 0, true, callback)
+        .await
+        .unwrap();
     let operand = |name: &&str| SimpleAttributeOperand {
         type_definition_id: ObjectTypeId::BaseEventType.into(),
         browse_path: Some(vec![(*name).into()]),
         attribute_id: AttributeId::Value as u32,
         index_range: opcua_stack::opcua::types::NumericRange::None,
     };
-    let filter = EventFilter { select_clauses: Some(fields.iter().map(operand).collect()), where_clause: of_type(of) };
+    let filter = EventFilter {
+        select_clauses: Some(fields.iter().map(operand).collect()),
+        where_clause: of_type(of),
+    };
     let request = MonitoredItemCreateRequest {
         item_to_monitor: ReadValueId {
             node_id: ObjectId::Server.into(),
@@ -148,8 +168,11 @@ pub async fn events(client: &Client, of: ObjectTypeId, fields: &[&str]) -> mpsc:
             ..MonitoringParameters::default()
         },
     };
-    let created =
-        client.session.create_monitored_items(subscription, TimestampsToReturn::Both, vec![request]).await.unwrap();
+    let created = client
+        .session
+        .create_monitored_items(subscription, TimestampsToReturn::Both, vec![request])
+        .await
+        .unwrap();
     assert!(created[0].result.status_code.is_good(), "{}", created[0].result.status_code);
     receiver
 }
@@ -237,8 +260,13 @@ async fn the_audit_trail_names_who_did_what() {
     assert_eq!((&accepted[3], &accepted[5]), (&true.into(), &6_u64.into()));
 
     // The engine's own updates are no audit events: the next is the sign-in.
-    twin.handle.publish_values(vec![(field("net", "progressStatus"), DataValue::good(7_u64, now()))]);
-    assert!(twin.connect("otto", "wrong", opcua_stack::opcua::crypto::SecurityPolicy::Basic256Sha256).await.is_err());
+    twin.handle
+        .publish_values(vec![(field("net", "progressStatus"), DataValue::good(7_u64, now()))]);
+    assert!(
+        twin.connect("otto", "wrong", opcua_stack::opcua::crypto::SecurityPolicy::Basic256Sha256)
+            .await
+            .is_err()
+    );
     let sign_in = loop {
         // Before it come the channel and the session.
         let event = next(&mut heard).await;

@@ -15,7 +15,8 @@ use crate::{
     harness::TestTwin,
 };
 
-/// How long a foreign program may take to say something: starting an interpreter on a busy machine is slow.
+/// How long a foreign program may take to say something: starting an interpreter on a busy machine
+/// is slow.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A running script that says what happens, one line of JSON each.
@@ -77,13 +78,18 @@ fn registering(port: u16) -> impl FnOnce(&mut TwinConfig) {
     }
 }
 
-/// Starts with the discovery server absent, so that it has to be tried again; registers again and again; takes leave.
+/// Starts with the discovery server absent, so that it has to be tried again; registers again and
+/// again; takes leave.
 async fn is_registered_by(arguments: &[&str], service: &str) {
     let folder = tempfile::tempdir().unwrap();
     let [port] = free_ports::reserve().unwrap();
     let twin = TestTwin::start_with(registering(port)).await;
     let (port, pki) = (port.to_string(), folder.path().to_str().unwrap().to_owned());
-    let mut server = Script::start("discovery_server.js", &[&[port.as_str(), "--pki", &pki], arguments].concat()).await;
+    let mut server = Script::start(
+        "discovery_server.js",
+        &[&[port.as_str(), "--pki", &pki], arguments].concat(),
+    )
+    .await;
     for _ in 0..2 {
         let registered = server.hear("registered").await;
         assert_eq!(registered["service"], service, "{registered}");
@@ -110,7 +116,8 @@ async fn a_discovery_server_is_trusted_like_anybody_else() {
     let folder = tempfile::tempdir().unwrap();
     let [port] = free_ports::reserve().unwrap();
     let pki = folder.path().to_str().unwrap().to_owned();
-    let mut server = Script::start("discovery_server.js", &[&port.to_string(), "--pki", &pki]).await;
+    let mut server =
+        Script::start("discovery_server.js", &[&port.to_string(), "--pki", &pki]).await;
     let twin = TestTwin::start_with(|config| {
         registering(port)(config);
         config.security.trust_unknown_certificates = false;
@@ -164,13 +171,14 @@ async fn the_twin_is_announced_by_multicast_dns_and_says_goodbye() {
     assert_eq!((&up["text"]["path"], &up["text"]["caps"]), (&"/".into(), &"DA".into()), "{up}");
     assert_eq!(up["addresses"][0], "127.0.0.1", "{up}");
 
-    // One who comes later learns of it by asking, and a second twin of the same name takes another one. This
-    // listener asks only once, so it waits until the announcements are over.
+    // One who comes later learns of it by asking, and a second twin of the same name takes another
+    // one. This listener asks only once, so it waits until the announcements are over.
     tokio::time::sleep(Duration::from_millis(2_500)).await;
     let mut late = Script::start("multicast_listener.js", &["127.0.0.1"]).await;
     assert_eq!(late.hear_where("up", is_ours).await["name"], name.as_str());
     let second = TestTwin::start_of(&factory, announcing).await;
-    let second_port: u16 = second.url.trim_end_matches('/').rsplit(':').next().unwrap().parse().unwrap();
+    let second_port: u16 =
+        second.url.trim_end_matches('/').rsplit(':').next().unwrap().parse().unwrap();
     let other = late.hear_where("up", |said| said["port"] == second_port).await;
     assert_eq!(other["name"], format!("{name} (2)"), "{other}");
 

@@ -1,4 +1,5 @@
-//! Other people's OPC UA stacks against the twin: asyncua and node-opcua, encrypted and with a user.
+//! Other people's OPC UA stacks against the twin: asyncua and node-opcua, encrypted and with a
+//! user.
 
 use std::{
     path::{Path, PathBuf},
@@ -39,9 +40,13 @@ pub async fn installed() {
     static INSTALLED: OnceCell<()> = OnceCell::const_new();
     INSTALLED
         .get_or_init(|| async {
-            let setup = Command::new("bash").arg(repository().join("tests/foreign/setup.sh")).status();
+            let setup =
+                Command::new("bash").arg(repository().join("tests/foreign/setup.sh")).status();
             let status = timeout(SETUP_TIMEOUT, setup).await.expect("installing takes too long");
-            assert!(status.unwrap().success(), "tests/foreign/setup.sh installs asyncua and node-opcua");
+            assert!(
+                status.unwrap().success(),
+                "tests/foreign/setup.sh installs asyncua and node-opcua"
+            );
         })
         .await;
 }
@@ -60,7 +65,9 @@ impl Process {
         installed().await;
         let scripts = repository().join("tests/foreign/opcua");
         let (program, script) = match peer {
-            Peer::Asyncua => (repository().join("target/foreign/python/bin/python"), "asyncua_client.py"),
+            Peer::Asyncua => {
+                (repository().join("target/foreign/python/bin/python"), "asyncua_client.py")
+            }
             Peer::NodeOpcua => ("node".into(), "node_client.js"),
         };
         let mut child = Command::new(program)
@@ -118,11 +125,18 @@ impl<'a> Foreign<'a> {
     async fn new(process: &'a Mutex<Process>, twin: &TestTwin, user: &'a str) -> Self {
         let pki = twin.folder.path().join(format!("{:?}", process.lock().await.peer));
         let pki = pki.into_os_string().into_string().unwrap();
-        Self { process, pki, endpoint: twin.url.to_string(), user, password: format!("{user}-secret") }
+        Self {
+            process,
+            pki,
+            endpoint: twin.url.to_string(),
+            user,
+            password: format!("{user}-secret"),
+        }
     }
 
     fn signed_in<'b>(&'b self, arguments: &[&'b str]) -> Vec<&'b str> {
-        let mut all = vec![self.endpoint.as_str(), "--user", self.user, "--password", &self.password];
+        let mut all =
+            vec![self.endpoint.as_str(), "--user", self.user, "--password", &self.password];
         all.extend(["--timeout", "60", "--pki", &self.pki]);
         all.extend(arguments);
         all
@@ -163,8 +177,10 @@ async fn works_with(peer: Peer) {
     let operator = Foreign::new(&process, &twin, "otto").await;
     let viewer = Foreign::new(&process, &twin, "vera").await;
     let id = nsu(&field_id("net", "progressStatus"));
-    let (object, method) =
-        (nsu("net/op/MakeFrame1/req/ReqResponse1"), nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"));
+    let (object, method) = (
+        nsu("net/op/MakeFrame1/req/ReqResponse1"),
+        nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"),
+    );
     let refusal = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
 
     let undecided = nsu(&field_id("net", "percent"));
@@ -199,11 +215,15 @@ async fn works_with(peer: Peer) {
     let changes = viewer
         .listen(&["subscribe", &id, "3"], async || {
             for value in [8_u64, 9] {
-                twin.handle.publish_values(vec![(field("net", "progressStatus"), DataValue::good(value, now()))]);
+                twin.handle.publish_values(vec![(
+                    field("net", "progressStatus"),
+                    DataValue::good(value, now()),
+                )]);
             }
         })
         .await;
-    let values: Vec<&Value> = changes["changes"].as_array().unwrap().iter().map(|c| &c["value"]).collect();
+    let values: Vec<&Value> =
+        changes["changes"].as_array().unwrap().iter().map(|c| &c["value"]).collect();
     assert_eq!(values, [&json!(5), &json!(8), &json!(9)], "{changes}");
 
     let decided = engineer
@@ -213,11 +233,17 @@ async fn works_with(peer: Peer) {
             &["call", &nsu("net"), &nsu("net#ExportNodeSet"), "[]"],
         ])
         .await;
-    assert_eq!((&decided[0]["status"], &decided[1]["value"]), (&json!("Good"), &json!("not ours to tell")));
+    assert_eq!(
+        (&decided[0]["status"], &decided[1]["value"]),
+        (&json!("Good"), &json!("not ours to tell"))
+    );
     let exported = decided[2]["outputs"][0].as_str().unwrap_or_else(|| panic!("{:?}", decided[2]));
     let exported = asi_model::node_set::read(&hex::decode(exported).unwrap()).unwrap();
     let json = asi_model::instance::to_json(&exported, "again").unwrap();
-    let again = asi_model::validation::parse_platform_message(json.to_string().as_bytes(), &"FOR_MUC".parse().unwrap());
+    let again = asi_model::validation::parse_platform_message(
+        json.to_string().as_bytes(),
+        &"FOR_MUC".parse().unwrap(),
+    );
     let Ok(asi_model::messages::PlatformMessage::OperationNetwork(again)) = again else {
         panic!("what was exported can be read: {again:?}")
     };
@@ -228,7 +254,8 @@ async fn works_with(peer: Peer) {
             twin.handle.apply(document(message("another", 1)));
         })
         .await;
-    let affected = changed["events"][0]["Changes"].as_array().unwrap_or_else(|| panic!("{changed}"));
+    let affected =
+        changed["events"][0]["Changes"].as_array().unwrap_or_else(|| panic!("{changed}"));
     assert!(affected.len() > 10, "{changed}");
     let audited = viewer
         .listen(&["events", "1", "AuditWriteUpdateEvent"], async || {
@@ -245,8 +272,10 @@ async fn works_with(peer: Peer) {
         })
         .await;
     let events = sessions["events"].as_array().unwrap_or_else(|| panic!("{sessions}"));
-    let told: Vec<[&Value; 3]> = events.iter().map(|e| [&e["SourceName"], &e["ClientUserId"], &e["Status"]]).collect();
-    let (create, activate, close) = ("Session/CreateSession", "Session/ActivateSession", "Session/CloseSession");
+    let told: Vec<[&Value; 3]> =
+        events.iter().map(|e| [&e["SourceName"], &e["ClientUserId"], &e["Status"]]).collect();
+    let (create, activate, close) =
+        ("Session/CreateSession", "Session/ActivateSession", "Session/CloseSession");
     let expected = [
         (create, "System/CreateSession", true),
         (activate, "otto", true),

@@ -16,9 +16,10 @@ use opcua_stack::{
         client::{ClientBuilder, IdentityToken, Session},
         crypto::SecurityPolicy,
         types::{
-            AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask, DataValue as StackValue, Error,
-            MessageSecurityMode, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId, ReadValueId,
-            ReferenceDescription, ReferenceTypeId, StatusCode as StackStatus, TimestampsToReturn, UserTokenPolicy,
+            AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask,
+            DataValue as StackValue, Error, MessageSecurityMode, MonitoredItemCreateRequest,
+            MonitoringMode, MonitoringParameters, NodeId, ReadValueId, ReferenceDescription,
+            ReferenceTypeId, StatusCode as StackStatus, TimestampsToReturn, UserTokenPolicy,
             Variant,
         },
     },
@@ -27,8 +28,8 @@ use parking_lot::Mutex;
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, SecurityConfig, Twin, TwinConfig,
-    TwinHandle, TwinUser,
+    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, SecurityConfig,
+    Twin, TwinConfig, TwinHandle, TwinUser,
 };
 
 /// How long a test waits for anything.
@@ -37,7 +38,8 @@ pub const DEADLINE: Duration = Duration::from_secs(20);
 pub const INSTANCES: u16 = 3;
 pub const TYPES: u16 = 2;
 
-/// Stands for the connector: keeps what it is given, and publishes it as the connector does after a commit.
+/// Stands for the connector: keeps what it is given, and publishes it as the connector does after a
+/// commit.
 #[derive(Default)]
 pub struct Connector {
     pub handle: OnceLock<TwinHandle>,
@@ -56,12 +58,18 @@ impl FieldWriter for Connector {
         self.answer.lock().unwrap_or(StatusCode::GOOD)
     }
 
-    async fn decide(&self, field: &FieldKey, decision: FieldDecision, user: &TwinUser) -> StatusCode {
+    async fn decide(
+        &self,
+        field: &FieldKey,
+        decision: FieldDecision,
+        user: &TwinUser,
+    ) -> StatusCode {
         self.decisions.lock().push((field.clone(), decision.clone(), user.clone()));
         if let Some(handle) = self.handle.get() {
             let record = FieldRecord {
                 mapping_state: decision.mapping_state,
-                value_source: (decision.mapping_state == MappingState::Mapped).then_some(ValueSource::External),
+                value_source: (decision.mapping_state == MappingState::Mapped)
+                    .then_some(ValueSource::External),
                 reason: decision.reason.map(Into::into),
                 decided_by: Some(Arc::clone(&user.name)),
                 decision_time: Some(now()),
@@ -149,9 +157,20 @@ impl TestTwin {
         self.connect(user, &format!("{user}-secret"), SecurityPolicy::Basic256Sha256).await.unwrap()
     }
 
-    pub async fn connect(&self, user: &str, password: &str, policy: SecurityPolicy) -> Result<Client, StackStatus> {
+    pub async fn connect(
+        &self,
+        user: &str,
+        password: &str,
+        policy: SecurityPolicy,
+    ) -> Result<Client, StackStatus> {
         let identity = IdentityToken::new_user_name(user, password);
-        Client::connect(&self.url, self.folder.path().join(format!("client-{user}")), identity, policy).await
+        Client::connect(
+            &self.url,
+            self.folder.path().join(format!("client-{user}")),
+            identity,
+            policy,
+        )
+        .await
     }
 }
 
@@ -193,7 +212,8 @@ impl Client {
             _ => MessageSecurityMode::SignAndEncrypt,
         };
         let endpoint = (url, policy.to_str(), mode, UserTokenPolicy::anonymous());
-        let connected: Result<_, Error> = client.connect_to_matching_endpoint(endpoint, identity).await;
+        let connected: Result<_, Error> =
+            client.connect_to_matching_endpoint(endpoint, identity).await;
         let (session, event_loop) = connected.map_err(|error| error.status())?;
         let mut events = event_loop.spawn();
         tokio::select! {
@@ -215,7 +235,11 @@ impl Client {
     }
 
     pub async fn attribute(&self, node_id: &NodeId, attribute: AttributeId) -> StackValue {
-        let wanted = ReadValueId { node_id: node_id.clone(), attribute_id: attribute as u32, ..ReadValueId::default() };
+        let wanted = ReadValueId {
+            node_id: node_id.clone(),
+            attribute_id: attribute as u32,
+            ..ReadValueId::default()
+        };
         let mut values = self.session.read(&[wanted], TimestampsToReturn::Both, 0.0).await.unwrap();
         values.remove(0)
     }
@@ -224,7 +248,11 @@ impl Client {
         self.attribute(&instance(identifier), AttributeId::Value).await
     }
 
-    pub async fn browse(&self, node_id: impl Into<NodeId>, direction: BrowseDirection) -> Vec<ReferenceDescription> {
+    pub async fn browse(
+        &self,
+        node_id: impl Into<NodeId>,
+        direction: BrowseDirection,
+    ) -> Vec<ReferenceDescription> {
         let wanted = BrowseDescription {
             node_id: node_id.into(),
             browse_direction: direction,
@@ -237,7 +265,12 @@ impl Client {
         assert!(result.status_code.is_good(), "{}", result.status_code);
         let mut references = result.references.take().unwrap_or_default();
         while !result.continuation_point.is_null_or_empty() {
-            result = self.session.browse_next(false, &[result.continuation_point]).await.unwrap().remove(0);
+            result = self
+                .session
+                .browse_next(false, &[result.continuation_point])
+                .await
+                .unwrap()
+                .remove(0);
             references.extend(result.references.take().unwrap_or_default());
         }
         references
@@ -268,7 +301,11 @@ impl Client {
             let _ = sender.send((item.client_handle() - 1, value));
         });
         let interval = Duration::from_millis(10);
-        let subscription = self.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await.unwrap();
+        let subscription = self
+            .session
+            .create_subscription(interval, 1000, 100, 0, 0, true, callback)
+            .await
+            .unwrap();
         let items: Vec<_> = (1_u32..)
             .zip(nodes)
             .map(|(handle, node_id)| MonitoredItemCreateRequest {
@@ -293,7 +330,10 @@ impl Client {
                 .create_monitored_items(subscription, TimestampsToReturn::Both, chunk.to_vec())
                 .await
                 .unwrap();
-            assert!(created.iter().all(|item| item.result.status_code.is_good()), "all nodes can be monitored");
+            assert!(
+                created.iter().all(|item| item.result.status_code.is_good()),
+                "all nodes can be monitored"
+            );
         }
         receiver
     }
@@ -301,7 +341,10 @@ impl Client {
 
 /// The next notification, within the deadline.
 pub async fn next<T>(receiver: &mut mpsc::UnboundedReceiver<T>) -> T {
-    tokio::time::timeout(DEADLINE, receiver.recv()).await.expect("a notification comes in time").unwrap()
+    tokio::time::timeout(DEADLINE, receiver.recv())
+        .await
+        .expect("a notification comes in time")
+        .unwrap()
 }
 
 pub fn instance(identifier: &str) -> NodeId {

@@ -38,11 +38,13 @@ fn open_channel() -> Vec<u8> {
     for absent in [-1_i32, -1] {
         body.extend(absent.to_le_bytes());
     }
-    // Sequence number, request id, then the request: OpenSecureChannelRequest_Encoding_DefaultBinary.
+    // Sequence number, request id, then the request:
+    // OpenSecureChannelRequest_Encoding_DefaultBinary.
     body.extend(1_u32.to_le_bytes());
     body.extend(1_u32.to_le_bytes());
     body.extend([1, 0, 0xBE, 0x01]);
-    // Request header: null token, time, handle, diagnostics, null audit id, timeout, no additional header.
+    // Request header: null token, time, handle, diagnostics, null audit id, timeout, no additional
+    // header.
     body.extend([0, 0]);
     body.extend(0_i64.to_le_bytes());
     body.extend(1_u32.to_le_bytes());
@@ -132,10 +134,14 @@ async fn half_open_connections_are_closed_and_limited() {
         silent.push(TcpStream::connect(address(&twin)).await.unwrap());
     }
     assert_served(&client).await;
-    // Beyond the limit they are closed at once, the others when they have said nothing for five seconds.
+    // Beyond the limit they are closed at once, the others when they have said nothing for five
+    // seconds.
     let start = Instant::now();
     for mut stream in silent {
-        assert!(tokio::time::timeout(DEADLINE, drain(&mut stream, DEADLINE)).await.is_ok(), "it is closed");
+        assert!(
+            tokio::time::timeout(DEADLINE, drain(&mut stream, DEADLINE)).await.is_ok(),
+            "it is closed"
+        );
     }
     assert!(start.elapsed() < Duration::from_secs(15));
     twin.client("otto").await.close().await;
@@ -208,7 +214,8 @@ async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
     let pki = twin.folder.path().join("crowd");
-    let connect = || Client::connect(&twin.url, pki.clone(), IdentityToken::Anonymous, SecurityPolicy::None);
+    let connect =
+        || Client::connect(&twin.url, pki.clone(), IdentityToken::Anonymous, SecurityPolicy::None);
     let (mut inside, mut refused) = (vec![connect().await.unwrap()], 0);
     for _ in 0..CROWD / AT_ONCE {
         for outcome in join_all((0..AT_ONCE).map(|_| connect())).await {
@@ -216,7 +223,8 @@ async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
                 Ok(one) => inside.push(one),
                 Err(status) => {
                     // No room, or somebody else took it between creating and activating.
-                    let is_expected = [StatusCode::BadTooManySessions, StatusCode::BadSessionIdInvalid];
+                    let is_expected =
+                        [StatusCode::BadTooManySessions, StatusCode::BadSessionIdInvalid];
                     assert!(is_expected.contains(&status), "{status}");
                     refused += 1;
                 }
@@ -273,8 +281,8 @@ async fn garbage_of_every_kind_harms_nobody() {
                 for _ in 0..random.random_range(1..5) {
                     let mut body = vec![0; random.random_range(0..512)];
                     random.fill_bytes(&mut body);
-                    let kind =
-                        [b"MSGF", b"MSGC", b"MSGA", b"CLOF", b"OPNF", b"ERRF", b"HELF"][random.random_range(0..7)];
+                    let kind = [b"MSGF", b"MSGC", b"MSGA", b"CLOF", b"OPNF", b"ERRF", b"HELF"]
+                        [random.random_range(0..7)];
                     let mut chunk = framed(kind, &body);
                     if random.random_ratio(1, 4) {
                         chunk[4..8].copy_from_slice(&random.random::<u32>().to_le_bytes());
@@ -324,7 +332,10 @@ async fn a_client_that_takes_no_answers_gets_no_further_ones() {
             written += 1;
         }
     };
-    assert!(tokio::time::timeout(Duration::from_secs(5), flood).await.is_err(), "the server stops reading");
+    assert!(
+        tokio::time::timeout(Duration::from_secs(5), flood).await.is_err(),
+        "the server stops reading"
+    );
     println!("the server read on for {written} requests");
     assert_served(&client).await;
     client.close().await;

@@ -1,7 +1,10 @@
 //! The twin as its clients see it: a real server on loopback, real sessions.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
-#![allow(clippy::print_stdout, reason = "figures and seeds are shown when a test fails or is run with --nocapture")]
+#![allow(
+    clippy::print_stdout,
+    reason = "figures and seeds are shown when a test fails or is run with --nocapture"
+)]
 
 mod address_space;
 mod audit;

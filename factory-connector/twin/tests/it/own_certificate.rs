@@ -1,4 +1,5 @@
-//! A certificate of the twin's own that an authority issued: requested, checked, installed under running sessions.
+//! A certificate of the twin's own that an authority issued: requested, checked, installed under
+//! running sessions.
 
 use std::{path::Path, time::Duration};
 
@@ -21,7 +22,11 @@ fn issue(authority: &Authority, request: &str) -> String {
 }
 
 /// What an authority makes of a request that does not do as it is asked.
-fn issue_other(authority: &Authority, request: &str, adjust: impl FnOnce(&mut rcgen::CertificateParams)) -> String {
+fn issue_other(
+    authority: &Authority,
+    request: &str,
+    adjust: impl FnOnce(&mut rcgen::CertificateParams),
+) -> String {
     let mut request = rcgen::CertificateSigningRequestParams::from_pem(request).unwrap();
     request.params.serial_number = Some(7_u64.into());
     adjust(&mut request.params);
@@ -59,11 +64,18 @@ fn own_der(folder: &Path) -> Vec<u8> {
 fn a_request_names_application_and_hosts_and_never_the_key() {
     let (folder, own) = offline();
     let authority = Authority::new("Plant CA");
-    let wanted = RequestedSubject { organization: Some("Plant Ltd".to_owned()), ..RequestedSubject::default() };
+    let wanted = RequestedSubject {
+        organization: Some("Plant Ltd".to_owned()),
+        ..RequestedSubject::default()
+    };
     let request = own.request(&wanted).unwrap();
-    assert!(request.starts_with("-----BEGIN CERTIFICATE REQUEST-----") && !request.contains("PRIVATE"), "{request}");
+    assert!(
+        request.starts_with("-----BEGIN CERTIFICATE REQUEST-----") && !request.contains("PRIVATE"),
+        "{request}"
+    );
     let parsed = rcgen::CertificateSigningRequestParams::from_pem(&request).unwrap().params;
-    let names: Vec<String> = parsed.subject_alt_names.iter().map(|name| format!("{name:?}")).collect();
+    let names: Vec<String> =
+        parsed.subject_alt_names.iter().map(|name| format!("{name:?}")).collect();
     assert_eq!(names.len(), 3, "{names:?}");
     for (name, part) in names.iter().zip(["urn:verbund:twin:FOR_MUC", "press.plant", "10.0.0.7"]) {
         assert!(name.contains(part), "{names:?}");
@@ -72,7 +84,8 @@ fn a_request_names_application_and_hosts_and_never_the_key() {
 
     // The key is that of the certificate which is there, unless a new one was asked for.
     let requested = |request: &str| {
-        let (_, block) = x509_parser::pem::parse_x509_pem(issue(&authority, request).as_bytes()).unwrap();
+        let (_, block) =
+            x509_parser::pem::parse_x509_pem(issue(&authority, request).as_bytes()).unwrap();
         public_key(&block.contents)
     };
     let present = public_key(&own_der(folder.path()));
@@ -82,7 +95,10 @@ fn a_request_names_application_and_hosts_and_never_the_key() {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        let mode = std::fs::metadata(folder.path().join("private/requested.pem")).unwrap().permissions().mode();
+        let mode = std::fs::metadata(folder.path().join("private/requested.pem"))
+            .unwrap()
+            .permissions()
+            .mode();
         assert_eq!(mode & 0o777, 0o600);
     }
 }
@@ -106,7 +122,11 @@ fn what_does_not_fit_is_refused_with_everything_that_is_wrong() {
     let others = issue(&plant, &other.request(&RequestedSubject::default()).unwrap());
     assert_eq!(install(with_root(others)), ["WRONG_KEY"]);
     assert_eq!(install(issue(&plant, &request).into_bytes()), ["UNKNOWN_ISSUER"], "no chain");
-    assert_eq!(install(with_root(issue(&stranger, &request))), ["UNKNOWN_ISSUER"], "one of the same name");
+    assert_eq!(
+        install(with_root(issue(&stranger, &request))),
+        ["UNKNOWN_ISSUER"],
+        "one of the same name"
+    );
     let wrong = issue_other(&plant, &request, |params| {
         params.not_after = rcgen::date_time_ymd(2020, 1, 1);
         params.subject_alt_names = vec![rcgen::SanType::DnsName("press.plant".try_into().unwrap())];
@@ -115,7 +135,14 @@ fn what_does_not_fit_is_refused_with_everything_that_is_wrong() {
     });
     assert_eq!(
         install(wrong.into_bytes()),
-        ["EXPIRED", "WRONG_APPLICATION", "MISSING_HOST_NAME", "WRONG_USAGE", "WRONG_USAGE", "UNKNOWN_ISSUER"]
+        [
+            "EXPIRED",
+            "WRONG_APPLICATION",
+            "MISSING_HOST_NAME",
+            "WRONG_USAGE",
+            "WRONG_USAGE",
+            "UNKNOWN_ISSUER"
+        ]
     );
     assert_eq!(install(own_der(folder.path())), ["SELF_SIGNED"]);
     assert_eq!(own.show().unwrap(), before, "nothing was changed");
@@ -137,7 +164,8 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
     let anna = twin.client("anna").await;
     let mut heard = events(&anna, ObjectTypeId::AuditEventType, &FIELDS).await;
 
-    // As the command line does it, beside the running twin; the authority is known to the trust list.
+    // As the command line does it, beside the running twin; the authority is known to the trust
+    // list.
     let config = TwinConfig {
         pki_directory: twin.folder.path().join("pki"),
         listen: "127.0.0.1:0".parse().unwrap(),
@@ -146,7 +174,9 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
     let own = ApplicationCertificate::new(&FactoryId::new("FOR_MUC").unwrap(), config);
     let plant = Authority::new("Plant CA");
     twin.handle.trust_list().add_issuer(&plant.certificate, "anna").unwrap();
-    let request = own.request(&RequestedSubject { with_new_key: true, ..RequestedSubject::default() }).unwrap();
+    let request = own
+        .request(&RequestedSubject { with_new_key: true, ..RequestedSubject::default() })
+        .unwrap();
     let installed = own.install(issue(&plant, &request).as_bytes(), "anna").unwrap();
     let updated = next_of(&mut heard, ObjectTypeId::CertificateUpdatedAuditEventType).await;
     assert_eq!(updated[1], "Method/UpdateCertificate".into());
@@ -168,10 +198,13 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
     before.close().await;
     anna.close().await;
 
-    // A restart keeps it, and so does one with a further host name, which only an authority can add.
+    // A restart keeps it, and so does one with a further host name, which only an authority can
+    // add.
     let pki = twin.folder.path().join("pki");
     let _folder = twin.stop_but_keep().await;
-    for host_names in [vec!["127.0.0.1".to_owned()], vec!["127.0.0.1".to_owned(), "press.plant".to_owned()]] {
+    for host_names in
+        [vec!["127.0.0.1".to_owned()], vec!["127.0.0.1".to_owned(), "press.plant".to_owned()]]
+    {
         let again = TestTwin::start_with(|config| {
             config.pki_directory.clone_from(&pki);
             config.host_names = host_names;

@@ -4,13 +4,14 @@ use std::{ops::ControlFlow, sync::Arc};
 
 use async_trait::async_trait;
 use opcua_stack::opcua::types::{
-    AttributeId, BrowseDirection, DataTypeId, DataValue, LocalizedText, NodeId, ObjectId, QualifiedName,
-    ReferenceTypeId, StatusCode, VariableTypeId, Variant,
+    AttributeId, BrowseDirection, DataTypeId, DataValue, LocalizedText, NodeId, ObjectId,
+    QualifiedName, ReferenceTypeId, StatusCode, VariableTypeId, Variant,
 };
 use twin::{
     TwinUser,
     provider::{
-        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor, WriteRequest,
+        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
+        WriteRequest,
     },
 };
 
@@ -43,7 +44,11 @@ impl NodeProvider for Skills {
             display_name: LocalizedText::from("Gripper"),
             description: LocalizedText::null(),
             type_definition: Some(VariableTypeId::BaseDataVariableType.into()),
-            class: NodeKind::Variable { data_type: DataTypeId::Int32.into(), value_rank: -1, is_writable: false },
+            class: NodeKind::Variable {
+                data_type: DataTypeId::Int32.into(),
+                value_rank: -1,
+                is_writable: false,
+            },
         })
     }
 
@@ -54,7 +59,8 @@ impl NodeProvider for Skills {
     fn references(&self, node_id: &NodeId, after: u64, visit: &mut ReferenceVisitor<'_>) {
         if *node_id == ObjectId::ObjectsFolder && after == 0 {
             let reference_type = ReferenceTypeId::Organizes.into();
-            let _: ControlFlow<()> = visit(1, Reference { reference_type, is_forward: true, target: self.id() });
+            let _: ControlFlow<()> =
+                visit(1, Reference { reference_type, is_forward: true, target: self.id() });
         }
     }
 
@@ -66,7 +72,13 @@ impl NodeProvider for Skills {
         StatusCode::BadNotWritable
     }
 
-    async fn call(&self, _user: &TwinUser, _object: &NodeId, _method: &NodeId, _arguments: &[Variant]) -> CallOutcome {
+    async fn call(
+        &self,
+        _user: &TwinUser,
+        _object: &NodeId,
+        _method: &NodeId,
+        _arguments: &[Variant],
+    ) -> CallOutcome {
         CallOutcome::failed(StatusCode::BadMethodInvalid)
     }
 }
@@ -75,7 +87,9 @@ impl NodeProvider for Skills {
 async fn a_provider_comes_and_goes_under_connected_clients() {
     let twin = TestTwin::start().await;
     let client = twin.client("vera").await;
-    let mut namespaces = client.subscribe(&[opcua_stack::opcua::types::VariableId::Server_NamespaceArray.into()]).await;
+    let mut namespaces = client
+        .subscribe(&[opcua_stack::opcua::types::VariableId::Server_NamespaceArray.into()])
+        .await;
     let before = next(&mut namespaces).await.1;
 
     let index = twin.handle.namespace_index(URI);
@@ -95,7 +109,10 @@ async fn a_provider_comes_and_goes_under_connected_clients() {
 
     twin.handle.remove_provider(&skills);
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadNodeIdUnknown);
-    assert_eq!(client.attribute(&id, AttributeId::DisplayName).await.status(), StatusCode::BadNodeIdUnknown);
+    assert_eq!(
+        client.attribute(&id, AttributeId::DisplayName).await.status(),
+        StatusCode::BadNodeIdUnknown
+    );
     let known = client.session.read_namespace_array().await.unwrap();
     assert_eq!(known.get_index(URI), None);
     assert_eq!(twin.handle.namespace_index(URI), index, "an index stays with its namespace");

@@ -1,5 +1,5 @@
-//! Many interfaces, many items, many rounds. The figures printed are those of a debug build on a busy machine; the
-//! bounds asserted leave room for that.
+//! Many interfaces, many items, many rounds. The figures printed are those of a debug build on a
+//! busy machine; the bounds asserted leave room for that.
 
 use std::{
     sync::{
@@ -17,22 +17,27 @@ use crate::harness::{DEADLINE, TestTwin, document, external, instance, message, 
 const NETWORKS: usize = 10_000;
 const FIELDS_PER_NETWORK: usize = 10;
 
-/// Runs a test in a process of its own, where memory is not mixed with other tests': false in that process, which goes
-/// on with the test itself.
+/// Runs a test in a process of its own, where memory is not mixed with other tests': false in that
+/// process, which goes on with the test itself.
 async fn is_done_alone(test: &str) -> bool {
     const ALONE: &str = "TWIN_TEST_ALONE";
     if std::env::var_os(ALONE).is_some() {
         return false;
     }
     let mut command = tokio::process::Command::new(std::env::current_exe().unwrap());
-    command.args([&format!("scale::{test}"), "--exact", "--nocapture"]).env(ALONE, "yes").kill_on_drop(true);
-    let output = tokio::time::timeout(Duration::from_secs(300), command.output()).await.unwrap().unwrap();
+    command
+        .args([&format!("scale::{test}"), "--exact", "--nocapture"])
+        .env(ALONE, "yes")
+        .kill_on_drop(true);
+    let output =
+        tokio::time::timeout(Duration::from_secs(300), command.output()).await.unwrap().unwrap();
     println!("{}", String::from_utf8_lossy(&output.stdout));
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     true
 }
 
-/// A document of its own, that shares no text with another: one operation, one request, some fields.
+/// A document of its own, that shares no text with another: one operation, one request, some
+/// fields.
 fn large_document(network: usize, fields: usize) -> twin::AsiDocument {
     let mut message = message(&format!("network-{network}"), 1);
     let operation = &mut message.operation_network.operation_list[0];
@@ -46,7 +51,8 @@ fn large_document(network: usize, fields: usize) -> twin::AsiDocument {
         })
         .collect();
     let mut document = document(message);
-    let keys: Vec<FieldKey> = document.message.operation_network.fields().map(|(key, _, _)| key).collect();
+    let keys: Vec<FieldKey> =
+        document.message.operation_network.fields().map(|(key, _, _)| key).collect();
     let record = |key: FieldKey| {
         let value = DataValue::good(1_u64, now());
         (key, twin::FieldRecord { value, reason: Some("as agreed".into()), ..external() })
@@ -121,11 +127,17 @@ async fn a_hundred_thousand_fields_disturb_nobody() {
         grown / (NETWORKS * FIELDS_PER_NETWORK),
     );
     assert!(percentile(&reads, 95) < Duration::from_millis(20), "readers are not held up");
-    assert!(browse_among_many < 3 * browse_alone + Duration::from_millis(5), "browsing does not depend on the rest");
+    assert!(
+        browse_among_many < 3 * browse_alone + Duration::from_millis(5),
+        "browsing does not depend on the rest"
+    );
 
-    let folder = client.browse(instance("#CollaborativeProcessTwin"), BrowseDirection::Forward).await;
+    let folder =
+        client.browse(instance("#CollaborativeProcessTwin"), BrowseDirection::Forward).await;
     assert_eq!(folder.len(), NETWORKS + 3, "the folder lists all, its property and its type");
-    let last = client.read(&format!("network-{}/op/MakeFrame1/req/ReqResponse1/field9", NETWORKS - 1)).await;
+    let last = client
+        .read(&format!("network-{}/op/MakeFrame1/req/ReqResponse1/field9", NETWORKS - 1))
+        .await;
     assert_eq!(last.value, Some(1_u64.into()));
     let full = resident();
     let start = Instant::now();
@@ -138,7 +150,11 @@ async fn a_hundred_thousand_fields_disturb_nobody() {
         twin.handle.apply(large_document(network, FIELDS_PER_NETWORK));
     }
     let again = resident();
-    println!("removing all took {removed_in:?}; {} MiB before, {} MiB with as many others", full >> 20, again >> 20);
+    println!(
+        "removing all took {removed_in:?}; {} MiB before, {} MiB with as many others",
+        full >> 20,
+        again >> 20
+    );
     assert!(again < full + full / 10, "what is removed is given back");
     client.close().await;
     twin.stop().await;
@@ -173,7 +189,10 @@ async fn memory_is_given_back_and_rounds_do_not_grow_it() {
         first.saturating_sub(empty) / fields,
         later.saturating_sub(first) / 1024
     );
-    assert!(later < first + 8 * 1024 * 1024, "rounds of adding and removing do not grow the process");
+    assert!(
+        later < first + 8 * 1024 * 1024,
+        "rounds of adding and removing do not grow the process"
+    );
     twin.stop().await;
 }
 
@@ -190,7 +209,10 @@ async fn fifty_thousand_items_change_in_one_tick_and_none_is_lost() {
     }
     let client = twin.client("vera").await;
     let id = |key: &FieldKey| -> NodeId {
-        instance(&format!("{}/op/MakeFrame1/req/ReqResponse1/{}", key.request.operation_network_id, key.field_name))
+        instance(&format!(
+            "{}/op/MakeFrame1/req/ReqResponse1/{}",
+            key.request.operation_network_id, key.field_name
+        ))
     };
     let nodes: Vec<NodeId> = keys.iter().map(id).collect();
     let mut changes = client.subscribe(&nodes).await;
@@ -221,11 +243,14 @@ async fn subscriptions_come_and_go_without_a_trace() {
     }
     let twin = TestTwin::start().await;
     let document = large_document(0, 100);
-    let keys: Vec<FieldKey> = document.message.operation_network.fields().map(|(key, _, _)| key).collect();
+    let keys: Vec<FieldKey> =
+        document.message.operation_network.fields().map(|(key, _, _)| key).collect();
     twin.handle.apply(document);
     let nodes: Vec<NodeId> = keys
         .iter()
-        .map(|key| instance(&format!("network-0/op/MakeFrame1/req/ReqResponse1/{}", key.field_name)))
+        .map(|key| {
+            instance(&format!("network-0/op/MakeFrame1/req/ReqResponse1/{}", key.field_name))
+        })
         .collect();
     let client = twin.client("vera").await;
     let mut settled = 0;
@@ -240,7 +265,10 @@ async fn subscriptions_come_and_go_without_a_trace() {
         }
     }
     let grown = resident().saturating_sub(settled);
-    println!("800 subscriptions of 100 items each came and went; the process grew by {} KiB", grown / 1024);
+    println!(
+        "800 subscriptions of 100 items each came and went; the process grew by {} KiB",
+        grown / 1024
+    );
     // The 80 000 entries that the unpatched stack kept were 12 MiB.
     assert!(grown < 6 * 1024 * 1024, "subscriptions leave nothing behind");
     client.close().await;
@@ -254,7 +282,8 @@ async fn a_change_is_heard_at_the_next_publishing() {
     let key = document.message.operation_network.fields().next().unwrap().0;
     twin.handle.apply(document);
     let client = twin.client("vera").await;
-    let mut changes = client.subscribe(&[instance("network-0/op/MakeFrame1/req/ReqResponse1/field0")]).await;
+    let mut changes =
+        client.subscribe(&[instance("network-0/op/MakeFrame1/req/ReqResponse1/field0")]).await;
     next(&mut changes).await;
     let mut times = Vec::new();
     for value in 2..202_u64 {
@@ -267,7 +296,10 @@ async fn a_change_is_heard_at_the_next_publishing() {
     times.sort();
     let median = percentile(&times, 50);
     println!("change to notification: p50 {median:?}, p99 {:?}", percentile(&times, 99));
-    assert!(median < Duration::from_millis(50), "at the next publishing of a subscription of 10 ms");
+    assert!(
+        median < Duration::from_millis(50),
+        "at the next publishing of a subscription of 10 ms"
+    );
     client.close().await;
     twin.stop().await;
 }

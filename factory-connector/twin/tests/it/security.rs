@@ -15,9 +15,11 @@ use crate::{
 #[tokio::test]
 async fn every_offered_policy_works() {
     let twin = TestTwin::start().await;
-    for policy in
-        [SecurityPolicy::Basic256Sha256, SecurityPolicy::Aes128Sha256RsaOaep, SecurityPolicy::Aes256Sha256RsaPss]
-    {
+    for policy in [
+        SecurityPolicy::Basic256Sha256,
+        SecurityPolicy::Aes128Sha256RsaOaep,
+        SecurityPolicy::Aes256Sha256RsaPss,
+    ] {
         let client = twin.connect("vera", "vera-secret", policy).await.unwrap();
         assert!(!client.children(ObjectId::ObjectsFolder).await.is_empty(), "{policy}");
         client.close().await;
@@ -33,13 +35,17 @@ async fn neither_deprecated_nor_missing_security_is_offered() {
         .application_name("test client")
         .application_uri("urn:verbund:test:client")
         .pki_dir(twin.folder.path().join("client-vera"));
-    let endpoints = builder.client().unwrap().get_server_endpoints_from_url(twin.url.as_ref()).await.unwrap();
+    let endpoints =
+        builder.client().unwrap().get_server_endpoints_from_url(twin.url.as_ref()).await.unwrap();
     assert_eq!(endpoints.len(), 6, "three policies, each signed and encrypted");
     for endpoint in endpoints {
         let policy = SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
         assert!(policy != SecurityPolicy::None && !policy.is_deprecated(), "{policy}");
         let tokens = endpoint.user_identity_tokens.unwrap_or_default();
-        assert!(tokens.iter().all(|token| token.token_type == UserTokenType::UserName), "{policy}: {tokens:?}");
+        assert!(
+            tokens.iter().all(|token| token.token_type == UserTokenType::UserName),
+            "{policy}: {tokens:?}"
+        );
     }
     for policy in [SecurityPolicy::Basic128Rsa15, SecurityPolicy::Basic256, SecurityPolicy::None] {
         assert!(twin.connect("vera", "vera-secret", policy).await.is_err(), "{policy}");
@@ -77,7 +83,10 @@ async fn a_certificate_waits_for_its_approval() {
     assert_eq!(list[0].state, CertificateState::Rejected);
     assert_eq!(list[0].application_uri.as_deref(), Some("urn:verbund:test:client"));
     let first = list[0].rejection.clone().expect("it says who knocked");
-    assert_eq!((first.reason, first.address), (RejectionReason::NotTrusted, Some("127.0.0.1".parse().unwrap())));
+    assert_eq!(
+        (first.reason, first.address),
+        (RejectionReason::NotTrusted, Some("127.0.0.1".parse().unwrap()))
+    );
     assert_eq!(first.application_name.as_deref(), Some("test client"));
     assert!(now().since(first.rejected_at) < DEADLINE);
     assert!(twin.handle.trust_list().trust(&list[0].thumbprint, "anna").unwrap());
@@ -85,9 +94,14 @@ async fn a_certificate_waits_for_its_approval() {
     let trusted = twin.handle.trust_list().list().unwrap();
     assert_eq!((trusted[0].state, &trusted[0].rejection), (CertificateState::Trusted, &None));
     assert!(twin.handle.trust_list().reject(&list[0].thumbprint, "anna").unwrap());
-    assert_eq!(twin.handle.trust_list().list().unwrap()[0].rejection, None, "nobody has knocked since");
+    assert_eq!(
+        twin.handle.trust_list().list().unwrap()[0].rejection,
+        None,
+        "nobody has knocked since"
+    );
     assert!(twin.connect("vera", "vera-secret", policy).await.is_err());
-    let again = twin.handle.trust_list().list().unwrap()[0].rejection.clone().expect("it knocked again");
+    let again =
+        twin.handle.trust_list().list().unwrap()[0].rejection.clone().expect("it knocked again");
     assert!(again.rejected_at > first.rejected_at);
     assert!(!twin.handle.trust_list().trust("00", "anna").unwrap());
     twin.stop().await;
@@ -99,22 +113,33 @@ async fn certificates_of_a_trusted_authority_open_the_door_until_they_are_revoke
     let (plant, stranger) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
     let connect = async |folder: &std::path::Path| {
         let identity = IdentityToken::new_user_name("vera", "vera-secret");
-        Client::connect(&twin.url, folder.to_owned(), identity, SecurityPolicy::Basic256Sha256).await
+        Client::connect(&twin.url, folder.to_owned(), identity, SecurityPolicy::Basic256Sha256)
+            .await
     };
     let folder = |name: &str| twin.folder.path().join(name);
     let list = twin.handle.trust_list();
     list.trust_new(&plant.certificate, "anna").unwrap();
-    for (name, authority, serial) in [("a", &plant, 1), ("b", &plant, 2), ("c", &stranger, 3), ("d", &plant, 4)] {
+    for (name, authority, serial) in
+        [("a", &plant, 1), ("b", &plant, 2), ("c", &stranger, 3), ("d", &plant, 4)]
+    {
         authority.issue(&folder(name), serial);
     }
 
-    assert_eq!(connect(&folder("a")).await.err(), Some(StatusCode::BadSecurityChecksFailed), "no revocation list yet");
+    assert_eq!(
+        connect(&folder("a")).await.err(),
+        Some(StatusCode::BadSecurityChecksFailed),
+        "no revocation list yet"
+    );
     // By hand, as it would not be taken.
     std::fs::write(folder("pki/crl/stranger.crl"), stranger.revocation_list(&[])).unwrap();
     assert!(connect(&folder("a")).await.is_err(), "the list of another of the same name");
     list.put_revocation_list(&plant.revocation_list(&[2]), "anna").unwrap();
     connect(&folder("a")).await.unwrap().close().await;
-    assert_eq!(connect(&folder("b")).await.err(), Some(StatusCode::BadSecurityChecksFailed), "revoked");
+    assert_eq!(
+        connect(&folder("b")).await.err(),
+        Some(StatusCode::BadSecurityChecksFailed),
+        "revoked"
+    );
     assert!(connect(&folder("c")).await.is_err(), "another authority of the same name");
     list.put_revocation_list(&plant.revocation_list(&[1, 2]), "anna").unwrap();
     assert!(connect(&folder("a")).await.is_err(), "revoked now");
@@ -135,11 +160,19 @@ async fn authorities_and_their_lists_are_shown_with_what_they_lack() {
     list.trust_new(&root.certificate, "anna").unwrap();
     list.add_issuer(&between.certificate, "anna").unwrap();
     // Lists that were there before, under any name, give way to the newer one.
-    std::fs::write(twin.folder.path().join("pki/crl/old.crl"), root.revocation_list_of(&[1], 2024, 2025)).unwrap();
+    std::fs::write(
+        twin.folder.path().join("pki/crl/old.crl"),
+        root.revocation_list_of(&[1], 2024, 2025),
+    )
+    .unwrap();
     let shown = list.authorities().unwrap();
     let names: Vec<_> = shown.iter().map(|one| (one.subject.as_str(), one.is_trusted)).collect();
     assert_eq!(names, [("CN=Root", true), ("CN=Between", false)]);
-    assert!(matches!(shown[0].revocation, RevocationKnowledge::Outdated { .. }), "{:?}", shown[0].revocation);
+    assert!(
+        matches!(shown[0].revocation, RevocationKnowledge::Outdated { .. }),
+        "{:?}",
+        shown[0].revocation
+    );
     assert_eq!(shown[1].revocation, RevocationKnowledge::Missing);
     assert!(list.list().unwrap().is_empty(), "an authority is no client");
 
@@ -148,7 +181,10 @@ async fn authorities_and_their_lists_are_shown_with_what_they_lack() {
     assert_eq!(lists.len(), 1, "{lists:?}");
     assert_eq!((lists[0].issuer.as_str(), lists[0].revoked), ("CN=Root", 2));
     assert!(lists[0].is_signed_by_known_authority && lists[0].next_update.is_some());
-    assert!(matches!(list.authorities().unwrap()[0].revocation, RevocationKnowledge::Current { .. }));
+    assert!(matches!(
+        list.authorities().unwrap()[0].revocation,
+        RevocationKnowledge::Current { .. }
+    ));
 
     assert!(list.remove_authority(&shown[0].thumbprint, "anna").unwrap());
     assert!(!list.revocation_lists().unwrap()[0].is_signed_by_known_authority);
@@ -163,7 +199,9 @@ async fn files_for_the_trust_list_are_refused_with_everything_that_is_wrong() {
     let twin = TestTwin::start_with(|_| {}).await;
     let list = twin.handle.trust_list();
     let codes = |result: Result<(), TwinError>| match result {
-        Err(TwinError::Refused { faults }) => faults.into_iter().map(|fault| fault.code).collect::<Vec<_>>(),
+        Err(TwinError::Refused { faults }) => {
+            faults.into_iter().map(|fault| fault.code).collect::<Vec<_>>()
+        }
         other => panic!("it should be refused, not {other:?}"),
     };
     let (plant, stranger) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
@@ -171,37 +209,51 @@ async fn files_for_the_trust_list_are_refused_with_everything_that_is_wrong() {
     let old = plant.revocation_list_of(&[], 2024, 2025);
     assert_eq!(codes(list.trust_new(b"nonsense", "anna")), ["NOT_A_CERTIFICATE"]);
     assert_eq!(codes(list.trust_new(&current, "anna")), ["NOT_A_CERTIFICATE"]);
-    assert_eq!(codes(list.put_revocation_list(&plant.certificate, "anna")), ["NOT_A_REVOCATION_LIST"]);
+    assert_eq!(
+        codes(list.put_revocation_list(&plant.certificate, "anna")),
+        ["NOT_A_REVOCATION_LIST"]
+    );
     assert_eq!(codes(list.put_revocation_list(&current, "anna")), ["UNKNOWN_ISSUER"]);
     assert_eq!(codes(list.put_revocation_list(&old, "anna")), ["UNKNOWN_ISSUER", "OUTDATED"]);
     list.trust_new(&plant.certificate, "anna").unwrap();
-    assert_eq!(codes(list.put_revocation_list(&stranger.revocation_list(&[]), "anna")), ["WRONG_SIGNATURE"]);
+    assert_eq!(
+        codes(list.put_revocation_list(&stranger.revocation_list(&[]), "anna")),
+        ["WRONG_SIGNATURE"]
+    );
     list.put_revocation_list(&current, "anna").unwrap();
     assert_eq!(codes(list.put_revocation_list(&old, "anna")), ["OUTDATED", "OLDER_THAN_KNOWN"]);
 
-    // The client's key is none for RSA policies and not for signing, and it expired; that of an authority neither.
+    // The client's key is none for RSA policies and not for signing, and it expired; that of an
+    // authority neither.
     let mut params = rcgen::CertificateParams::default();
     params.not_after = rcgen::date_time_ymd(2020, 1, 1);
     params.key_usages = vec![rcgen::KeyUsagePurpose::KeyEncipherment];
     let wrong = params.self_signed(&rcgen::KeyPair::generate().unwrap()).unwrap();
     assert_eq!(codes(list.trust_new(wrong.der(), "anna")), ["EXPIRED", "WRONG_USAGE", "WRONG_KEY"]);
-    assert_eq!(codes(list.add_issuer(wrong.der(), "anna")), ["NOT_AN_AUTHORITY", "WRONG_USAGE", "EXPIRED"]);
+    assert_eq!(
+        codes(list.add_issuer(wrong.der(), "anna")),
+        ["NOT_AN_AUTHORITY", "WRONG_USAGE", "EXPIRED"]
+    );
     assert!(list.list().unwrap().is_empty());
     twin.stop().await;
 }
 
 #[tokio::test]
 async fn nobody_is_anonymous_unless_a_developer_says_so() {
-    let open = TestTwin::start_with(|config| config.security.allow_anonymous_unencrypted = true).await;
+    let open =
+        TestTwin::start_with(|config| config.security.allow_anonymous_unencrypted = true).await;
     let pki = open.folder.path().join("client");
-    let client = Client::connect(&open.url, pki, IdentityToken::Anonymous, SecurityPolicy::None).await.unwrap();
+    let client = Client::connect(&open.url, pki, IdentityToken::Anonymous, SecurityPolicy::None)
+        .await
+        .unwrap();
     assert!(!client.children(ObjectId::ObjectsFolder).await.is_empty());
     client.close().await;
     open.stop().await;
 
     let closed = TestTwin::start().await;
     let pki = closed.folder.path().join("client");
-    let refused = Client::connect(&closed.url, pki, IdentityToken::Anonymous, SecurityPolicy::None).await;
+    let refused =
+        Client::connect(&closed.url, pki, IdentityToken::Anonymous, SecurityPolicy::None).await;
     assert!(refused.is_err());
     closed.stop().await;
 }

@@ -4,7 +4,9 @@ use asi_model::{StatusCode as ModelStatus, messages::MappingState};
 use opcua_stack::opcua::types::{CallMethodRequest, NodeId, StatusCode, Variant};
 use twin::Role;
 
-use crate::harness::{Client, TYPES, TestTwin, document, external, field, field_id, instance, message};
+use crate::harness::{
+    Client, TYPES, TestTwin, document, external, field, field_id, instance, message,
+};
 
 #[tokio::test]
 async fn only_external_fields_are_written_and_only_by_those_who_may() {
@@ -28,7 +30,11 @@ async fn only_external_fields_are_written_and_only_by_those_who_may() {
         assert!(writes[0].1.source_timestamp.is_some());
     }
     *twin.connector.answer.lock() = Some(ModelStatus::GOOD_CLAMPED);
-    assert_eq!(operator.write(&id, 6_u64).await, StatusCode::GoodClamped, "the connector's answer is passed on");
+    assert_eq!(
+        operator.write(&id, 6_u64).await,
+        StatusCode::GoodClamped,
+        "the connector's answer is passed on"
+    );
     viewer.close().await;
     operator.close().await;
     twin.stop().await;
@@ -81,7 +87,10 @@ async fn an_interface_is_exported_as_a_node_set() {
     };
     let read = asi_model::node_set::read(document.as_ref()).unwrap();
     let json = asi_model::instance::to_json(&read, "again").unwrap();
-    let again = asi_model::validation::parse_platform_message(json.to_string().as_bytes(), &"FOR_MUC".parse().unwrap());
+    let again = asi_model::validation::parse_platform_message(
+        json.to_string().as_bytes(),
+        &"FOR_MUC".parse().unwrap(),
+    );
     let Ok(asi_model::messages::PlatformMessage::OperationNetwork(again)) = again else {
         panic!("what was exported can be read: {again:?}")
     };
@@ -90,7 +99,11 @@ async fn an_interface_is_exported_as_a_node_set() {
     twin.stop().await;
 }
 
-async fn decide(client: &Client, method: NodeId, arguments: Vec<Variant>) -> (StatusCode, Vec<StatusCode>) {
+async fn decide(
+    client: &Client,
+    method: NodeId,
+    arguments: Vec<Variant>,
+) -> (StatusCode, Vec<StatusCode>) {
     let request = CallMethodRequest {
         object_id: instance("net/op/MakeFrame1/req/ReqResponse1"),
         method_id: method,
@@ -115,7 +128,8 @@ async fn an_engineer_decides_through_the_method() {
     let (status, arguments) = decide(&engineer, own(), refuse(Variant::Empty)).await;
     assert_eq!(status, StatusCode::BadInvalidArgument);
     assert_eq!(arguments, [StatusCode::Good, StatusCode::Good, StatusCode::BadInvalidArgument]);
-    let (_, arguments) = decide(&engineer, own(), vec!["nothing".into(), 7_i32.into(), "x".into()]).await;
+    let (_, arguments) =
+        decide(&engineer, own(), vec!["nothing".into(), 7_i32.into(), "x".into()]).await;
     assert_eq!(arguments, [StatusCode::BadNotFound, StatusCode::BadOutOfRange, StatusCode::Good]);
 
     assert_eq!(decide(&engineer, own(), refuse("too revealing".into())).await.0, StatusCode::Good);
@@ -124,10 +138,12 @@ async fn an_engineer_decides_through_the_method() {
     assert_eq!(engineer.read(&format!("{id}#DecidedBy")).await.value, Some("anna".into()));
     // Called as the type's method; now clients may write.
     let of_type = NodeId::new(TYPES, 101_015_u32);
-    let accepted = decide(&engineer, of_type, vec!["percent".into(), 1_i32.into(), Variant::Empty]).await;
+    let accepted =
+        decide(&engineer, of_type, vec!["percent".into(), 1_i32.into(), Variant::Empty]).await;
     assert_eq!(accepted.0, StatusCode::Good);
     assert_eq!(operator.write(&id, 50.0).await, StatusCode::Good);
-    let states: Vec<_> = twin.connector.decisions.lock().iter().map(|d| d.1.mapping_state).collect();
+    let states: Vec<_> =
+        twin.connector.decisions.lock().iter().map(|d| d.1.mapping_state).collect();
     assert_eq!(states, [MappingState::Refused, MappingState::Mapped]);
     engineer.close().await;
     operator.close().await;

@@ -27,11 +27,8 @@ fn value() -> impl Strategy<Value = ScriptValue> {
 }
 
 fn spoken() -> impl Strategy<Value = Spoken> {
-    (value(), any::<u32>(), option::of(0.0..1e13)).prop_map(|(value, status, source_time_ms)| Spoken {
-        value,
-        status,
-        source_time_ms,
-    })
+    (value(), any::<u32>(), option::of(0.0..1e13))
+        .prop_map(|(value, status, source_time_ms)| Spoken { value, status, source_time_ms })
 }
 
 fn input() -> impl Strategy<Value = InputValue> {
@@ -47,8 +44,9 @@ fn fault() -> impl Strategy<Value = ScriptFault> {
         FaultKind::Result,
         FaultKind::NotLoaded,
     ]);
-    (kind, text(), text(), option::of(any::<u32>()), option::of(any::<u32>()))
-        .prop_map(|(kind, name, message, line, column)| ScriptFault { kind, name, message, line, column })
+    (kind, text(), text(), option::of(any::<u32>()), option::of(any::<u32>())).prop_map(
+        |(kind, name, message, line, column)| ScriptFault { kind, name, message, line, column },
+    )
 }
 
 fn host_message() -> impl Strategy<Value = HostMessage> {
@@ -60,17 +58,22 @@ fn host_message() -> impl Strategy<Value = HostMessage> {
         batch_budget: Duration::from_millis(50),
         address_space_bytes: 1 << 30,
     };
-    let load = (any::<u32>(), text(), text(), vec(text(), 0..4), option::of(text()), vec(input(), 0..3)).prop_map(
-        |(script, name, source, inputs, state, values)| {
-            HostMessage::Load(Load { script: ScriptId(script), name, source, inputs, state, values })
-        },
-    );
-    let call_value = prop_oneof![any::<u16>().prop_map(CallValue::Input), spoken().prop_map(CallValue::Own)];
-    let call = (any::<u32>(), call_value, vec(input(), 0..3)).prop_map(|(script, value, inputs)| Call {
-        script: ScriptId(script),
-        value,
-        inputs,
-    });
+    let load =
+        (any::<u32>(), text(), text(), vec(text(), 0..4), option::of(text()), vec(input(), 0..3))
+            .prop_map(|(script, name, source, inputs, state, values)| {
+                HostMessage::Load(Load {
+                    script: ScriptId(script),
+                    name,
+                    source,
+                    inputs,
+                    state,
+                    values,
+                })
+            });
+    let call_value =
+        prop_oneof![any::<u16>().prop_map(CallValue::Input), spoken().prop_map(CallValue::Own)];
+    let call = (any::<u32>(), call_value, vec(input(), 0..3))
+        .prop_map(|(script, value, inputs)| Call { script: ScriptId(script), value, inputs });
     prop_oneof![
         any::<u16>().prop_map(move |version| HostMessage::Hello { version, limits }),
         load,
@@ -85,17 +88,14 @@ fn worker_message() -> impl Strategy<Value = WorkerMessage> {
         (value(), any::<u32>()).prop_map(|(value, status)| Ok(Yielded::Value { value, status })),
         fault().prop_map(Err),
     ];
-    let result = (outcome, option::of(text()), any::<u32>()).prop_map(|(outcome, state, micros)| CallResult {
-        outcome,
-        state,
-        spent: Duration::from_micros(micros.into()),
-    });
+    let result =
+        (outcome, option::of(text()), any::<u32>()).prop_map(|(outcome, state, micros)| {
+            CallResult { outcome, state, spent: Duration::from_micros(micros.into()) }
+        });
     let results = vec(result, 0..5).boxed();
     prop_oneof![
-        (any::<u16>(), text(), any::<bool>()).prop_map(|(version, engine, is_filtered)| WorkerMessage::Welcome {
-            version,
-            engine,
-            is_filtered
+        (any::<u16>(), text(), any::<bool>()).prop_map(|(version, engine, is_filtered)| {
+            WorkerMessage::Welcome { version, engine, is_filtered }
         }),
         (any::<u32>(), option::of(fault()))
             .prop_map(|(script, fault)| WorkerMessage::Loaded { script: ScriptId(script), fault }),

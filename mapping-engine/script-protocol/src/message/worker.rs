@@ -27,13 +27,14 @@ pub enum WorkerMessage {
         /// Why it did not load.
         fault: Option<ScriptFault>,
     },
-    /// Answers `Batch`: a result for each call, in order. Fewer than calls when the batch took too long: the rest was
-    /// not run.
+    /// Answers `Batch`: a result for each call, in order. Fewer than calls when the batch took too
+    /// long: the rest was not run.
     Results(Vec<CallResult>),
-    /// Answers `Batch` in place of `Results`, and is the worker's last word: the call after these results could not be
-    /// ended.
+    /// Answers `Batch` in place of `Results`, and is the worker's last word: the call after these
+    /// results could not be ended.
     Overrun(Vec<CallResult>),
-    /// Answers `Load` in place of `Loaded`, and is the worker's last word: loading could not be ended.
+    /// Answers `Load` in place of `Loaded`, and is the worker's last word: loading could not be
+    /// ended.
     LoadOverrun(ScriptId),
 }
 
@@ -113,8 +114,15 @@ impl WorkerMessage {
     pub fn decode(body: &[u8]) -> Result<Self, DecodeError> {
         let mut from = Decoder::new(body);
         let message = match from.u8()? {
-            0 => Self::Welcome { version: from.u16()?, engine: from.text()?, is_filtered: from.u8()? == 1 },
-            1 => Self::Loaded { script: ScriptId(from.u32()?), fault: from.option(ScriptFault::decode)? },
+            0 => Self::Welcome {
+                version: from.u16()?,
+                engine: from.text()?,
+                is_filtered: from.u8()? == 1,
+            },
+            1 => Self::Loaded {
+                script: ScriptId(from.u32()?),
+                fault: from.option(ScriptFault::decode)?,
+            },
             2 => Self::Results(from.sequence(CallResult::decode)?),
             3 => Self::Overrun(from.sequence(CallResult::decode)?),
             4 => Self::LoadOverrun(ScriptId(from.u32()?)),
@@ -138,7 +146,11 @@ impl Spoken {
     }
 
     pub(super) fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
-        Ok(Self { value: ScriptValue::decode(from)?, status: from.u32()?, source_time_ms: from.option(Decoder::f64)? })
+        Ok(Self {
+            value: ScriptValue::decode(from)?,
+            status: from.u32()?,
+            source_time_ms: from.option(Decoder::f64)?,
+        })
     }
 }
 

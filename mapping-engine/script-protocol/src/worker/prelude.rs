@@ -1,8 +1,8 @@
-//! The JavaScript between a script and its worker: `ctx`, and the few questions that only JavaScript can answer. The
-//! same for every engine.
+//! The JavaScript between a script and its worker: `ctx`, and the few questions that only
+//! JavaScript can answer. The same for every engine.
 
-/// Evaluates to an object of functions that an engine calls. Takes its intrinsics before any script can touch them, and
-/// removes what scripts shall not have.
+/// Evaluates to an object of functions that an engine calls. Takes its intrinsics before any script
+/// can touch them, and removes what scripts shall not have.
 pub const PRELUDE: &str = r#"(() => {
   "use strict";
   const { parse, stringify } = JSON;

@@ -1,9 +1,9 @@
 //! What the operating system takes away from a worker before it sees the first script.
 //!
-//! The engine is C and has had memory errors; the process is the wall. It keeps its memory, its two streams and the
-//! clock. There is no parent-death signal: it is bound to the *thread* that started the worker, and a host's thread may
-//! end before the host; the closed stream ends the worker, and the watchdog ends a call that would keep it from seeing
-//! that.
+//! The engine is C and has had memory errors; the process is the wall. It keeps its memory, its two
+//! streams and the clock. There is no parent-death signal: it is bound to the *thread* that started
+//! the worker, and a host's thread may end before the host; the closed stream ends the worker, and
+//! the watchdog ends a call that would keep it from seeing that.
 
 use std::io;
 
@@ -36,8 +36,9 @@ pub(super) fn enter(limits: &Limits) -> io::Result<bool> {
 mod filter {
     use seccompiler::{BpfMap, TargetArch, apply_filter_all_threads, compile_from_json};
 
-    /// What an engine without I/O needs: memory, its streams, the clock, its watchdog, and to end. Anything else fails
-    /// with EPERM, which libraries that look for a file or a time zone take for an answer.
+    /// What an engine without I/O needs: memory, its streams, the clock, its watchdog, and to end.
+    /// Anything else fails with EPERM, which libraries that look for a file or a time zone take for
+    /// an answer.
     const ALLOWED: &[&str] = &[
         "brk",
         "clock_getres",
@@ -74,9 +75,11 @@ mod filter {
         "writev",
     ];
 
-    /// False where the kernel has no filters or this processor is not known: the worker then has the other walls.
+    /// False where the kernel has no filters or this processor is not known: the worker then has
+    /// the other walls.
     pub fn install() -> bool {
-        let names: Vec<String> = ALLOWED.iter().map(|name| format!("{{\"syscall\":\"{name}\"}}")).collect();
+        let names: Vec<String> =
+            ALLOWED.iter().map(|name| format!("{{\"syscall\":\"{name}\"}}")).collect();
         let rules = format!(
             "{{\"worker\":{{\"mismatch_action\":{{\"errno\":1}},\"match_action\":\"allow\",\"filter\":[{}]}}}}",
             names.join(",")

@@ -1,9 +1,9 @@
 //! Ends the worker when a call cannot be ended otherwise.
 //!
-//! Engines poll their interrupt between bytecodes, not inside their native functions: a sort of a huge array or the
-//! printing of a huge BigInt runs to its end. A thread cannot be killed safely, a process can. So a second thread looks
-//! at the call at work, and when it overran sends what was reached so far and exits. The host then knows the culprit
-//! without trying, and no result is lost.
+//! Engines poll their interrupt between bytecodes, not inside their native functions: a sort of a
+//! huge array or the printing of a huge BigInt runs to its end. A thread cannot be killed safely, a
+//! process can. So a second thread looks at the call at work, and when it overran sends what was
+//! reached so far and exits. The host then knows the culprit without trying, and no result is lost.
 
 use std::{
     fs::File,
@@ -19,7 +19,8 @@ use std::{
 use super::clock::process_time;
 use crate::{CallResult, Limits, ScriptId, WorkerMessage, frame};
 
-/// A call that neither computes nor ends (it cannot, but who knows) is ended after so many budgets by the wall clock.
+/// A call that neither computes nor ends (it cannot, but who knows) is ended after so many budgets
+/// by the wall clock.
 const WALL_FACTOR: u32 = 20;
 
 pub(super) struct Watchdog {
@@ -52,7 +53,10 @@ impl Watchdog {
             overrun: limits.overrun_budget,
         });
         let watching = Arc::clone(&shared);
-        thread::Builder::new().name("watchdog".to_owned()).stack_size(128 << 10).spawn(move || watching.watch())?;
+        thread::Builder::new()
+            .name("watchdog".to_owned())
+            .stack_size(128 << 10)
+            .spawn(move || watching.watch())?;
         Ok(Self { shared })
     }
 
@@ -121,7 +125,9 @@ impl Shared {
             let (now, wall) = (process_time(), Instant::now());
             if seen.0 != call {
                 seen = (call, now, wall);
-            } else if call % 2 == 1 && (now - seen.1 >= self.overrun || wall - seen.2 >= self.overrun * WALL_FACTOR) {
+            } else if call % 2 == 1
+                && (now - seen.1 >= self.overrun || wall - seen.2 >= self.overrun * WALL_FACTOR)
+            {
                 self.end(call);
             }
         }

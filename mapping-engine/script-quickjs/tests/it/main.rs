@@ -1,5 +1,6 @@
-//! The conformance suite against this worker, or against `script-deno` where `SCRIPT_DENO` names its binary: one suite
-//! holds both to the same behaviour. The second engine is built outside of the workspace.
+//! The conformance suite against this worker, or against `script-deno` where `SCRIPT_DENO` names
+//! its binary: one suite holds both to the same behaviour. The second engine is built outside of
+//! the workspace.
 
 #[path = "../../../tests/conformance/suite.rs"]
 mod suite;
@@ -10,7 +11,10 @@ use suite::Worker;
 fn worker() -> Worker {
     match std::env::var_os("SCRIPT_DENO") {
         Some(path) => Worker { engine: ScriptEngine::Deno, path: path.into() },
-        None => Worker { engine: ScriptEngine::QuickJs, path: env!("CARGO_BIN_EXE_script-quickjs").into() },
+        None => Worker {
+            engine: ScriptEngine::QuickJs,
+            path: env!("CARGO_BIN_EXE_script-quickjs").into(),
+        },
     }
 }
 

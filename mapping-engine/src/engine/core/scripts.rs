@@ -28,11 +28,14 @@ impl Core {
         place: usize,
     ) -> Result<Box<[Script]>, EngineError> {
         let steps: Vec<usize> = transform.plan().script_steps().collect();
-        let Some((lane, _)) = self.lanes.iter().enumerate().min_by_key(|(_, lane)| lane.scripts) else {
+        let Some((lane, _)) = self.lanes.iter().enumerate().min_by_key(|(_, lane)| lane.scripts)
+        else {
             return Ok(Box::default());
         };
         let most = self.config.script.scripts_per_worker_max;
-        if !steps.is_empty() && self.lanes.get(lane).is_some_and(|lane| lane.scripts + steps.len() > most) {
+        if !steps.is_empty()
+            && self.lanes.get(lane).is_some_and(|lane| lane.scripts + steps.len() > most)
+        {
             return Err(EngineError::TooManyScripts(most * self.lanes.len()));
         }
         let mut scripts = Vec::with_capacity(steps.len());
@@ -59,7 +62,9 @@ impl Core {
     /// Asks a worker to run a script.
     pub(super) fn call(&mut self, place: usize, call: ScriptCall, now: DateTime) {
         let Some(entry) = self.inventory.get_mut(place) else { return };
-        let Some(script) = entry.scripts.iter_mut().find(|script| script.step == call.step) else { return };
+        let Some(script) = entry.scripts.iter_mut().find(|script| script.step == call.step) else {
+            return;
+        };
         // That it rests was said when it began to.
         if script.breaker.admit(now) == Admission::Resting {
             entry.superseded += 1;
@@ -72,7 +77,10 @@ impl Core {
             CallValue::Own(values::spoken(&call.flow.clone().into_value()))
         };
         let inputs = call.inputs.iter().filter_map(|(index, value)| {
-            Some(script_protocol::InputValue { input: u16::try_from(*index).ok()?, spoken: values::spoken(value) })
+            Some(script_protocol::InputValue {
+                input: u16::try_from(*index).ok()?,
+                spoken: values::spoken(value),
+            })
         });
         let waiting = Waiting {
             call: Call { script: script.id, value, inputs: inputs.collect() },
@@ -130,7 +138,12 @@ impl Core {
                 script.breaker.open(now, config.rest());
                 true
             }
-            Err(fault) if matches!(fault.kind, FaultKind::ScriptTimeout | FaultKind::ScriptOutOfMemory) => {
+            Err(fault)
+                if matches!(
+                    fault.kind,
+                    FaultKind::ScriptTimeout | FaultKind::ScriptOutOfMemory
+                ) =>
+            {
                 script.breaker.exhausted(now, config.exhausted_in_a_row_max, config.rest())
             }
             Err(_) => {
@@ -160,6 +173,8 @@ pub(in crate::engine) fn yielded_of(
 ) -> Result<Option<(asi_model::Variant, asi_model::StatusCode)>, Fault> {
     Ok(match yielded {
         Yielded::Nothing => None,
-        Yielded::Value { value, status } => Some((values::from_script(value)?, asi_model::StatusCode(status))),
+        Yielded::Value { value, status } => {
+            Some((values::from_script(value)?, asi_model::StatusCode(status)))
+        }
     })
 }

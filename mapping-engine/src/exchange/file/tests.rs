@@ -21,8 +21,9 @@ fn any_step() -> impl Strategy<Value = Json> {
 }
 
 fn any_input() -> impl Strategy<Value = Json> {
-    let plain = "[a-z]{1,3}"
-        .prop_map(|id| json!({"name": "input", "sourceId": "press", "nodeId": format!("nsu=urn:x;s={id}")}));
+    let plain = "[a-z]{1,3}".prop_map(
+        |id| json!({"name": "input", "sourceId": "press", "nodeId": format!("nsu=urn:x;s={id}")}),
+    );
     let rich = "[a-z]{1,3}".prop_map(|id| {
         json!({"name": id, "sourceId": "press", "nodeId": "i=7", "valueType": "Int64", "unit": "H87", "triggers": false,
                "monitor": {"samplingIntervalMs": 50.0, "browsePath": ["nsu=urn:x;Press"]}})
@@ -68,7 +69,8 @@ proptest! {
     #[test]
     fn a_mapping_made_a_template_comes_back(mapping in any_mapping(), value in "[a-z]{2,4}") {
         let values = BTreeMap::from([("p".to_owned(), value)]);
-        // Words of the format itself are no good parameters: they would be replaced wherever they stand.
+        // Words of the format itself are no good parameters: they would be replaced wherever they
+        // stand.
         let is_word = serde_json::to_string(&mapping).expect("serialises").matches(values["p"].as_str()).count() > 0;
         prop_assume!(!is_word);
         let template = MappingTemplate::from_mapping("t", &mapping, &values);
@@ -95,8 +97,12 @@ fn everything_wrong_with_a_table_is_said() {
                 ,n,o,r,f,UInt64,,,\n\
                 m,n,o,r,1st,Nothing,x,press,[{\n";
     let faults = read_table(text).expect_err("wrong");
-    let places: Vec<(usize, &str)> = faults.iter().map(|fault| (fault.line, fault.column.as_str())).collect();
-    assert_eq!(places, [(2, "mappingId"), (3, "fieldName"), (3, "targetType"), (3, "nodeId"), (3, "steps")]);
+    let places: Vec<(usize, &str)> =
+        faults.iter().map(|fault| (fault.line, fault.column.as_str())).collect();
+    assert_eq!(
+        places,
+        [(2, "mappingId"), (3, "fieldName"), (3, "targetType"), (3, "nodeId"), (3, "steps")]
+    );
     let faults = read_table("mappingId,colour\n").expect_err("wrong");
     assert_eq!(faults.len(), 6);
 }
@@ -134,8 +140,12 @@ fn templates_fill_series() {
         serde_json::to_value(&mappings[0].steps).expect("serialises"),
         json!([{ "function": "scale", "factor": 0.5, "divisor": 1, "offset": 0 }, { "function": "script", "source": "(v) => `${v}`" }])
     );
-    assert_eq!(template.fill(&BTreeMap::new()), Err(TemplateFault::MissingParameter("n".to_owned())));
-    let unknown = BTreeMap::from([("n".to_owned(), "1".to_owned()), ("m".to_owned(), "1".to_owned())]);
+    assert_eq!(
+        template.fill(&BTreeMap::new()),
+        Err(TemplateFault::MissingParameter("n".to_owned()))
+    );
+    let unknown =
+        BTreeMap::from([("n".to_owned(), "1".to_owned()), ("m".to_owned(), "1".to_owned())]);
     assert_eq!(template.fill(&unknown), Err(TemplateFault::UnusedValue("m".to_owned())));
     assert_eq!(numbers("5..2"), None);
     assert_eq!(numbers("0..4294967295"), None);

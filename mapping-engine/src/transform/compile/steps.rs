@@ -5,13 +5,17 @@ use std::time::Duration;
 use super::{Chain, Code, Compiler};
 use crate::{
     expression,
-    mapping::{Bit, BitTexts, Counter, Deadband, Enumeration, Lookup, Merge, MergeRule, Scale, Script, Step, Window},
+    mapping::{
+        Bit, BitTexts, Counter, Deadband, Enumeration, Lookup, Merge, MergeRule, Scale, Script,
+        Step, Window,
+    },
     number::Number,
     path, script_source,
     text::{Pattern, Template},
     transform::{
         plan::{
-            Band, BitWords, CountRule, CounterRule, Expression, Function, MergeOf, ScaleBy, Span, Texts, ThresholdRule,
+            Band, BitWords, CountRule, CounterRule, Expression, Function, MergeOf, ScaleBy, Span,
+            Texts, ThresholdRule,
         },
         table::Table,
         windows::SAMPLES_MAX,
@@ -26,7 +30,12 @@ const ENTRIES_MAX: usize = 1024;
 const TEXT_BYTES_MAX: usize = 4096;
 
 impl Compiler<'_> {
-    pub(super) fn function(&mut self, pointer: &str, step: &Step, chain: &mut Chain) -> Option<Function> {
+    pub(super) fn function(
+        &mut self,
+        pointer: &str,
+        step: &Step,
+        chain: &mut Chain,
+    ) -> Option<Function> {
         Some(match step {
             Step::Select(select) => match path::parse(&select.path) {
                 Ok(parts) => Function::Select(parts),
@@ -36,24 +45,35 @@ impl Compiler<'_> {
                 chain.unit = None;
                 Function::Constant(constant.value.to_variant().into())
             }
-            Step::Convert(convert) => Function::Convert(convert.to.0, convert.rounding, convert.overflow),
+            Step::Convert(convert) => {
+                Function::Convert(convert.to.0, convert.rounding, convert.overflow)
+            }
             Step::Scale(scale) => self.scale(pointer, scale)?,
             Step::UnitConversion(conversion) => self.unit_conversion(pointer, conversion, chain)?,
-            Step::Increment(increment) => {
-                Function::Increment(self.count_rule(pointer, increment.modulus, increment.on_decrease)?.into())
-            }
+            Step::Increment(increment) => Function::Increment(
+                self.count_rule(pointer, increment.modulus, increment.on_decrease)?.into(),
+            ),
             Step::Counter(counter) => self.counter(pointer, counter)?,
             Step::Edge(edge) => Function::Edge(edge.direction),
             Step::Threshold(threshold) => {
                 let release = threshold.release.unwrap_or(threshold.limit);
-                if !threshold.limit.is_finite() || !release.is_finite() || release > threshold.limit {
-                    return self.invalid(pointer, "release", "release is a number that is not above the limit");
+                if !threshold.limit.is_finite() || !release.is_finite() || release > threshold.limit
+                {
+                    return self.invalid(
+                        pointer,
+                        "release",
+                        "release is a number that is not above the limit",
+                    );
                 }
                 let above = Self::literal(threshold.above.as_ref(), true);
                 let below = Self::literal(threshold.below.as_ref(), false);
-                Function::Threshold(ThresholdRule { limit: threshold.limit, release, above, below }.into())
+                Function::Threshold(
+                    ThresholdRule { limit: threshold.limit, release, above, below }.into(),
+                )
             }
-            Step::Debounce(debounce) => Function::Debounce(self.span(pointer, "quietMs", debounce.quiet_ms)?),
+            Step::Debounce(debounce) => {
+                Function::Debounce(self.span(pointer, "quietMs", debounce.quiet_ms)?)
+            }
             Step::Deadband(deadband) => self.deadband(pointer, deadband)?,
             Step::Rate(rate) => Function::Rate(match rate.per {
                 crate::mapping::RatePeriod::Second => 1.0,
@@ -64,13 +84,22 @@ impl Compiler<'_> {
             Step::Window(window) => self.window(pointer, window)?,
             Step::Lookup(lookup) => self.lookup(pointer, lookup)?,
             Step::Enumeration(enumeration) => self.enumeration(pointer, enumeration)?,
-            Step::Bit(Bit { bit }) if *bit > 63 => return self.invalid(pointer, "bit", "bits go from 0 to 63"),
+            Step::Bit(Bit { bit }) if *bit > 63 => {
+                return self.invalid(pointer, "bit", "bits go from 0 to 63");
+            }
             Step::Bit(Bit { bit }) => Function::Bit(*bit),
             Step::BitTexts(texts) => self.bit_texts(pointer, texts)?,
             Step::Format(format) => self.format(pointer, &format.template)?,
             Step::Parse(parse) => {
-                if parse.radix.is_some_and(|radix| !(2..=36).contains(&radix) || !parse.to.0.is_integer()) {
-                    return self.invalid(pointer, "radix", "a radix is 2 to 36, and goes with an integer type");
+                if parse
+                    .radix
+                    .is_some_and(|radix| !(2..=36).contains(&radix) || !parse.to.0.is_integer())
+                {
+                    return self.invalid(
+                        pointer,
+                        "radix",
+                        "a radix is 2 to 36, and goes with an integer type",
+                    );
                 }
                 match Pattern::new(parse) {
                     Ok(pattern) => Function::Parse(pattern.into()),
@@ -84,7 +113,12 @@ impl Compiler<'_> {
     }
 
     /// Reports a wrong parameter. The result is `None`, so that callers can leave with it.
-    pub(super) fn invalid<T>(&mut self, pointer: &str, member: &str, message: impl Into<String>) -> Option<T> {
+    pub(super) fn invalid<T>(
+        &mut self,
+        pointer: &str,
+        member: &str,
+        message: impl Into<String>,
+    ) -> Option<T> {
         self.error(format!("{pointer}/{member}"), Code::InvalidParameter, message);
         None
     }
@@ -103,7 +137,11 @@ impl Compiler<'_> {
             return self.invalid(pointer, "divisor", "the divisor must not be zero");
         }
         if !(factor.is_finite() && divisor.is_finite() && offset.is_finite()) {
-            return self.invalid(pointer, "factor", "factor, divisor and offset are finite numbers");
+            return self.invalid(
+                pointer,
+                "factor",
+                "factor, divisor and offset are finite numbers",
+            );
         }
         Some(Function::Scale(ScaleBy { factor, divisor, offset }.into()))
     }
@@ -115,7 +153,11 @@ impl Compiler<'_> {
         on_decrease: crate::mapping::OnDecrease,
     ) -> Option<CountRule> {
         if modulus.is_some_and(|modulus| !modulus.is_finite() || modulus <= Number::ZERO) {
-            return self.invalid(pointer, "modulus", "the modulus is a number above zero, as 65536 for a UInt16");
+            return self.invalid(
+                pointer,
+                "modulus",
+                "the modulus is a number above zero, as 65536 for a UInt16",
+            );
         }
         Some(CountRule { modulus, on_decrease })
     }
@@ -126,13 +168,19 @@ impl Compiler<'_> {
             Some(name) => Some(self.input(format!("{pointer}/resetBy"), name)?),
             None => None,
         };
-        Some(Function::Counter(CounterRule { counts: counter.counts, start: counter.start, rule, reset_by }.into()))
+        Some(Function::Counter(
+            CounterRule { counts: counter.counts, start: counter.start, rule, reset_by }.into(),
+        ))
     }
 
     fn deadband(&mut self, pointer: &str, deadband: &Deadband) -> Option<Function> {
         let Deadband { absolute, percent } = *deadband;
         if absolute.is_some_and(|limit| !limit.is_finite() || limit < Number::ZERO) {
-            return self.invalid(pointer, "absolute", "the deadband is a number that is not below zero");
+            return self.invalid(
+                pointer,
+                "absolute",
+                "the deadband is a number that is not below zero",
+            );
         }
         if percent.is_some_and(|share| !(0.0..=100.0).contains(&share)) {
             return self.invalid(pointer, "percent", "the share is a number from 0 to 100");
@@ -145,45 +193,76 @@ impl Compiler<'_> {
             (Some(samples), None) => {
                 let samples = usize::try_from(samples).unwrap_or(usize::MAX);
                 if samples == 0 || samples > SAMPLES_MAX {
-                    return self.invalid(pointer, "samples", format!("a window has 1 to {SAMPLES_MAX} values"));
+                    return self.invalid(
+                        pointer,
+                        "samples",
+                        format!("a window has 1 to {SAMPLES_MAX} values"),
+                    );
                 }
                 Span::Samples(samples)
             }
             (None, Some(millis)) => Span::Time(self.span(pointer, "durationMs", millis)?),
-            _ => return self.invalid(pointer, "samples", "a window has either samples or durationMs"),
+            _ => {
+                return self.invalid(
+                    pointer,
+                    "samples",
+                    "a window has either samples or durationMs",
+                );
+            }
         };
         Some(Function::Window(window.aggregate, span))
     }
 
     fn lookup(&mut self, pointer: &str, lookup: &Lookup) -> Option<Function> {
         if lookup.entries.len() > ENTRIES_MAX {
-            return self.invalid(pointer, "entries", format!("a table has at most {ENTRIES_MAX} entries"));
+            return self.invalid(
+                pointer,
+                "entries",
+                format!("a table has at most {ENTRIES_MAX} entries"),
+            );
         }
         match Table::new(lookup) {
             Ok(table) => Some(Function::Lookup(table.into())),
-            Err((index, message)) => self.invalid(&format!("{pointer}/entries"), &index.to_string(), message),
+            Err((index, message)) => {
+                self.invalid(&format!("{pointer}/entries"), &index.to_string(), message)
+            }
         }
     }
 
     fn enumeration(&mut self, pointer: &str, enumeration: &Enumeration) -> Option<Function> {
         if enumeration.texts.len() > ENTRIES_MAX {
-            return self.invalid(pointer, "texts", format!("an enumeration has at most {ENTRIES_MAX} texts"));
+            return self.invalid(
+                pointer,
+                "texts",
+                format!("an enumeration has at most {ENTRIES_MAX} texts"),
+            );
         }
-        let mut texts: Vec<_> =
-            enumeration.texts.iter().map(|entry| (entry.value, entry.text.as_str().into())).collect();
+        let mut texts: Vec<_> = enumeration
+            .texts
+            .iter()
+            .map(|entry| (entry.value, entry.text.as_str().into()))
+            .collect();
         texts.sort_by_key(|(number, _)| *number);
         if let Some(twice) = texts.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            return self.invalid(pointer, "texts", format!("{} stands in the enumeration twice", twice[0].0));
+            return self.invalid(
+                pointer,
+                "texts",
+                format!("{} stands in the enumeration twice", twice[0].0),
+            );
         }
         let otherwise = enumeration.otherwise.as_deref().map(Into::into);
         Some(Function::Enumeration(Texts { texts: texts.into(), otherwise }.into()))
     }
 
     fn bit_texts(&mut self, pointer: &str, texts: &BitTexts) -> Option<Function> {
-        if texts.bits.is_empty() || texts.bits.iter().any(|bit| bit.bit > 63) || texts.bits.len() > 64 {
+        if texts.bits.is_empty()
+            || texts.bits.iter().any(|bit| bit.bit > 63)
+            || texts.bits.len() > 64
+        {
             return self.invalid(pointer, "bits", "there are 1 to 64 bits, from 0 to 63");
         }
-        let mut bits: Vec<_> = texts.bits.iter().map(|bit| (bit.bit, bit.text.as_str().into())).collect();
+        let mut bits: Vec<_> =
+            texts.bits.iter().map(|bit| (bit.bit, bit.text.as_str().into())).collect();
         bits.sort_by_key(|(bit, _)| *bit);
         let (separator, none) = (texts.separator.as_str().into(), texts.none.as_str().into());
         Some(Function::BitTexts(BitWords { bits: bits.into(), separator, none }.into()))
@@ -191,12 +270,18 @@ impl Compiler<'_> {
 
     fn format(&mut self, pointer: &str, template: &str) -> Option<Function> {
         if template.len() > TEXT_BYTES_MAX {
-            return self.invalid(pointer, "template", format!("a template has at most {TEXT_BYTES_MAX} bytes"));
+            return self.invalid(
+                pointer,
+                "template",
+                format!("a template has at most {TEXT_BYTES_MAX} bytes"),
+            );
         }
         let mapping = self.mapping;
         match Template::parse(template, &|name| mapping.input_index(name)) {
             Ok(template) => Some(Function::Format(template.into())),
-            Err((message, column)) => self.syntax(&format!("{pointer}/template"), message, 1, column),
+            Err((message, column)) => {
+                self.syntax(&format!("{pointer}/template"), message, 1, column)
+            }
         }
     }
 
@@ -208,7 +293,9 @@ impl Compiler<'_> {
                 let (inputs, uses_value) = (names.inputs.into(), names.value);
                 Some(Function::Expression(Expression { expression, inputs, uses_value }.into()))
             }
-            Err(error) => self.syntax(&format!("{pointer}/expression"), error.message, 1, error.column),
+            Err(error) => {
+                self.syntax(&format!("{pointer}/expression"), error.message, 1, error.column)
+            }
         }
     }
 
@@ -230,7 +317,11 @@ impl Compiler<'_> {
             return self.invalid(pointer, "inputs", "there are no inputs to merge");
         }
         if merge.separator.is_some() && merge.rule != MergeRule::Join {
-            self.warn(format!("{pointer}/separator"), Code::InvalidParameter, "only join has a separator");
+            self.warn(
+                format!("{pointer}/separator"),
+                Code::InvalidParameter,
+                "only join has a separator",
+            );
         }
         let separator = merge.separator.as_deref().unwrap_or("").into();
         Some(Function::Merge(MergeOf { inputs: inputs.into(), rule: merge.rule, separator }.into()))

@@ -16,20 +16,32 @@ impl Compiler<'_> {
         let Some(value) = value else { return };
         let number_or_boolean = value.is_numeric() || value == T::Boolean;
         let wanted = match step {
-            Step::Scale(_) | Step::UnitConversion(_) | Step::Increment(_) | Step::Threshold(_) | Step::Rate(_)
+            Step::Scale(_)
+            | Step::UnitConversion(_)
+            | Step::Increment(_)
+            | Step::Threshold(_)
+            | Step::Rate(_)
                 if !value.is_numeric() =>
             {
                 "a number"
             }
-            Step::Window(window) if window.aggregate != Aggregate::Count && !number_or_boolean => "a number",
-            Step::Counter(counter) if counter.counts == Some(CounterInput::Increments) && !value.is_numeric() => {
+            Step::Window(window) if window.aggregate != Aggregate::Count && !number_or_boolean => {
                 "a number"
             }
-            Step::Counter(counter) if counter.counts != Some(CounterInput::Values) && !number_or_boolean => {
+            Step::Counter(counter)
+                if counter.counts == Some(CounterInput::Increments) && !value.is_numeric() =>
+            {
+                "a number"
+            }
+            Step::Counter(counter)
+                if counter.counts != Some(CounterInput::Values) && !number_or_boolean =>
+            {
                 "a number or Boolean"
             }
             Step::Edge(_) if !number_or_boolean => "a Boolean or number",
-            Step::Enumeration(_) | Step::Bit(_) | Step::BitTexts(_) if !value.is_integer() && value != T::Boolean => {
+            Step::Enumeration(_) | Step::Bit(_) | Step::BitTexts(_)
+                if !value.is_integer() && value != T::Boolean =>
+            {
                 "an integer"
             }
             Step::Parse(_) if !matches!(value, T::String | T::LocalizedText) => "a text",
@@ -45,17 +57,24 @@ impl Compiler<'_> {
     }
 
     /// The type that a function yields; `None` where only running it tells.
-    pub(super) fn yields(&self, step: &Step, function: Option<&Function>, value: Option<T>) -> Option<T> {
+    pub(super) fn yields(
+        &self,
+        step: &Step,
+        function: Option<&Function>,
+        value: Option<T>,
+    ) -> Option<T> {
         match step {
             Step::Select(_) | Step::Script(_) => None,
             Step::Constant(constant) => Some(constant.value.0.built_in_type()),
             Step::Convert(convert) => Some(convert.to.0),
             Step::Parse(parse) => Some(parse.to.0),
             // 64-bit arithmetic decides at run time whether the result is an integer.
-            Step::Scale(_) | Step::UnitConversion(_) | Step::Increment(_) | Step::Counter(_) => match value {
-                Some(T::Float | T::Double) => Some(T::Double),
-                _ => None,
-            },
+            Step::Scale(_) | Step::UnitConversion(_) | Step::Increment(_) | Step::Counter(_) => {
+                match value {
+                    Some(T::Float | T::Double) => Some(T::Double),
+                    _ => None,
+                }
+            }
             Step::Edge(_) | Step::Bit(_) => Some(T::Boolean),
             Step::Threshold(threshold) => {
                 let of = |literal: &Option<crate::mapping::Literal>| {
@@ -69,13 +88,16 @@ impl Compiler<'_> {
             Step::Window(window) => match window.aggregate {
                 Aggregate::Count => Some(T::Int64),
                 Aggregate::Mean => Some(T::Double),
-                _ => value
-                    .filter(|value| *value == T::Double)
-                    .or_else(|| value.filter(|value| value.is_integer() && *value != T::UInt64).map(|_| T::Int64)),
+                _ => value.filter(|value| *value == T::Double).or_else(|| {
+                    value
+                        .filter(|value| value.is_integer() && *value != T::UInt64)
+                        .map(|_| T::Int64)
+                }),
             },
             Step::Lookup(lookup) if lookup.interpolate => Some(T::Double),
             Step::Lookup(lookup) => {
-                let mut types = lookup.entries.iter().map(|entry| &entry.to).chain(&lookup.otherwise);
+                let mut types =
+                    lookup.entries.iter().map(|entry| &entry.to).chain(&lookup.otherwise);
                 let first = types.next().map(|literal| literal.0.built_in_type())?;
                 types.all(|literal| literal.0.built_in_type() == first).then_some(first)
             }
@@ -101,7 +123,9 @@ impl Compiler<'_> {
     /// The type that all these inputs have.
     fn common_type(&self, names: &[String]) -> Option<T> {
         let inputs = self.mapping.inputs.iter();
-        let mut types = inputs.filter(|input| names.is_empty() || names.contains(&input.name)).map(|i| i.value_type);
+        let mut types = inputs
+            .filter(|input| names.is_empty() || names.contains(&input.name))
+            .map(|i| i.value_type);
         let first = types.next()??;
         types.all(|other| other == Some(first)).then_some(first.0)
     }

@@ -16,7 +16,8 @@ impl Compiler<'_> {
         chain: &mut Chain,
     ) -> Option<Function> {
         let target = self.mapping.target_unit.clone();
-        let from = self.unit(pointer, "from", conversion.from.as_ref().or(chain.unit.as_ref()).cloned());
+        let from =
+            self.unit(pointer, "from", conversion.from.as_ref().or(chain.unit.as_ref()).cloned());
         let to = self.unit(pointer, "to", conversion.to.as_ref().or(target.as_ref()).cloned());
         let (from, to) = (from?, to?);
         chain.unit = Some(to.code.to_owned());
@@ -29,7 +30,12 @@ impl Compiler<'_> {
         }
     }
 
-    fn unit(&mut self, pointer: &str, member: &str, name: Option<String>) -> Option<EngineeringUnit> {
+    fn unit(
+        &mut self,
+        pointer: &str,
+        member: &str,
+        name: Option<String>,
+    ) -> Option<EngineeringUnit> {
         let Some(name) = name else {
             let whose = if member == "from" { "the input" } else { "the field" };
             let message = format!("{whose} names no unit, so \"{member}\" is needed");
@@ -38,7 +44,8 @@ impl Compiler<'_> {
         };
         let unit = unece::lookup(&name);
         if unit.is_none() {
-            let message = format!("\"{name}\" is not a known UNECE code or name, as MMT or MILLIMETRE");
+            let message =
+                format!("\"{name}\" is not a known UNECE code or name, as MMT or MILLIMETRE");
             self.error(format!("{pointer}/{member}"), Code::UnknownUnit, message);
         }
         unit
@@ -60,9 +67,12 @@ fn ratio(factor: f64) -> Option<(i128, i128)> {
     const LARGEST: f64 = 1e15;
     let whole = |value: f64| {
         let rounded = value.round();
-        let is_whole = (1.0..=LARGEST).contains(&rounded) && ((value - rounded) / rounded).abs() < 1e-15;
+        let is_whole =
+            (1.0..=LARGEST).contains(&rounded) && ((value - rounded) / rounded).abs() < 1e-15;
         #[allow(clippy::cast_possible_truncation)]
         is_whole.then_some(rounded as i128)
     };
-    whole(factor).map(|multiply| (multiply, 1)).or_else(|| whole(factor.recip()).map(|divide| (1, divide)))
+    whole(factor)
+        .map(|multiply| (multiply, 1))
+        .or_else(|| whole(factor.recip()).map(|divide| (1, divide)))
 }

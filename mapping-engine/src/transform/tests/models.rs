@@ -129,7 +129,8 @@ proptest! {
         start in any::<u16>(),
         modulus in prop::sample::select(vec![65_536_u64, 100_000]),
     ) {
-        // Less than half of the modulus between two values, so that a wrap can be told from a reset.
+        // Less than half of the modulus between two values, so that a wrap can be told from a
+        // reset.
         let chain = json!([{"function": "counter", "modulus": modulus}]);
         let mut counter = transform(1, "UInt64", &chain);
         let mut raw = u64::from(start) % modulus;
@@ -157,7 +158,8 @@ proptest! {
             while let Some(due) = debounce.due().filter(|due| *due <= at(time)) {
                 take(debounce.on_timer(due, None), &mut got);
             }
-            // The model: a value that has stood for the span when the next one comes is shown, unless it is already.
+            // The model: a value that has stood for the span when the next one comes is shown,
+            // unless it is already.
             if let Some((old, since)) = held
                 && time - since >= quiet
                 && expected.last() != Some(&old)

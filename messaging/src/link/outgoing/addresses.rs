@@ -28,7 +28,10 @@ impl Pump {
         if let Some(state) = self.addresses.get_mut(&address) {
             state.under_way = state.under_way.saturating_sub(1);
             // Rows passed over for want of room are looked for when there is room again.
-            if state.has_skipped && state.resting_until.is_none() && state.under_way * 2 <= self.limits.window {
+            if state.has_skipped
+                && state.resting_until.is_none()
+                && state.under_way * 2 <= self.limits.window
+            {
                 state.has_skipped = false;
                 self.cursor.on_rewind();
             }
@@ -61,7 +64,8 @@ impl Pump {
                 let _ = self.stalls.try_send(reason);
             }
             Some(LaneFault::Refused(rejection)) if is_oversize(&rejection) => {
-                // The broker cuts the link over one message without saying which: one at a time it will show.
+                // The broker cuts the link over one message without saying which: one at a time it
+                // will show.
                 self.rest(address, rejection.to_string());
             }
             Some(fault) => self.rest(address, fault.to_string()),

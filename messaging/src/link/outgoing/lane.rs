@@ -41,7 +41,13 @@ impl Lane {
         events: mpsc::Sender<LaneEvent>,
     ) -> Self {
         let (rows, waiting) = mpsc::channel(window);
-        let worker = Worker { waiting, store, events, unsettled: HashSet::new(), outcomes: FuturesUnordered::new() };
+        let worker = Worker {
+            waiting,
+            store,
+            events,
+            unsettled: HashSet::new(),
+            outcomes: FuturesUnordered::new(),
+        };
         tasks.spawn(worker.run(connection, address, terminus));
         Self { rows }
     }
@@ -61,7 +67,12 @@ struct Worker {
 }
 
 impl Worker {
-    async fn run(mut self, connection: Arc<dyn Connection>, address: LogicalAddress, terminus: Terminus) {
+    async fn run(
+        mut self,
+        connection: Arc<dyn Connection>,
+        address: LogicalAddress,
+        terminus: Terminus,
+    ) {
         let fault = match connection.outgoing(&terminus).await {
             Ok(mut lane) => self.serve(lane.as_mut()).await.err(),
             Err(fault) => Some(fault),

@@ -16,7 +16,8 @@ const GROUP_MAX: usize = 500;
 const ATTEMPTS_MAX: u32 = 10;
 const RETRY: Duration = Duration::from_millis(500);
 
-/// Records outcomes. The channels are not bounded by themselves: the pump keeps no more rows open than twice its window.
+/// Records outcomes. The channels are not bounded by themselves: the pump keeps no more rows open
+/// than twice its window.
 pub(super) struct Recorder {
     store: Arc<dyn SpoolStore>,
     shared: Arc<Shared>,

@@ -1,4 +1,5 @@
-//! Envelopes as AMQP 1.0 messages and back. Bodies of foreign senders are taken in any form that is bytes or text.
+//! Envelopes as AMQP 1.0 messages and back. Bodies of foreign senders are taken in any form that is
+//! bytes or text.
 
 use std::time::Duration;
 
@@ -6,7 +7,9 @@ use asi_model::MessageId;
 use bytes::Bytes;
 use fe2o3_amqp::types::{
     definitions::ErrorCondition,
-    messaging::{self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey},
+    messaging::{
+        self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey,
+    },
     primitives::{Binary, SimpleValue, Symbol, Timestamp, Value},
 };
 use time::OffsetDateTime;
@@ -18,7 +21,8 @@ use crate::{
 
 /// The application property that marks the backlog after an outage.
 const REPLAY: &str = "replay";
-/// The application property with the number of the sender's lease. A text, for not every broker keeps all numbers.
+/// The application property with the number of the sender's lease. A text, for not every broker
+/// keeps all numbers.
 const LEASE: &str = "lease";
 /// The annotation by which a broker vouches for the sender.
 const PRINCIPAL: &str = "x-opt-principal";
@@ -62,14 +66,20 @@ pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Da
 }
 
 /// The delivery for the inbox, or why the message cannot be one.
-pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) -> Result<Delivery, Rejection> {
-    let Message { header, message_annotations, properties, application_properties, body, .. } = message;
+pub(super) fn to_delivery(
+    message: Message<Body<Value>>,
+    now: OffsetDateTime,
+) -> Result<Delivery, Rejection> {
+    let Message { header, message_annotations, properties, application_properties, body, .. } =
+        message;
     let header = header.unwrap_or_default();
     let properties = properties.unwrap_or_default();
     let content_encoding = match properties.content_encoding.as_ref().map(Symbol::as_str) {
         None | Some("" | "identity") => None,
         Some("gzip") => Some(ContentEncoding::Gzip),
-        Some(other) => return Err(unsupported(format!("the content encoding {other:?} is not supported"))),
+        Some(other) => {
+            return Err(unsupported(format!("the content encoding {other:?} is not supported")));
+        }
     };
     let body = match body {
         Body::Data(sections) => {
@@ -86,7 +96,9 @@ pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) ->
             _ => return Err(unsupported("the body is neither bytes nor text".to_owned())),
         },
         Body::Empty => Vec::new(),
-        Body::Sequence(_) => return Err(unsupported("the body is a sequence; send one data section".to_owned())),
+        Body::Sequence(_) => {
+            return Err(unsupported("the body is a sequence; send one data section".to_owned()));
+        }
     };
     let principal = message_annotations.as_ref().and_then(|annotations| {
         match annotations.0.get(&OwnedKey::Symbol(Symbol::from(PRINCIPAL))) {
@@ -94,7 +106,8 @@ pub(super) fn to_delivery(message: Message<Body<Value>>, now: OffsetDateTime) ->
             _ => None,
         }
     });
-    let mark = |name: &str| application_properties.as_ref().and_then(|properties| properties.0.get(name));
+    let mark =
+        |name: &str| application_properties.as_ref().and_then(|properties| properties.0.get(name));
     let replay = mark(REPLAY).is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
     let lease = mark(LEASE).and_then(|value| match value {
         SimpleValue::String(text) => text.parse().ok(),
@@ -130,9 +143,9 @@ fn text_of_id(id: &messaging::MessageId) -> Option<MessageId> {
         messaging::MessageId::String(text) => text.clone(),
         messaging::MessageId::Ulong(number) => number.to_string(),
         messaging::MessageId::Uuid(id) => uuid::Uuid::from_bytes(*id.as_inner()).to_string(),
-        messaging::MessageId::Binary(bytes) => {
-            bytes.iter().fold(String::with_capacity(bytes.len() * 2), |text, byte| format!("{text}{byte:02x}"))
-        }
+        messaging::MessageId::Binary(bytes) => bytes
+            .iter()
+            .fold(String::with_capacity(bytes.len() * 2), |text, byte| format!("{text}{byte:02x}")),
     };
     MessageId::new(text).ok()
 }
@@ -185,7 +198,13 @@ mod tests {
         for (body, expected) in [
             (Body::Value(AmqpValue(Value::String("{}".into()))), "{}"),
             (Body::Value(AmqpValue(Value::Binary(Binary::from(b"{}".to_vec())))), "{}"),
-            (Body::Data(Batch::new(vec![Data::from(b"{".as_slice()), Data::from(b"}".as_slice())])), "{}"),
+            (
+                Body::Data(Batch::new(vec![
+                    Data::from(b"{".as_slice()),
+                    Data::from(b"}".as_slice()),
+                ])),
+                "{}",
+            ),
             (Body::Empty, ""),
         ] {
             let delivery = to_delivery(received(body), now).expect("a delivery");
@@ -199,8 +218,14 @@ mod tests {
     #[test]
     fn conditions_keep_their_wire_names() {
         use fe2o3_amqp::types::definitions::{AmqpError, LinkError};
-        assert_eq!(condition_text(&AmqpError::UnauthorizedAccess.into()), "amqp:unauthorized-access");
-        assert_eq!(condition_text(&LinkError::MessageSizeExceeded.into()), "amqp:link:message-size-exceeded");
+        assert_eq!(
+            condition_text(&AmqpError::UnauthorizedAccess.into()),
+            "amqp:unauthorized-access"
+        );
+        assert_eq!(
+            condition_text(&LinkError::MessageSizeExceeded.into()),
+            "amqp:link:message-size-exceeded"
+        );
         assert_eq!(condition_text(&ErrorCondition::Custom(Symbol::from("own"))), "own");
     }
 }

@@ -6,8 +6,8 @@ use async_trait::async_trait;
 use fe2o3_amqp::{
     Receiver, Sendable, Sender,
     link::{
-        LinkStateError, ReceiverAttachError, RecvError, SendError, SenderAttachError, SessionStopReason,
-        delivery::DeliveryInfo, receiver::CreditMode,
+        LinkStateError, ReceiverAttachError, RecvError, SendError, SenderAttachError,
+        SessionStopReason, delivery::DeliveryInfo, receiver::CreditMode,
     },
     session::SessionHandle,
     types::{
@@ -31,8 +31,8 @@ use crate::{
     profile::Terminus,
 };
 
-/// How often in a row the connection's own tasks get a turn to bring more before a batch goes on: storing and settling
-/// cost little more for many messages than for one.
+/// How often in a row the connection's own tasks get a turn to bring more before a batch goes on:
+/// storing and settling cost little more for many messages than for one.
 const TURNS: u32 = 3;
 
 /// A lane to send to.
@@ -62,7 +62,9 @@ impl AmqpOutgoing {
             .attach(&mut session);
         let sender = timeout(limits.outcome_timeout, attaching)
             .await
-            .map_err(|_| LaneFault::Stalled("the broker did not answer an attach in time".to_owned()))?
+            .map_err(|_| {
+                LaneFault::Stalled("the broker did not answer an attach in time".to_owned())
+            })?
             .map_err(sender_attach_fault)?;
         Ok(Self { sender, limits: *limits, _session: session })
     }
@@ -73,9 +75,9 @@ impl Outgoing for AmqpOutgoing {
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, LaneFault> {
         let message = codec::to_message(envelope, OffsetDateTime::now_utc());
         let sending = self.sender.send_batchable(Sendable::builder().message(message).build());
-        let sent = timeout(self.limits.outcome_timeout, sending)
-            .await
-            .map_err(|_| LaneFault::Stalled("the broker gave no room for a message in time".to_owned()))?;
+        let sent = timeout(self.limits.outcome_timeout, sending).await.map_err(|_| {
+            LaneFault::Stalled("the broker gave no room for a message in time".to_owned())
+        })?;
         let outcome = match sent {
             Ok(outcome) => outcome,
             // Told by the broker beforehand: nothing was sent, the lane is sound.
@@ -94,7 +96,9 @@ impl Outgoing for AmqpOutgoing {
             match timeout(wait, outcome).await {
                 Ok(Ok(outcome)) => Ok(outcome_of(outcome)),
                 Ok(Err(error)) => Err(send_fault(error)),
-                Err(_) => Err(LaneFault::Stalled("the broker did not settle a message in time".to_owned())),
+                Err(_) => Err(LaneFault::Stalled(
+                    "the broker did not settle a message in time".to_owned(),
+                )),
             }
         }
         .boxed())
@@ -104,10 +108,15 @@ impl Outgoing for AmqpOutgoing {
 fn outcome_of(outcome: messaging::Outcome) -> Outcome {
     match outcome {
         messaging::Outcome::Accepted(_) => Outcome::Accepted,
-        messaging::Outcome::Rejected(rejected) => Outcome::Rejected(rejected.error.as_ref().map_or_else(
-            || Rejection { code: "amqp:rejected".to_owned(), reason: "the broker gave no reason".to_owned() },
-            rejection,
-        )),
+        messaging::Outcome::Rejected(rejected) => {
+            Outcome::Rejected(rejected.error.as_ref().map_or_else(
+                || Rejection {
+                    code: "amqp:rejected".to_owned(),
+                    reason: "the broker gave no reason".to_owned(),
+                },
+                rejection,
+            ))
+        }
         _ => Outcome::Released,
     }
 }
@@ -140,7 +149,9 @@ impl AmqpIncoming {
             .attach(&mut session);
         let receiver = timeout(limits.outcome_timeout, attaching)
             .await
-            .map_err(|_| LaneFault::Stalled("the broker did not answer an attach in time".to_owned()))?
+            .map_err(|_| {
+                LaneFault::Stalled("the broker did not answer an attach in time".to_owned())
+            })?
             .map_err(receiver_attach_fault)?;
         Ok(Self { receiver, held: HashMap::new(), next_token: 0, _session: session })
     }
@@ -239,16 +250,24 @@ impl Incoming for AmqpIncoming {
 
 fn amqp_error(rejection: &Rejection) -> definitions::Error {
     let condition = Symbol::from(rejection.code.as_str());
-    definitions::Error::new(definitions::ErrorCondition::Custom(condition), rejection.reason.clone(), None)
+    definitions::Error::new(
+        definitions::ErrorCondition::Custom(condition),
+        rejection.reason.clone(),
+        None,
+    )
 }
 
-/// Unique per attempt: a broker may still hold a link of the same name from a connection that we gave up.
+/// Unique per attempt: a broker may still hold a link of the same name from a connection that we
+/// gave up.
 fn link_name(direction: &str, terminus: &Terminus) -> String {
     format!("{direction} {} {}", terminus.address, uuid::Uuid::new_v4().simple())
 }
 
 fn capabilities(terminus: &Terminus) -> Option<Array<Symbol>> {
-    terminus.capability.as_ref().map(|capability| Array::from(vec![Symbol::from(capability.as_str())]))
+    terminus
+        .capability
+        .as_ref()
+        .map(|capability| Array::from(vec![Symbol::from(capability.as_str())]))
 }
 
 fn sender_attach_fault(error: SenderAttachError) -> LaneFault {
@@ -287,9 +306,8 @@ fn recv_fault(error: RecvError) -> LaneFault {
 
 fn state_fault(state: LinkStateError) -> LaneFault {
     match state {
-        LinkStateError::RemoteClosedWithError(error) | LinkStateError::RemoteDetachedWithError(error) => {
-            LaneFault::Refused(rejection(&error))
-        }
+        LinkStateError::RemoteClosedWithError(error)
+        | LinkStateError::RemoteDetachedWithError(error) => LaneFault::Refused(rejection(&error)),
         // Some brokers end the whole session where one link is refused.
         LinkStateError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
             LaneFault::Refused(rejection(&error))

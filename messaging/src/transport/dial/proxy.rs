@@ -20,27 +20,44 @@ pub(super) async fn tunnel(
     host: &str,
     port: u16,
 ) -> Result<TcpStream, ConnectionFault> {
-    let broken = |e: std::io::Error| ConnectionFault::passing(format!("the proxy {} broke off: {e}", proxy.host));
+    let broken = |e: std::io::Error| {
+        ConnectionFault::passing(format!("the proxy {} broke off: {e}", proxy.host))
+    };
     tcp.write_all(request(proxy, host, port).as_bytes()).await.map_err(broken)?;
     let mut answer = Vec::with_capacity(512);
     while !answer.ends_with(b"\r\n\r\n") {
         if answer.len() >= ANSWER_BYTES_MAX {
-            return Err(ConnectionFault::passing(format!("the proxy {} does not end its answer", proxy.host)));
+            return Err(ConnectionFault::passing(format!(
+                "the proxy {} does not end its answer",
+                proxy.host
+            )));
         }
         // Byte by byte: what follows the answer belongs to the broker.
         answer.push(tcp.read_u8().await.map_err(broken)?);
     }
     match status(&answer) {
         Some(200..=299) => Ok(tcp),
-        Some(407) => Err(ConnectionFault::permanent(format!("the proxy {} refused the user or password", proxy.host))),
-        Some(403) => Err(ConnectionFault::permanent(format!("the proxy {} does not permit {host}:{port}", proxy.host))),
-        Some(code) => Err(ConnectionFault::passing(format!("the proxy {} answered {code}", proxy.host))),
-        None => Err(ConnectionFault::permanent(format!("{} does not answer like an HTTP proxy", proxy.host))),
+        Some(407) => Err(ConnectionFault::permanent(format!(
+            "the proxy {} refused the user or password",
+            proxy.host
+        ))),
+        Some(403) => Err(ConnectionFault::permanent(format!(
+            "the proxy {} does not permit {host}:{port}",
+            proxy.host
+        ))),
+        Some(code) => {
+            Err(ConnectionFault::passing(format!("the proxy {} answered {code}", proxy.host)))
+        }
+        None => Err(ConnectionFault::permanent(format!(
+            "{} does not answer like an HTTP proxy",
+            proxy.host
+        ))),
     }
 }
 
 fn request(proxy: &HttpProxy, host: &str, port: u16) -> Zeroizing<String> {
-    let target = if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") };
+    let target =
+        if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") };
     let authorization = proxy.login.as_ref().map_or_else(String::new, |login| {
         let pair = Zeroizing::new(format!("{}:{}", login.user_name, login.password.as_str()));
         format!("Proxy-Authorization: Basic {}\r\n", STANDARD.encode(pair.as_bytes()))
@@ -63,7 +80,8 @@ mod tests {
 
     #[test]
     fn the_request_names_target_and_user() {
-        let proxy = HttpProxy::new("http://proxy.plant:3128", Some(Login::new("u", "p"))).expect("a proxy");
+        let proxy =
+            HttpProxy::new("http://proxy.plant:3128", Some(Login::new("u", "p"))).expect("a proxy");
         assert_eq!(
             request(&proxy, "broker.example", 5671).as_str(),
             "CONNECT broker.example:5671 HTTP/1.1\r\nHost: broker.example:5671\r\nProxy-Authorization: Basic dTpw\r\n\r\n"

@@ -17,7 +17,8 @@ pub(super) async fn open(
 ) -> Result<Box<dyn Stream>, ConnectionFault> {
     let subprotocol = if broker.is_mqtt() { Subprotocol::Mqtt } else { Subprotocol::Amqp };
     let endpoint = Endpoint { authority: &broker.http_authority(), path };
-    let bytes_max = usize::try_from(message_bytes_max.saturating_mul(MESSAGES_TOGETHER_MAX)).unwrap_or(usize::MAX);
+    let bytes_max = usize::try_from(message_bytes_max.saturating_mul(MESSAGES_TOGETHER_MAX))
+        .unwrap_or(usize::MAX);
     match websocket::connect(stream, endpoint, subprotocol, bytes_max).await {
         Ok(stream) => Ok(Box::new(stream)),
         Err(error) => Err(fault(broker, path, &error)),
@@ -28,7 +29,9 @@ fn fault(broker: &BrokerUrl, path: &str, error: &ConnectError) -> ConnectionFaul
     let server = broker.http_authority();
     match error {
         ConnectError::Refused { status: status @ (408 | 425 | 429 | 500..) } => {
-            ConnectionFault::passing(format!("{server} answered {status} instead of opening a WebSocket"))
+            ConnectionFault::passing(format!(
+                "{server} answered {status} instead of opening a WebSocket"
+            ))
         }
         ConnectError::Refused { status } => ConnectionFault::permanent(format!(
             "{server} answered {status} instead of opening a WebSocket; is the path {path} right?"
@@ -63,7 +66,11 @@ mod tests {
         ] {
             let fault = fault(&broker, "/ws", &error);
             assert_eq!(fault.is_permanent, is_permanent, "{error:?}");
-            assert!(fault.reason.contains(words) && fault.reason.contains("broker.example"), "{}", fault.reason);
+            assert!(
+                fault.reason.contains(words) && fault.reason.contains("broker.example"),
+                "{}",
+                fault.reason
+            );
         }
     }
 }

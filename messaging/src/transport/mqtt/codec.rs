@@ -29,7 +29,10 @@ pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) 
         user_properties.extend(value.map(|value| (name.to_owned(), value)));
     };
     property(MESSAGE_ID, envelope.message_id.as_ref().map(ToString::to_string));
-    property(CONTENT_ENCODING, envelope.content_encoding.map(|encoding| encoding.as_str().to_owned()));
+    property(
+        CONTENT_ENCODING,
+        envelope.content_encoding.map(|encoding| encoding.as_str().to_owned()),
+    );
     property(CREATION_TIME, envelope.creation_time.and_then(|at| at.format(&Rfc3339).ok()));
     property(LEASE, envelope.lease.map(|number| number.to_string()));
     let left = envelope.expires_at().map(|at| (at - now).whole_seconds().max(1));
@@ -59,20 +62,30 @@ pub(super) fn to_delivery(publish: Publish, now: OffsetDateTime) -> Result<Deliv
             return Err(Rejection { code: "amqp:not-implemented".to_owned(), reason });
         }
     };
-    let correlation_id = properties.correlation_data.as_ref().and_then(|data| std::str::from_utf8(data).ok());
+    let correlation_id =
+        properties.correlation_data.as_ref().and_then(|data| std::str::from_utf8(data).ok());
     let envelope = Envelope {
         message_id: property(MESSAGE_ID).and_then(|id| MessageId::new(id).ok()),
         subject: property(SUBJECT).unwrap_or_default().to_owned(),
         content_type: properties.content_type.clone().unwrap_or_default(),
         content_encoding,
         correlation_id: correlation_id.and_then(|id| MessageId::new(id).ok()),
-        creation_time: property(CREATION_TIME).and_then(|at| OffsetDateTime::parse(at, &Rfc3339).ok()),
-        ttl: properties.message_expiry_interval.map(|seconds| Duration::from_secs(u64::from(seconds))),
+        creation_time: property(CREATION_TIME)
+            .and_then(|at| OffsetDateTime::parse(at, &Rfc3339).ok()),
+        ttl: properties
+            .message_expiry_interval
+            .map(|seconds| Duration::from_secs(u64::from(seconds))),
         replay: publish.topic.ends_with(REPLAY.as_bytes()),
         lease: property(LEASE).and_then(|number| number.parse().ok()),
         body: publish.payload,
     };
-    Ok(Delivery { envelope, principal: None, is_redelivered: publish.dup, delivery_count: 0, received_at: now })
+    Ok(Delivery {
+        envelope,
+        principal: None,
+        is_redelivered: publish.dup,
+        delivery_count: 0,
+        received_at: now,
+    })
 }
 
 #[cfg(test)]
@@ -82,7 +95,8 @@ mod tests {
     #[test]
     fn an_envelope_survives_the_way() {
         let now = OffsetDateTime::from_unix_timestamp(1_555_607_910).expect("a time");
-        let mut envelope = Envelope::new(MessageId::new("m1").expect("an id"), "comment", "{}").compressed();
+        let mut envelope =
+            Envelope::new(MessageId::new("m1").expect("an id"), "comment", "{}").compressed();
         envelope.correlation_id = MessageId::new("m0").ok();
         envelope.creation_time = Some(now);
         envelope.ttl = Some(Duration::from_secs(60));
@@ -97,6 +111,9 @@ mod tests {
     fn a_foreign_message_needs_no_properties() {
         let publish = Publish::new("a/b", QoS::AtLeastOnce, "{}", None);
         let delivery = to_delivery(publish, OffsetDateTime::UNIX_EPOCH).expect("a delivery");
-        assert_eq!((delivery.envelope.message_id, &delivery.envelope.body[..]), (None, b"{}".as_slice()));
+        assert_eq!(
+            (delivery.envelope.message_id, &delivery.envelope.body[..]),
+            (None, b"{}".as_slice())
+        );
     }
 }

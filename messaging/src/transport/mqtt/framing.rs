@@ -19,12 +19,14 @@ impl Decoder for PacketCodec {
     type Error = Error;
 
     fn decode(&mut self, source: &mut BytesMut) -> Result<Option<Packet>, Error> {
-        // The properties may be left out (MQTT 5 §3.14.2.2), which the library takes for a packet that is not complete.
+        // The properties may be left out (MQTT 5 §3.14.2.2), which the library takes for a packet
+        // that is not complete.
         if let [DISCONNECT, length @ (0 | 1), rest @ ..] = &source[..] {
             let length = usize::from(*length);
             let Some(body) = rest.get(..length) else { return Ok(None) };
-            let reason =
-                body.first().map_or(Ok(DisconnectReasonCode::NormalDisconnection), |code| (*code).try_into())?;
+            let reason = body
+                .first()
+                .map_or(Ok(DisconnectReasonCode::NormalDisconnection), |code| (*code).try_into())?;
             source.advance(2 + length);
             return Ok(Some(Packet::Disconnect(Disconnect::new(reason))));
         }
@@ -46,14 +48,16 @@ mod tests {
 
     #[test]
     fn a_short_disconnect_is_read() {
-        let mut codec = PacketCodec(Codec { max_incoming_size: Some(1000), max_outgoing_size: None });
+        let mut codec =
+            PacketCodec(Codec { max_incoming_size: Some(1000), max_outgoing_size: None });
         let mut bytes = BytesMut::from(&[0xE0, 0x01][..]);
         let mut next = |more: &[u8]| {
             bytes.extend_from_slice(more);
             codec.decode(&mut bytes).expect("reads")
         };
         assert_eq!(next(&[]), None);
-        let taken_over = Packet::Disconnect(Disconnect::new(DisconnectReasonCode::SessionTakenOver));
+        let taken_over =
+            Packet::Disconnect(Disconnect::new(DisconnectReasonCode::SessionTakenOver));
         assert_eq!(next(&[0x8E, 0xD0, 0x00, 0xE0, 0x00]), Some(taken_over));
         assert!(matches!(next(&[]), Some(Packet::PingResp(_))));
         assert!(matches!(next(&[]), Some(Packet::Disconnect(_))));

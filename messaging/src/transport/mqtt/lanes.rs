@@ -6,7 +6,10 @@ use async_trait::async_trait;
 use futures::FutureExt;
 use rumqttc::v5::mqttbytes::{
     QoS,
-    v5::{Filter, Packet, PubAck, PubAckReason, Publish, RetainForwardRule, Subscribe, SubscribeReasonCode},
+    v5::{
+        Filter, Packet, PubAck, PubAckReason, Publish, RetainForwardRule, Subscribe,
+        SubscribeReasonCode,
+    },
 };
 use time::OffsetDateTime;
 use tokio::{sync::mpsc, time::timeout};
@@ -43,18 +46,21 @@ impl Outgoing for MqttOutgoing {
             && publish.size() > limit as usize
         {
             let reason = format!("the broker takes at most {limit} bytes");
-            let too_large = Rejection { code: "amqp:link:message-size-exceeded".to_owned(), reason };
+            let too_large =
+                Rejection { code: "amqp:link:message-size-exceeded".to_owned(), reason };
             return Ok(futures::future::ready(Ok(Outcome::Rejected(too_large))).boxed());
         }
         let wait = self.limits.outcome_timeout;
-        let acknowledgement = timeout(wait, self.wire.publish(publish))
-            .await
-            .map_err(|_| LaneFault::Stalled("the broker gave no room for a message in time".to_owned()))??;
+        let acknowledgement = timeout(wait, self.wire.publish(publish)).await.map_err(|_| {
+            LaneFault::Stalled("the broker gave no room for a message in time".to_owned())
+        })??;
         Ok(async move {
             match timeout(wait, acknowledgement).await {
                 Ok(Ok(acknowledgement)) => Ok(outcome_of(acknowledgement)),
                 Ok(Err(_)) => Err(broken()),
-                Err(_) => Err(LaneFault::Stalled("the broker did not acknowledge a message in time".to_owned())),
+                Err(_) => Err(LaneFault::Stalled(
+                    "the broker did not acknowledge a message in time".to_owned(),
+                )),
             }
         }
         .boxed())
@@ -89,7 +95,11 @@ pub(super) struct MqttIncoming {
 }
 
 impl MqttIncoming {
-    pub(super) async fn subscribe(wire: Arc<Wire>, topic: String, limits: &LinkLimits) -> Result<Self, LaneFault> {
+    pub(super) async fn subscribe(
+        wire: Arc<Wire>,
+        topic: String,
+        limits: &LinkLimits,
+    ) -> Result<Self, LaneFault> {
         let topics = vec![topic.clone(), format!("{topic}{}", codec::REPLAY)];
         let (lane, arrived) = mpsc::channel(wire.receive_max);
         let filters: Vec<_> = topics
@@ -109,12 +119,16 @@ impl MqttIncoming {
         let incoming = Self { wire, topics, arrived, held: HashMap::new(), next_token: 0 };
         let codes = timeout(limits.outcome_timeout, answer)
             .await
-            .map_err(|_| LaneFault::Stalled("the broker did not answer a subscription in time".to_owned()))?
+            .map_err(|_| {
+                LaneFault::Stalled("the broker did not answer a subscription in time".to_owned())
+            })?
             .map_err(|_| broken())?;
         // The second topic is for backlogs, which only some senders have; it may be closed to us.
         match codes.first() {
             Some(SubscribeReasonCode::Success(_)) => Ok(incoming),
-            Some(SubscribeReasonCode::NotAuthorized) => Err(refused("amqp:unauthorized-access", &topic)),
+            Some(SubscribeReasonCode::NotAuthorized) => {
+                Err(refused("amqp:unauthorized-access", &topic))
+            }
             code => Err(refused("amqp:not-allowed", &format!("{topic}: {code:?}"))),
         }
     }
@@ -161,8 +175,8 @@ impl Incoming for MqttIncoming {
     async fn receive(&mut self, limit: usize) -> Result<Vec<(Token, Delivery)>, LaneFault> {
         let mut batch = Vec::new();
         while batch.is_empty() {
-            // `publish` is lost when this future is dropped during `take`; that waits only for refusals, and an
-            // unacknowledged message comes again.
+            // `publish` is lost when this future is dropped during `take`; that waits only for
+            // refusals, and an unacknowledged message comes again.
             let publish = tokio::select! {
                 publish = self.arrived.recv() => publish.ok_or_else(broken)?,
                 _ = self.wire.lost() => return Err(broken()),
@@ -188,7 +202,9 @@ impl Incoming for MqttIncoming {
             }
         }
         if is_released {
-            return Err(LaneFault::Stalled("messages could not be stored and are asked for again".to_owned()));
+            return Err(LaneFault::Stalled(
+                "messages could not be stored and are asked for again".to_owned(),
+            ));
         }
         Ok(())
     }

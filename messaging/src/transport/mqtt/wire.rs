@@ -1,5 +1,6 @@
-//! One MQTT connection: what reads, what writes, and what is awaited in between. Reading never waits for writing, so that
-//! two full sockets cannot lock each other up; it waits for who takes messages, but not for ever.
+//! One MQTT connection: what reads, what writes, and what is awaited in between. Reading never
+//! waits for writing, so that two full sockets cannot lock each other up; it waits for who takes
+//! messages, but not for ever.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -13,8 +14,8 @@ use futures::{
 };
 use parking_lot::Mutex;
 use rumqttc::v5::mqttbytes::v5::{
-    ConnAckProperties, Disconnect, DisconnectReasonCode, Packet, PingReq, PubAck, Publish, SubscribeReasonCode,
-    Unsubscribe,
+    ConnAckProperties, Disconnect, DisconnectReasonCode, Packet, PingReq, PubAck, Publish,
+    SubscribeReasonCode, Unsubscribe,
 };
 use tokio::{
     sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch},
@@ -65,7 +66,9 @@ impl State {
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id.checked_add(1).unwrap_or(1);
-            if !self.published.contains_key(&self.last_id) && !self.subscribed.contains_key(&self.last_id) {
+            if !self.published.contains_key(&self.last_id)
+                && !self.subscribed.contains_key(&self.last_id)
+            {
                 return self.last_id;
             }
         }
@@ -77,7 +80,11 @@ impl State {
 }
 
 impl Wire {
-    pub(super) fn start(framing: Framing, granted: &ConnAckProperties, limits: &LinkLimits) -> Arc<Self> {
+    pub(super) fn start(
+        framing: Framing,
+        granted: &ConnAckProperties,
+        limits: &LinkLimits,
+    ) -> Arc<Self> {
         let (sink, stream) = framing.split();
         let (packets, waiting) = mpsc::channel(PACKETS_BUFFERED);
         let (lost, loss) = watch::channel(None);
@@ -86,11 +93,16 @@ impl Wire {
         let room = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
         // Zero: the broker does not watch (MQTT 5 §3.2.2.3.14). We do.
         let watched = granted.server_keep_alive.filter(|seconds| *seconds > 0);
-        let keep_alive = watched.map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
+        let keep_alive =
+            watched.map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
         let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
         let lane_opened = Arc::new(Notify::new());
-        let reader =
-            Reader { state: Arc::clone(&state), lane_opened: Arc::clone(&lane_opened), receive_max, keep_alive };
+        let reader = Reader {
+            state: Arc::clone(&state),
+            lane_opened: Arc::clone(&lane_opened),
+            receive_max,
+            keep_alive,
+        };
         tokio::spawn(run(sink, stream, waiting, reader, lost, stop.clone()));
         Arc::new(Self {
             packets,
@@ -105,7 +117,10 @@ impl Wire {
     }
 
     /// Publishes as soon as the broker has room, and gives what will be its acknowledgement.
-    pub(super) async fn publish(&self, mut publish: Publish) -> Result<oneshot::Receiver<PubAck>, LaneFault> {
+    pub(super) async fn publish(
+        &self,
+        mut publish: Publish,
+    ) -> Result<oneshot::Receiver<PubAck>, LaneFault> {
         let permit = Arc::clone(&self.room).acquire_owned().await.map_err(|_| broken())?;
         let (tell, told) = oneshot::channel();
         {
@@ -120,7 +135,8 @@ impl Wire {
         Ok(told)
     }
 
-    /// Subscribes; the lane then gets what arrives for its topics, beginning with what arrived before.
+    /// Subscribes; the lane then gets what arrives for its topics, beginning with what arrived
+    /// before.
     pub(super) async fn subscribe(
         &self,
         topics: &[String],
@@ -174,7 +190,9 @@ impl Wire {
     pub(super) async fn lost(&self) -> ConnectionFault {
         let mut loss = self.loss.clone();
         let lost = loss.wait_for(Option::is_some).await;
-        lost.ok().and_then(|fault| fault.clone()).unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+        lost.ok()
+            .and_then(|fault| fault.clone())
+            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
     }
 
     pub(super) fn close(&self) {
@@ -253,9 +271,16 @@ impl Reader {
     async fn read(&self, mut stream: SplitStream<Framing>) -> ConnectionFault {
         loop {
             // Our pings make the broker answer in time, unless it is gone.
-            let packet = match tokio::time::timeout_at(Instant::now() + self.keep_alive, stream.next()).await {
+            let packet = match tokio::time::timeout_at(
+                Instant::now() + self.keep_alive,
+                stream.next(),
+            )
+            .await
+            {
                 Ok(Some(Ok(packet))) => packet,
-                Ok(Some(Err(e))) => return ConnectionFault::passing(format!("the connection was lost: {e:?}")),
+                Ok(Some(Err(e))) => {
+                    return ConnectionFault::passing(format!("the connection was lost: {e:?}"));
+                }
                 Ok(None) => return ConnectionFault::passing("the broker closed the connection"),
                 Err(_) => return ConnectionFault::passing("the broker has fallen silent"),
             };
@@ -286,8 +311,9 @@ impl Reader {
         }
     }
 
-    /// Hands a message to its lane, or keeps it until the lane is open. A broker that keeps to the Receive Maximum never
-    /// makes this wait; Mosquitto 2.0.11 does not for a resumed session, and the surplus then stays in the sockets.
+    /// Hands a message to its lane, or keeps it until the lane is open. A broker that keeps to the
+    /// Receive Maximum never makes this wait; Mosquitto 2.0.11 does not for a resumed session, and
+    /// the surplus then stays in the sockets.
     async fn deliver(&self, publish: Publish) {
         let lane = loop {
             let opened = self.lane_opened.notified();
@@ -338,7 +364,8 @@ mod tests {
     /// A connection, and a broker that sends five times what it may.
     async fn flooded(keep_alive_seconds: u16) -> (Arc<Wire>, Framed<DuplexStream, PacketCodec>) {
         let (ours, theirs) = tokio::io::duplex(1 << 20);
-        let granted = ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
+        let granted =
+            ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
         let limits = LinkLimits { credit: RECEIVE_MAX, ..LinkLimits::default() };
         let ours: Box<dyn Stream> = Box::new(ours);
         let wire = Wire::start(Framed::new(ours, codec()), &granted, &limits);
@@ -356,9 +383,14 @@ mod tests {
     async fn what_a_broker_sends_beyond_its_grant_waits_and_none_is_lost() {
         let (wire, _broker) = flooded(30).await;
         tokio::time::sleep(Duration::from_millis(50)).await;
-        assert_eq!(wire.state.lock().unclaimed.len(), wire.receive_max, "no more is held than was granted");
+        assert_eq!(
+            wire.state.lock().unclaimed.len(),
+            wire.receive_max,
+            "no more is held than was granted"
+        );
         let (lane, mut arrived) = mpsc::channel(wire.receive_max);
-        let subscribe = |pkid| Packet::Subscribe(Subscribe { pkid, filters: Vec::new(), properties: None });
+        let subscribe =
+            |pkid| Packet::Subscribe(Subscribe { pkid, filters: Vec::new(), properties: None });
         let answer = wire.subscribe(&["t".to_owned()], &lane, subscribe).await;
         assert!(answer.is_ok(), "it is asked for");
         for id in 1..=20 {

@@ -16,13 +16,20 @@ const LIMIT: usize = 256 * 1024;
 async fn pair(buffered: usize) -> (ByteStream<DuplexStream>, ByteStream<DuplexStream>) {
     let (client, server) = duplex(buffered);
     let endpoint = Endpoint { authority: "broker.example", path: "/" };
-    let (client, server) =
-        tokio::join!(connect(client, endpoint, Subprotocol::Mqtt, LIMIT), accept(server, Subprotocol::Mqtt, LIMIT));
+    let (client, server) = tokio::join!(
+        connect(client, endpoint, Subprotocol::Mqtt, LIMIT),
+        accept(server, Subprotocol::Mqtt, LIMIT)
+    );
     (client.expect("connects"), server.expect("accepts"))
 }
 
 /// Writes pieces on one side and gives what the other one reads, in reads of `read` bytes.
-async fn through(from: ByteStream<DuplexStream>, to: ByteStream<DuplexStream>, pieces: Vec<Vec<u8>>, read: usize) {
+async fn through(
+    from: ByteStream<DuplexStream>,
+    to: ByteStream<DuplexStream>,
+    pieces: Vec<Vec<u8>>,
+    read: usize,
+) {
     let expected = pieces.concat();
     let (_, mut writer) = split(from);
     let writing = tokio::spawn(async move {

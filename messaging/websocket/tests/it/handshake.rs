@@ -19,7 +19,8 @@ async fn connected(answer: &str) -> (String, Result<(), ConnectError>) {
         asked
     };
     let endpoint = Endpoint { authority: "[::1]:8443", path: "/amqp?tenant=a" };
-    let (asked, opened) = tokio::join!(answering, connect(client, endpoint, Subprotocol::Amqp, LIMIT));
+    let (asked, opened) =
+        tokio::join!(answering, connect(client, endpoint, Subprotocol::Amqp, LIMIT));
     (asked, opened.map(drop))
 }
 
@@ -28,8 +29,12 @@ async fn the_client_asks_for_path_and_subprotocol_and_says_what_it_got() {
     let (asked, refused) = connected("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").await;
     assert!(asked.starts_with("GET /amqp?tenant=a HTTP/1.1\r\n"), "{asked}");
     let lines = asked.to_ascii_lowercase();
-    for line in ["host: [::1]:8443", "upgrade: websocket", "sec-websocket-version: 13", "sec-websocket-protocol: amqp"]
-    {
+    for line in [
+        "host: [::1]:8443",
+        "upgrade: websocket",
+        "sec-websocket-version: 13",
+        "sec-websocket-protocol: amqp",
+    ] {
         assert!(lines.contains(&format!("\r\n{line}\r\n")), "{line} in {asked}");
     }
     assert!(!lines.contains("sec-websocket-extensions"), "{asked}");
@@ -45,7 +50,10 @@ async fn the_client_asks_for_path_and_subprotocol_and_says_what_it_got() {
             "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: AAAA\r\n\r\n",
             |e| matches!(e, ConnectError::Protocol { .. }),
         ),
-        ("HTTP/1.1 101 Swi", |e| matches!(e, ConnectError::Io(error) if error.kind() == ErrorKind::UnexpectedEof)),
+        (
+            "HTTP/1.1 101 Swi",
+            |e| matches!(e, ConnectError::Io(error) if error.kind() == ErrorKind::UnexpectedEof),
+        ),
         ("", |e| matches!(e, ConnectError::Io(error) if error.kind() == ErrorKind::UnexpectedEof)),
     ] {
         let (_, opened) = connected(answer).await;
@@ -56,16 +64,20 @@ async fn the_client_asks_for_path_and_subprotocol_and_says_what_it_got() {
 
 #[tokio::test]
 async fn a_server_that_agrees_to_nothing_or_to_something_else_is_left() {
-    for (agreed, is_ours) in
-        [("", false), ("Sec-WebSocket-Protocol: mqtt\r\n", false), ("Sec-WebSocket-Protocol: amqp\r\n", true)]
-    {
+    for (agreed, is_ours) in [
+        ("", false),
+        ("Sec-WebSocket-Protocol: mqtt\r\n", false),
+        ("Sec-WebSocket-Protocol: amqp\r\n", true),
+    ] {
         let (client, server) = duplex(64 * 1024);
         let endpoint = Endpoint { authority: "broker.example", path: "/" };
         let opening = connect(client, endpoint, Subprotocol::Amqp, LIMIT);
         let (opened, ()) = tokio::join!(opening, agreeing_to(server, agreed));
         match opened {
             Ok(_) => assert!(is_ours, "{agreed}"),
-            Err(ConnectError::Subprotocol { subprotocol: Subprotocol::Amqp }) => assert!(!is_ours, "{agreed}"),
+            Err(ConnectError::Subprotocol { subprotocol: Subprotocol::Amqp }) => {
+                assert!(!is_ours, "{agreed}")
+            }
             Err(other) => panic!("{agreed}: {other:?}"),
         }
     }
@@ -76,8 +88,11 @@ async fn agreeing_to(mut client: DuplexStream, agreed: &str) {
     let asked = head(&mut client).await;
     let (mut true_client, server) = duplex(64 * 1024);
     true_client.write_all(asked.as_bytes()).await.expect("written");
-    let (answer, _accepted) = tokio::join!(head(&mut true_client), accept(server, Subprotocol::Amqp, LIMIT));
-    let is_kept = |line: &&str| !line.is_empty() && !line.to_ascii_lowercase().starts_with("sec-websocket-protocol:");
+    let (answer, _accepted) =
+        tokio::join!(head(&mut true_client), accept(server, Subprotocol::Amqp, LIMIT));
+    let is_kept = |line: &&str| {
+        !line.is_empty() && !line.to_ascii_lowercase().starts_with("sec-websocket-protocol:")
+    };
     let kept: String = answer.lines().filter(is_kept).map(|line| format!("{line}\r\n")).collect();
     client.write_all(format!("{kept}{agreed}\r\n").as_bytes()).await.expect("written");
 }
@@ -101,7 +116,10 @@ async fn the_server_takes_its_own_subprotocol_from_what_is_offered() {
         if is_taken {
             assert!(answer.starts_with("HTTP/1.1 101 "), "{offers}: {answer}");
             assert!(answer.contains(ACCEPT), "{answer}");
-            assert!(answer.to_ascii_lowercase().contains("\r\nsec-websocket-protocol: amqp\r\n"), "{answer}");
+            assert!(
+                answer.to_ascii_lowercase().contains("\r\nsec-websocket-protocol: amqp\r\n"),
+                "{answer}"
+            );
             assert!(!answer.to_ascii_lowercase().contains("extensions"), "{answer}");
             accepted.expect(offers);
         } else {
@@ -127,7 +145,10 @@ async fn what_is_no_request_for_a_websocket_gets_none() {
         client.shutdown().await.expect("shut down");
         let error = accept(server, Subprotocol::Amqp, LIMIT).await.expect_err("no WebSocket");
         let start: String = rubbish.chars().take(40).collect();
-        assert!(matches!(error, AcceptError::Protocol { .. } | AcceptError::Io(_)), "{start}: {error:?}");
+        assert!(
+            matches!(error, AcceptError::Protocol { .. } | AcceptError::Io(_)),
+            "{start}: {error:?}"
+        );
         let mut answer = Vec::new();
         client.read_to_end(&mut answer).await.expect("the end");
         assert!(!answer.starts_with(b"HTTP/1.1 101"), "{start}");

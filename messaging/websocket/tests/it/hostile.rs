@@ -16,7 +16,10 @@ async fn refused(bytes: &[u8]) -> (ErrorKind, Option<Vec<u8>>) {
     assert_eq!(server.read(&mut [0; 64]).await.expect("the end"), 0, "nothing follows a failure");
     drop(server);
     let told = raw::next(&mut client).await;
-    (error.kind(), told.map(|(first, payload)| (first == FINAL | CLOSE).then_some(payload).expect("a close")))
+    (
+        error.kind(),
+        told.map(|(first, payload)| (first == FINAL | CLOSE).then_some(payload).expect("a close")),
+    )
 }
 
 #[tokio::test]
@@ -35,7 +38,11 @@ async fn what_is_not_allowed_is_refused_and_told() {
         ("a continuation of nothing", frame(FINAL | CONTINUATION, b"a"), 1002),
         ("a long ping", frame(FINAL | PING, &[0; 126]), 1002),
     ] {
-        assert_eq!(refused(&bytes).await, (ErrorKind::InvalidData, Some(raw::close(code))), "{what}");
+        assert_eq!(
+            refused(&bytes).await,
+            (ErrorKind::InvalidData, Some(raw::close(code))),
+            "{what}"
+        );
     }
 }
 

@@ -26,7 +26,10 @@ pub fn request(lines: &str) -> String {
 pub async fn client(message_bytes_max: usize) -> (DuplexStream, ByteStream<DuplexStream>) {
     let (mut client, server) = duplex(1 << 20);
     let accepting = tokio::spawn(accept(server, Subprotocol::Amqp, message_bytes_max));
-    client.write_all(request("Sec-WebSocket-Protocol: amqp\r\n").as_bytes()).await.expect("written");
+    client
+        .write_all(request("Sec-WebSocket-Protocol: amqp\r\n").as_bytes())
+        .await
+        .expect("written");
     assert!(head(&mut client).await.starts_with("HTTP/1.1 101 "));
     (client, accepting.await.expect("no panic").expect("a WebSocket"))
 }

@@ -12,8 +12,8 @@ use websocket::Subprotocol;
 use super::FRAME_BYTES_MAX;
 use crate::config::Carrier;
 
-/// So many frames of the largest size may a peer put into one message of a WebSocket. It may do so before it has signed
-/// in, so this is far less than what a message of AMQP may have.
+/// So many frames of the largest size may a peer put into one message of a WebSocket. It may do so
+/// before it has signed in, so this is far less than what a message of AMQP may have.
 const FRAMES_TOGETHER_MAX: usize = 4;
 
 /// A stream from a peer, plain or encrypted, in a WebSocket or not.
@@ -33,7 +33,9 @@ impl Accepted {
     /// Does what lies beneath AMQP, or says why the peer cannot. The caller bounds the time.
     pub(super) async fn open(self) -> Result<Box<dyn Stream>, String> {
         let stream: Box<dyn Stream> = match self.tls {
-            Some(tls) => Box::new(tls.accept(self.tcp).await.map_err(|e| format!("TLS failed: {e}"))?),
+            Some(tls) => {
+                Box::new(tls.accept(self.tcp).await.map_err(|e| format!("TLS failed: {e}"))?)
+            }
             None => Box::new(self.tcp),
         };
         match self.carrier {

@@ -34,7 +34,8 @@ struct Delivered {
     message: Arc<AnyMessage>,
 }
 
-/// What a consumer holds. Kept apart from the futures of its outcomes, because those may never resolve.
+/// What a consumer holds. Kept apart from the futures of its outcomes, because those may never
+/// resolve.
 #[derive(Default)]
 struct Unsettled {
     delivered: HashMap<i64, Delivered>,
@@ -61,7 +62,12 @@ enum Sent {
 }
 
 /// Serves a consumer until it leaves; what it has not settled is delivered to the next one.
-pub(crate) async fn dispatch(core: Arc<Core>, queue: Arc<Queue>, mut sender: Sender, cut: CancellationToken) {
+pub(crate) async fn dispatch(
+    core: Arc<Core>,
+    queue: Arc<Queue>,
+    mut sender: Sender,
+    cut: CancellationToken,
+) {
     let subscription = Subscription::new(Arc::clone(&queue));
     let mut unsettled = Unsettled::default();
     let consumer = Consumer { core: &core, queue: &queue, subscription: &subscription, cut: &cut };
@@ -138,10 +144,17 @@ impl Consumer<'_> {
         };
         let ttl = entry.expires_at_ms.map(|at| Duration::from_millis((at - now_ms).unsigned_abs()));
         let copy = message::for_delivery(&message, entry.delivery_count, entry.is_redelivered, ttl);
-        self.send(sender, unsettled, Delivered { entry, message }, Sendable::builder().message(copy).build()).await
+        self.send(
+            sender,
+            unsettled,
+            Delivered { entry, message },
+            Sendable::builder().message(copy).build(),
+        )
+        .await
     }
 
-    /// Waits for credit, but not at the expense of others: a message that another consumer could take is given back.
+    /// Waits for credit, but not at the expense of others: a message that another consumer could
+    /// take is given back.
     async fn send(
         &self,
         sender: &mut Sender,
@@ -178,7 +191,10 @@ impl Consumer<'_> {
         &self,
         unsettled: &mut Unsettled,
         delivered: Delivered,
-        result: Result<fe2o3_amqp::link::delivery::DeliveryFut<Result<Outcome, SendError>>, SendError>,
+        result: Result<
+            fe2o3_amqp::link::delivery::DeliveryFut<Result<Outcome, SendError>>,
+            SendError,
+        >,
     ) -> Sent {
         match result {
             Ok(outcome) => {
@@ -201,13 +217,20 @@ impl Consumer<'_> {
     }
 }
 
-async fn settle(core: &Arc<Core>, queue: &Arc<Queue>, delivered: Delivered, outcome: Result<Outcome, SendError>) {
+async fn settle(
+    core: &Arc<Core>,
+    queue: &Arc<Queue>,
+    delivered: Delivered,
+    outcome: Result<Outcome, SendError>,
+) {
     let Delivered { entry, message } = delivered;
     match outcome {
         Ok(Outcome::Accepted(_)) => core.remove(queue, &entry).await,
         Ok(Outcome::Rejected(rejected)) => {
             let (code, reason) = match rejected.error {
-                Some(error) => (condition_text(&error.condition), error.description.unwrap_or_default()),
+                Some(error) => {
+                    (condition_text(&error.condition), error.description.unwrap_or_default())
+                }
                 None => ("amqp:rejected".to_owned(), "rejected without a reason".to_owned()),
             };
             core.bury(queue, entry, &message, code, reason).await;
@@ -220,8 +243,8 @@ async fn settle(core: &Arc<Core>, queue: &Arc<Queue>, delivered: Delivered, outc
                 queue.requeue(Entry { is_redelivered: true, ..entry });
             }
         }
-        // A lost connection is not the message's fault, so it does not count: a receiver that is restarted often must
-        // not turn sound messages into dead letters.
+        // A lost connection is not the message's fault, so it does not count: a receiver that is
+        // restarted often must not turn sound messages into dead letters.
         Err(_) => queue.requeue(Entry { is_redelivered: true, ..entry }),
     }
 }
@@ -240,6 +263,8 @@ async fn consumer_left(core: &Arc<Core>, queue: &Arc<Queue>, mut unsettled: Unse
 pub(super) fn condition_text(condition: &ErrorCondition) -> String {
     serde_amqp::to_vec(condition)
         .ok()
-        .and_then(|bytes| serde_amqp::from_slice::<fe2o3_amqp_types::primitives::Symbol>(&bytes).ok())
+        .and_then(|bytes| {
+            serde_amqp::from_slice::<fe2o3_amqp_types::primitives::Symbol>(&bytes).ok()
+        })
         .map_or_else(|| format!("{condition:?}"), |symbol| symbol.0)
 }

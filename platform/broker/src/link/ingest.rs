@@ -29,7 +29,12 @@ const SETTLED_AT_ONCE: usize = 256;
 
 type Stored = futures::future::Map<
     oneshot::Receiver<Result<(), WriteFailed>>,
-    Box<dyn FnOnce(Result<Result<(), WriteFailed>, oneshot::error::RecvError>) -> (DeliveryInfo, bool) + Send>,
+    Box<
+        dyn FnOnce(
+                Result<Result<(), WriteFailed>, oneshot::error::RecvError>,
+            ) -> (DeliveryInfo, bool)
+            + Send,
+    >,
 >;
 
 /// Serves a publisher until it leaves.
@@ -93,7 +98,8 @@ async fn settle(
 ) -> Result<(), ()> {
     let mut accepted = Vec::new();
     let mut refused = Vec::new();
-    let mut sort = |(info, is_stored)| if is_stored { accepted.push(info) } else { refused.push(info) };
+    let mut sort =
+        |(info, is_stored)| if is_stored { accepted.push(info) } else { refused.push(info) };
     sort(first);
     for _ in 1..SETTLED_AT_ONCE {
         match pending.next().now_or_never() {
@@ -106,8 +112,12 @@ async fn settle(
         receiver.accept_all(accepted).await.map_err(drop)?;
     }
     if !refused.is_empty() {
-        metrics::counter!("broker_messages_refused_total", "reason" => "store").increment(refused.len() as u64);
-        let reason = error(AmqpError::ResourceLimitExceeded, "the broker could not store the message; try again later");
+        metrics::counter!("broker_messages_refused_total", "reason" => "store")
+            .increment(refused.len() as u64);
+        let reason = error(
+            AmqpError::ResourceLimitExceeded,
+            "the broker could not store the message; try again later",
+        );
         receiver.reject_all(refused, reason).await.map_err(drop)?;
     }
     Ok(())
@@ -129,7 +139,10 @@ async fn store(
     };
     message::stamp(&mut received, user_name);
     let Ok(wire) = message::encode(&received) else {
-        return refuse("decode", error(AmqpError::DecodeError, "the message cannot be encoded again"));
+        return refuse(
+            "decode",
+            error(AmqpError::DecodeError, "the message cannot be encoded again"),
+        );
     };
     let bytes = wire.len() as u64;
     if bytes > core.config.limits.message_bytes_max {
@@ -141,7 +154,10 @@ async fn store(
         Err(Refusal::Full) => {
             return refuse(
                 "full",
-                error(AmqpError::ResourceLimitExceeded, format!("the queue {} is full", queue.name)),
+                error(
+                    AmqpError::ResourceLimitExceeded,
+                    format!("the queue {} is full", queue.name),
+                ),
             );
         }
         Err(Refusal::Deleted) => {

@@ -27,8 +27,11 @@ impl Subscription {
         let consumer = {
             let mut state = queue.state.lock();
             state.next_consumer += 1;
-            let consumer =
-                Consumer { id: state.next_consumer, wake: Arc::new(Notify::new()), give_way: Arc::new(Notify::new()) };
+            let consumer = Consumer {
+                id: state.next_consumer,
+                wake: Arc::new(Notify::new()),
+                give_way: Arc::new(Notify::new()),
+            };
             state.consumers.push_back(consumer.clone());
             consumer
         };
@@ -52,8 +55,8 @@ impl Subscription {
         state.wake_next();
     }
 
-    /// Waits until another consumer wants the message that this one holds without being able to send it. To be called
-    /// between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
+    /// Waits until another consumer wants the message that this one holds without being able to
+    /// send it. To be called between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
     pub(crate) async fn wanted_elsewhere(&self) {
         self.consumer.give_way.notified().await;
     }
@@ -61,7 +64,9 @@ impl Subscription {
     /// Tells that this consumer holds a message that it may not be able to send.
     pub(crate) fn hold(&self) {
         let mut state = self.queue.state.lock();
-        if state.ready.is_empty() && state.waiting.iter().any(|id| *id != self.consumer.id && state.may_receive(*id)) {
+        if state.ready.is_empty()
+            && state.waiting.iter().any(|id| *id != self.consumer.id && state.may_receive(*id))
+        {
             self.consumer.give_way.notify_one();
         }
         state.holding.push_back(self.consumer.clone());

@@ -6,7 +6,11 @@ use time::OffsetDateTime;
 use crate::{handle::DeadLetter, message};
 
 /// Dead letters with a greater number, oldest first.
-pub(crate) async fn dead_letters(pool: &SqlitePool, after: i64, limit: u32) -> Result<Vec<DeadLetter>, sqlx::Error> {
+pub(crate) async fn dead_letters(
+    pool: &SqlitePool,
+    after: i64,
+    limit: u32,
+) -> Result<Vec<DeadLetter>, sqlx::Error> {
     let rows = sqlx::query(
         "SELECT message_id, origin, wire_id, subject, principal, code, reason, at_ms, bytes \
          FROM dead_letters WHERE message_id > ? ORDER BY message_id LIMIT ?",
@@ -36,7 +40,10 @@ pub(crate) async fn dead_letters(pool: &SqlitePool, after: i64, limit: u32) -> R
 }
 
 /// The body of a dead letter.
-pub(crate) async fn dead_letter_body(pool: &SqlitePool, id: i64) -> Result<Option<Vec<u8>>, sqlx::Error> {
+pub(crate) async fn dead_letter_body(
+    pool: &SqlitePool,
+    id: i64,
+) -> Result<Option<Vec<u8>>, sqlx::Error> {
     let body: Option<Vec<u8>> = sqlx::query_scalar(
         "SELECT body FROM messages JOIN dead_letters ON dead_letters.message_id = messages.id WHERE messages.id = ?",
     )

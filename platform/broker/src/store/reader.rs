@@ -37,9 +37,12 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
         };
         queues.push(Loaded { id: row.try_get(0)?, name, options, entries: Vec::new() });
     }
-    let mut rows =
-        sqlx::query("SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id").fetch(pool);
-    let by_id: std::collections::HashMap<i64, usize> = queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
+    let mut rows = sqlx::query(
+        "SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id",
+    )
+    .fetch(pool);
+    let by_id: std::collections::HashMap<i64, usize> =
+        queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
     while let Some(row) = futures::TryStreamExt::try_next(&mut rows).await? {
         let Some(at) = by_id.get(&row.try_get::<i64, _>(1)?) else { continue };
         queues[*at].entries.push(Entry {
@@ -55,16 +58,26 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
     Ok(queues)
 }
 
-/// Reads messages by id; those that are gone are missing in the answer, those that cannot be decoded are none.
-pub(crate) async fn bodies(pool: &SqlitePool, ids: &[i64]) -> Result<Vec<(i64, u64, Option<AnyMessage>)>, sqlx::Error> {
-    let rows = sqlx::query("SELECT id, bytes, body FROM messages WHERE id IN (SELECT value FROM json_each(?))")
-        .bind(json_list(ids))
-        .fetch_all(pool)
-        .await?;
+/// Reads messages by id; those that are gone are missing in the answer, those that cannot be
+/// decoded are none.
+pub(crate) async fn bodies(
+    pool: &SqlitePool,
+    ids: &[i64],
+) -> Result<Vec<(i64, u64, Option<AnyMessage>)>, sqlx::Error> {
+    let rows = sqlx::query(
+        "SELECT id, bytes, body FROM messages WHERE id IN (SELECT value FROM json_each(?))",
+    )
+    .bind(json_list(ids))
+    .fetch_all(pool)
+    .await?;
     rows.into_iter()
         .map(|row| {
             let body: Vec<u8> = row.try_get(2)?;
-            Ok((row.try_get(0)?, row.try_get::<i64, _>(1)?.unsigned_abs(), message::decode(&body).ok()))
+            Ok((
+                row.try_get(0)?,
+                row.try_get::<i64, _>(1)?.unsigned_abs(),
+                message::decode(&body).ok(),
+            ))
         })
         .collect()
 }

@@ -1,10 +1,11 @@
-//! The only writer. Commands that arrive while a transaction is being committed share the next one, so that many
-//! publishers cost one synchronisation.
+//! The only writer. Commands that arrive while a transaction is being committed share the next one,
+//! so that many publishers cost one synchronisation.
 
 use std::sync::Arc;
 
 use sqlx::{
-    ConnectOptions as _, Connection as _, QueryBuilder, Sqlite, SqliteConnection, sqlite::SqliteConnectOptions,
+    ConnectOptions as _, Connection as _, QueryBuilder, Sqlite, SqliteConnection,
+    sqlite::SqliteConnectOptions,
 };
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
@@ -84,8 +85,12 @@ impl WriterHandle {
         self.commands.send(command).await.map_err(|_| WriteFailed)
     }
 
-    /// Hands over a command that answers, and waits for the answer. None when the writer has stopped.
-    pub(crate) async fn ask<T>(&self, command: impl FnOnce(Done<T>) -> Command) -> Option<Result<T, sqlx::Error>> {
+    /// Hands over a command that answers, and waits for the answer. None when the writer has
+    /// stopped.
+    pub(crate) async fn ask<T>(
+        &self,
+        command: impl FnOnce(Done<T>) -> Command,
+    ) -> Option<Result<T, sqlx::Error>> {
         let (done, answer) = oneshot::channel();
         self.send(command(done)).await.ok()?;
         answer.await.ok()
@@ -110,7 +115,10 @@ impl Writer {
         dead_letters: Arc<Queue>,
     ) -> (Self, WriterHandle) {
         let (sender, commands) = mpsc::channel(COMMANDS_MAX);
-        (Self { connection, options, commands, dead_letters, retained: Vec::new() }, WriterHandle { commands: sender })
+        (
+            Self { connection, options, commands, dead_letters, retained: Vec::new() },
+            WriterHandle { commands: sender },
+        )
     }
 
     /// Writes until `stop`, then what has been handed over by then, and closes the database.
@@ -130,7 +138,8 @@ impl Writer {
             if received == 0 {
                 break;
             }
-            let commands = std::mem::take(&mut self.retained).into_iter().chain(group.drain(..)).collect();
+            let commands =
+                std::mem::take(&mut self.retained).into_iter().chain(group.drain(..)).collect();
             self.write(commands).await;
         }
         if !self.retained.is_empty() {
@@ -146,7 +155,8 @@ impl Writer {
         let started = std::time::Instant::now();
         match apply(&mut self.connection, &commands, &self.dead_letters).await {
             Ok(()) => {
-                metrics::histogram!("broker_commit_seconds").record(started.elapsed().as_secs_f64());
+                metrics::histogram!("broker_commit_seconds")
+                    .record(started.elapsed().as_secs_f64());
                 for command in commands {
                     self.committed(command);
                 }
@@ -163,8 +173,8 @@ impl Writer {
         }
     }
 
-    /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction for ever: the
-    /// connection that failed is given up for a fresh one.
+    /// A full disk makes SQLite roll back by itself, which the driver takes for an open transaction
+    /// for ever: the connection that failed is given up for a fresh one.
     async fn replace_connection(&mut self) {
         match self.options.connect().await {
             Ok(fresh) => drop(std::mem::replace(&mut self.connection, fresh).close_hard().await),
@@ -181,7 +191,11 @@ impl Writer {
             }
             Command::Bury(letter) => {
                 letter.origin.settle(&letter.entry);
-                self.dead_letters.adopt(Entry { delivery_count: 0, expires_at_ms: None, ..letter.entry });
+                self.dead_letters.adopt(Entry {
+                    delivery_count: 0,
+                    expires_at_ms: None,
+                    ..letter.entry
+                });
             }
             Command::DeclareQueue { done, .. }
             | Command::DeleteQueue { done, .. }
@@ -206,7 +220,9 @@ impl Writer {
             | Command::Purge { done, .. } => {
                 let _ = done.send(Err(cause()));
             }
-            kept @ (Command::Remove(_) | Command::Count { .. } | Command::Bury(_)) => self.retained.push(kept),
+            kept @ (Command::Remove(_) | Command::Count { .. } | Command::Bury(_)) => {
+                self.retained.push(kept)
+            }
         }
     }
 }
@@ -222,8 +238,10 @@ async fn apply(
             declare(&mut transaction, *id, name, options).await?;
         }
     }
-    let new: Vec<_> =
-        commands.iter().filter_map(|c| if let Command::Insert(new) = c { Some(new) } else { None }).collect();
+    let new: Vec<_> = commands
+        .iter()
+        .filter_map(|c| if let Command::Insert(new) = c { Some(new) } else { None })
+        .collect();
     insert(&mut transaction, &new).await?;
     let mut gone = Vec::new();
     for command in commands {
@@ -238,8 +256,14 @@ async fn apply(
             }
             Command::Bury(letter) => bury(&mut transaction, letter, dead_letters.id).await?,
             Command::DeleteQueue { id, .. } => {
-                sqlx::query("DELETE FROM messages WHERE queue_id = ?").bind(id).execute(&mut *transaction).await?;
-                sqlx::query("DELETE FROM queues WHERE id = ?").bind(id).execute(&mut *transaction).await?;
+                sqlx::query("DELETE FROM messages WHERE queue_id = ?")
+                    .bind(id)
+                    .execute(&mut *transaction)
+                    .await?;
+                sqlx::query("DELETE FROM queues WHERE id = ?")
+                    .bind(id)
+                    .execute(&mut *transaction)
+                    .await?;
             }
             Command::Unbury { moves, .. } => unbury(&mut transaction, moves).await?,
             Command::Purge { ids, .. } => gone.extend_from_slice(ids),
@@ -252,10 +276,12 @@ async fn apply(
             .bind(&list)
             .execute(&mut *transaction)
             .await?;
-        sqlx::query("DELETE FROM dead_letters WHERE message_id IN (SELECT value FROM json_each(?))")
-            .bind(&list)
-            .execute(&mut *transaction)
-            .await?;
+        sqlx::query(
+            "DELETE FROM dead_letters WHERE message_id IN (SELECT value FROM json_each(?))",
+        )
+        .bind(&list)
+        .execute(&mut *transaction)
+        .await?;
     }
     transaction.commit().await
 }
@@ -306,12 +332,18 @@ async fn declare(
     Ok(())
 }
 
-async fn bury(connection: &mut SqliteConnection, letter: &Letter, dead_letters: i64) -> Result<(), sqlx::Error> {
-    let moved = sqlx::query("UPDATE messages SET queue_id = ?, delivery_count = 0, expires_at_ms = NULL WHERE id = ?")
-        .bind(dead_letters)
-        .bind(letter.entry.id)
-        .execute(&mut *connection)
-        .await?;
+async fn bury(
+    connection: &mut SqliteConnection,
+    letter: &Letter,
+    dead_letters: i64,
+) -> Result<(), sqlx::Error> {
+    let moved = sqlx::query(
+        "UPDATE messages SET queue_id = ?, delivery_count = 0, expires_at_ms = NULL WHERE id = ?",
+    )
+    .bind(dead_letters)
+    .bind(letter.entry.id)
+    .execute(&mut *connection)
+    .await?;
     if moved.rows_affected() == 0 {
         return Ok(());
     }
@@ -333,7 +365,10 @@ async fn bury(connection: &mut SqliteConnection, letter: &Letter, dead_letters: 
     Ok(())
 }
 
-async fn unbury(connection: &mut SqliteConnection, moves: &[(i64, i64, i64)]) -> Result<(), sqlx::Error> {
+async fn unbury(
+    connection: &mut SqliteConnection,
+    moves: &[(i64, i64, i64)],
+) -> Result<(), sqlx::Error> {
     for (old_id, new_id, queue_id) in moves {
         sqlx::query("UPDATE messages SET id = ?, queue_id = ?, delivery_count = 0 WHERE id = ?")
             .bind(new_id)
@@ -341,7 +376,10 @@ async fn unbury(connection: &mut SqliteConnection, moves: &[(i64, i64, i64)]) ->
             .bind(old_id)
             .execute(&mut *connection)
             .await?;
-        sqlx::query("DELETE FROM dead_letters WHERE message_id = ?").bind(old_id).execute(&mut *connection).await?;
+        sqlx::query("DELETE FROM dead_letters WHERE message_id = ?")
+            .bind(old_id)
+            .execute(&mut *connection)
+            .await?;
     }
     Ok(())
 }

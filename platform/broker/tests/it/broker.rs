@@ -12,10 +12,15 @@ async fn consumers_compete_and_leave_what_they_did_not_settle() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;
     let sender = TestLink::start(&broker.url(), "f1", &[]);
-    let slow =
-        TestLink::start_with(&broker.url(), "platform", &["factory.f1.ingress"], AcceptedReports::Leave, |config| {
+    let slow = TestLink::start_with(
+        &broker.url(),
+        "platform",
+        &["factory.f1.ingress"],
+        AcceptedReports::Leave,
+        |config| {
             config.limits.credit = 10;
-        });
+        },
+    );
     slow.up().await;
     *slow.inbox.delay.lock() = Duration::from_millis(300);
     for n in 0..100 {
@@ -33,7 +38,10 @@ async fn consumers_compete_and_leave_what_they_did_not_settle() {
     assert!(!quick.inbox.ids().is_empty());
     slow.stop().await;
     eventually("the queue is empty", || {
-        broker.handle.queue(&queue("factory.f1.ingress")).is_some_and(|q| q.ready + q.unsettled == 0)
+        broker
+            .handle
+            .queue(&queue("factory.f1.ingress"))
+            .is_some_and(|q| q.ready + q.unsettled == 0)
     })
     .await;
     quick.stop().await;
@@ -48,7 +56,8 @@ async fn a_single_active_consumer_hands_over() {
     let options = QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() };
     broker.handle.declare_queue(&queue("factory.f1.ingress"), options).await.expect("declared");
     let first = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
-    let consumers = |n| broker.handle.queue(&queue("factory.f1.ingress")).is_some_and(|q| q.consumers == n);
+    let consumers =
+        |n| broker.handle.queue(&queue("factory.f1.ingress")).is_some_and(|q| q.consumers == n);
     eventually("the first consumes", || consumers(1)).await;
     let second = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
     eventually("the second waits", || consumers(2)).await;
@@ -77,12 +86,13 @@ async fn a_full_queue_refuses_until_there_is_room() {
         sender.send("factory.f1.ingress", envelope(format!("m{n:02}"), "{}"));
     }
     eventually("the queue fills", || broker.ready("factory.f1.ingress") == 10).await;
-    eventually("the link tells why", || sender.reason().contains("amqp:resource-limit-exceeded")).await;
+    eventually("the link tells why", || sender.reason().contains("amqp:resource-limit-exceeded"))
+        .await;
     assert!(sender.spool.parked().is_empty());
     let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
     eventually("all arrive", || receiver.inbox.ids().len() == 25).await;
-    // What was under way when the queue was full may be taken in any order: a place that became free between two refusals
-    // goes to the next message that comes.
+    // What was under way when the queue was full may be taken in any order: a place that became
+    // free between two refusals goes to the next message that comes.
     let mut ids = receiver.inbox.ids();
     let sent: Vec<_> = (0..25).map(|n| format!("m{n:02}")).collect();
     assert_eq!(ids[..10], sent[..10], "what the queue had taken stays in order");
@@ -119,12 +129,15 @@ async fn a_revoked_user_is_cut_and_stays_out() {
     let broker = TestBroker::start(folder.path()).await;
     let link = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
     link.up().await;
-    eventually("it is listed", || broker.handle.connections().iter().any(|c| c.user_name == "f1")).await;
+    eventually("it is listed", || broker.handle.connections().iter().any(|c| c.user_name == "f1"))
+        .await;
     broker.users.remove("f1");
     assert_eq!(broker.handle.disconnect_user("f1"), 1);
     let state = link.handle.state();
-    eventually("it is refused for good", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("it is refused for good", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     assert!(broker.handle.connections().is_empty());
     link.stop().await;
     broker.stop().await;
@@ -133,7 +146,9 @@ async fn a_revoked_user_is_cut_and_stays_out() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_user_has_a_bounded_number_of_connections() {
     let folder = tempfile::tempdir().expect("a folder");
-    let broker = TestBroker::start_with(folder.path(), |config| config.limits.connections_per_user_max = 1).await;
+    let broker =
+        TestBroker::start_with(folder.path(), |config| config.limits.connections_per_user_max = 1)
+            .await;
     let first = TestLink::start(&broker.url(), "f1", &[]);
     first.up().await;
     let second = TestLink::start(&broker.url(), "f1", &[]);
@@ -148,10 +163,15 @@ async fn a_deleted_queue_ends_its_links_and_only_declared_names_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;
     broker.declare("tool.t1.reports").await;
-    broker.users.put("t1", BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("tool.t1.reports")));
+    broker.users.put(
+        "t1",
+        BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("tool.t1.reports")),
+    );
     let tool = TestLink::start(&broker.url(), "t1", &["tool.t1.reports"]);
-    eventually("it consumes", || broker.handle.queue(&queue("tool.t1.reports")).is_some_and(|q| q.consumers == 1))
-        .await;
+    eventually("it consumes", || {
+        broker.handle.queue(&queue("tool.t1.reports")).is_some_and(|q| q.consumers == 1)
+    })
+    .await;
     broker.handle.delete_queue(&queue("tool.t1.reports")).await.expect("deleted");
     eventually("the tool is told", || tool.reason().contains("amqp:")).await;
     eventually("the name is unknown", || tool.reason().contains("amqp:not-found")).await;

@@ -9,12 +9,18 @@ use tokio::process::Command;
 use crate::support::{SECRET, TestBroker, certificate, pattern, queue, with_websockets};
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/foreign").canonicalize().expect("the foreign peers")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/foreign")
+        .canonicalize()
+        .expect("the foreign peers")
 }
 
 async fn set_up() {
     let status = Command::new(folder().join("setup.sh")).status().await.expect("setup.sh runs");
-    assert!(status.success(), "tests/foreign/setup.sh failed; tools/prerequisites.sh test installs what it needs");
+    assert!(
+        status.success(),
+        "tests/foreign/setup.sh failed; tools/prerequisites.sh test installs what it needs"
+    );
 }
 
 async fn talk(program: PathBuf, arguments: &[String], roots: Option<&str>) -> Value {
@@ -27,7 +33,8 @@ async fn talk(program: PathBuf, arguments: &[String], roots: Option<&str>) -> Va
         .output()
         .await
         .expect("the peer runs");
-    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (out, err) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "the peer failed: {out}\n{err}");
     serde_json::from_str(out.lines().last().unwrap_or_default()).expect("one JSON object")
 }
@@ -108,7 +115,8 @@ async fn rhea(is_encrypted: bool, carrier: Carrier) {
     let seen = talk(PathBuf::from("node"), &arguments, roots.as_deref()).await;
     assert_eq!(seen["accepted"], 3);
     assert_eq!(seen["principal"], "t1");
-    let mut received: Vec<_> = seen["received"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    let mut received: Vec<_> =
+        seen["received"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     received.sort_unstable();
     assert_eq!(received, ["r0", "r1", "r2"]);
     assert_eq!(

@@ -2,7 +2,10 @@
 
 use std::{sync::atomic::Ordering, time::Duration};
 
-use messaging::{BrokerProfile, HttpProxy, LinkPhase, Login, Roots, RowId, Settlement, spool::memory::AcceptedReports};
+use messaging::{
+    BrokerProfile, HttpProxy, LinkPhase, Login, Roots, RowId, Settlement,
+    spool::memory::AcceptedReports,
+};
 
 use crate::{
     proxy::{Proxy, http_proxy},
@@ -24,7 +27,8 @@ async fn messages_travel_both_ways_with_their_headers() {
     platform.send("factory.f1.requests", request.clone());
     factory.send("factory.f1.ingress", envelope("a1", "{}").compressed());
 
-    eventually("both arrive", || factory.inbox.ids() == ["m1"] && platform.inbox.ids() == ["a1"]).await;
+    eventually("both arrive", || factory.inbox.ids() == ["m1"] && platform.inbox.ids() == ["a1"])
+        .await;
     let (at, delivery) = factory.inbox.received.lock()[0].clone();
     assert_eq!(at, address("factory.f1.requests"));
     assert_eq!(delivery.principal.as_deref(), Some("platform"));
@@ -37,9 +41,14 @@ async fn messages_travel_both_ways_with_their_headers() {
     assert!(delivery.envelope.ttl.is_some_and(|ttl| ttl > Duration::from_secs(3590)));
     assert_eq!(platform.inbox.received.lock()[0].1.principal.as_deref(), Some("f1"));
 
-    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0).await;
+    eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0)
+        .await;
     let state = platform.handle.state().borrow().clone();
-    assert!(state.last_accepted_at.is_some() && state.last_received_at.is_some() && state.reason.is_none());
+    assert!(
+        state.last_accepted_at.is_some()
+            && state.last_received_at.is_some()
+            && state.reason.is_none()
+    );
     assert_eq!(state.connects, 1);
     platform.stop().await;
     factory.stop().await;
@@ -54,8 +63,10 @@ async fn a_bad_password_is_told_and_not_hammered() {
     broker.users.remove("f1");
     let link = TestLink::start(&proxy.url(), "f1", &[]);
     let state = link.handle.state();
-    eventually("the refusal is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("the refusal is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     assert!(link.reason().contains("refused the user or password"), "{}", link.reason());
     assert_eq!(proxy.connections.load(Ordering::SeqCst), 1);
 
@@ -71,7 +82,8 @@ async fn a_bad_password_is_told_and_not_hammered() {
 async fn a_refused_address_is_told_and_does_not_hinder_the_others() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;
-    let link = TestLink::start(&broker.url(), "f1", &["factory.f2.requests", "factory.f1.requests"]);
+    let link =
+        TestLink::start(&broker.url(), "f1", &["factory.f2.requests", "factory.f1.requests"]);
     link.send("factory.f2.ingress", envelope("forged", "{}"));
     link.send("factory.f1.ingress", envelope("mine", "{}"));
     eventually("its own address works", || broker.ready("factory.f1.ingress") == 1).await;
@@ -98,7 +110,10 @@ async fn a_broker_restart_loses_nothing() {
     for n in 0..200 {
         sender.send("factory.f1.ingress", envelope(format!("m{n}"), "{}"));
     }
-    eventually("all are stored", || broker.ready("factory.f1.ingress") == 200 && sender.spool.waiting() == 0).await;
+    eventually("all are stored", || {
+        broker.ready("factory.f1.ingress") == 200 && sender.spool.waiting() == 0
+    })
+    .await;
     broker.stop().await;
     sender.send("factory.f1.ingress", envelope("late", "{}"));
     let state = sender.handle.state();
@@ -132,7 +147,10 @@ async fn a_cut_connection_may_repeat_but_never_lose() {
         sender.send("factory.f1.ingress", envelope(format!("m{n}"), vec![b'x'; 500]));
         if n % 500 == 250 {
             let seen = receiver.inbox.ids().len();
-            eventually("some more pass", || receiver.inbox.ids().len() > seen || sender.spool.waiting() == 0).await;
+            eventually("some more pass", || {
+                receiver.inbox.ids().len() > seen || sender.spool.waiting() == 0
+            })
+            .await;
             proxy.cut();
         }
     }
@@ -143,7 +161,10 @@ async fn a_cut_connection_may_repeat_but_never_lose() {
         ids.len() == total
     })
     .await;
-    eventually("nothing is left", || sender.spool.waiting() == 0 && broker.ready("factory.f1.ingress") == 0).await;
+    eventually("nothing is left", || {
+        sender.spool.waiting() == 0 && broker.ready("factory.f1.ingress") == 0
+    })
+    .await;
     assert!(sender.handle.state().borrow().connects > 1);
     sender.stop().await;
     receiver.stop().await;
@@ -156,10 +177,11 @@ async fn a_stall_is_noticed_idle_and_busy() {
     let broker = TestBroker::start(folder.path()).await;
     for is_busy in [false, true] {
         let proxy = Proxy::to(broker.port()).await;
-        let link = TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::Leave, |config| {
-            config.limits.idle_timeout = Duration::from_secs(2);
-            config.limits.outcome_timeout = Duration::from_secs(2);
-        });
+        let link =
+            TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::Leave, |config| {
+                config.limits.idle_timeout = Duration::from_secs(2);
+                config.limits.outcome_timeout = Duration::from_secs(2);
+            });
         link.up().await;
         proxy.stall(true);
         if is_busy {
@@ -169,7 +191,10 @@ async fn a_stall_is_noticed_idle_and_busy() {
             }
         }
         let state = link.handle.state();
-        eventually("the stall is noticed", || matches!(state.borrow().phase, LinkPhase::Down { .. })).await;
+        eventually("the stall is noticed", || {
+            matches!(state.borrow().phase, LinkPhase::Down { .. })
+        })
+        .await;
         proxy.stall(false);
         link.up().await;
         if is_busy {
@@ -183,7 +208,9 @@ async fn a_stall_is_noticed_idle_and_busy() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_oversize_message_is_set_aside_with_the_reason() {
     let folder = tempfile::tempdir().expect("a folder");
-    let broker = TestBroker::start_with(folder.path(), |config| config.limits.message_bytes_max = 10_000).await;
+    let broker =
+        TestBroker::start_with(folder.path(), |config| config.limits.message_bytes_max = 10_000)
+            .await;
     let link = TestLink::start(&broker.url(), "f1", &[]);
     link.send("factory.f1.ingress", envelope("small", "{}"));
     link.send("factory.f1.ingress", envelope("large", vec![b'x'; 20_000]));
@@ -208,21 +235,35 @@ async fn answers_of_the_inbox_are_honoured() {
     for id in ["poison", "later", "good"] {
         sender.send("factory.f1.ingress", envelope(id, "{}"));
     }
-    eventually("the released one comes again", || receiver.inbox.ids().iter().filter(|id| *id == "later").count() == 2)
-        .await;
+    eventually("the released one comes again", || {
+        receiver.inbox.ids().iter().filter(|id| *id == "later").count() == 2
+    })
+    .await;
     assert!(receiver.inbox.received.lock().iter().any(|(_, d)| d.is_redelivered));
     eventually("the rejected one is a dead letter", || broker.ready("dead-letters") == 1).await;
     let letters = broker.handle.dead_letters(0, 10).await.expect("dead letters");
-    assert_eq!((letters[0].code.as_str(), letters[0].reason.as_str()), ("verbund:rubbish", "it is not JSON"));
-    assert_eq!((letters[0].message_id.as_deref(), letters[0].principal.as_deref()), (Some("poison"), Some("f1")));
+    assert_eq!(
+        (letters[0].code.as_str(), letters[0].reason.as_str()),
+        ("verbund:rubbish", "it is not JSON")
+    );
+    assert_eq!(
+        (letters[0].message_id.as_deref(), letters[0].principal.as_deref()),
+        (Some("poison"), Some("f1"))
+    );
     assert_eq!(letters[0].queue.as_str(), "factory.f1.ingress");
-    assert_eq!(broker.handle.dead_letter_body(letters[0].id).await.expect("read").as_deref(), Some(b"{}".as_slice()));
+    assert_eq!(
+        broker.handle.dead_letter_body(letters[0].id).await.expect("read").as_deref(),
+        Some(b"{}".as_slice())
+    );
     assert_eq!(broker.handle.replay_dead_letters(&[letters[0].id]).await.expect("replayed"), 1);
     eventually("the replayed one comes again", || {
         receiver.inbox.ids().iter().filter(|id| *id == "poison").count() == 2
     })
     .await;
-    eventually("nothing is left", || broker.ready("dead-letters") + broker.ready("factory.f1.ingress") == 0).await;
+    eventually("nothing is left", || {
+        broker.ready("dead-letters") + broker.ready("factory.f1.ingress") == 0
+    })
+    .await;
     assert!(broker.handle.dead_letters(0, 10).await.expect("dead letters").is_empty());
     sender.stop().await;
     receiver.stop().await;
@@ -236,15 +277,17 @@ async fn after_an_outage_live_goes_first_and_the_backlog_is_marked() {
     let receiver = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
     receiver.up().await;
     let proxy = Proxy::to(1).await;
-    let sender = TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::WaitForReceipt, |config| {
-        config.brokers.push(broker.url().parse().expect("a url"));
-        config.limits.backoff_min = Duration::from_millis(300);
-    });
+    let sender =
+        TestLink::start_with(&proxy.url(), "f1", &[], AcceptedReports::WaitForReceipt, |config| {
+            config.brokers.push(broker.url().parse().expect("a url"));
+            config.limits.backoff_min = Duration::from_millis(300);
+        });
     // Written while the first address does not answer.
     for n in 1..=20 {
         sender.spool.push_report(address("factory.f1.ingress"), envelope(format!("m{n}"), "{}"), 7);
     }
-    eventually("the backlog arrives over the second address", || receiver.inbox.ids().len() == 20).await;
+    eventually("the backlog arrives over the second address", || receiver.inbox.ids().len() == 20)
+        .await;
     let received = receiver.inbox.received.lock().clone();
     assert_eq!(receiver.inbox.ids()[0], "m20", "the newest first");
     assert!(!received[0].1.envelope.replay);
@@ -256,7 +299,8 @@ async fn after_an_outage_live_goes_first_and_the_backlog_is_marked() {
     // The platform's receipt misses one.
     sender.spool.make_wait(&[RowId(5)]);
     sender.handle.rewind();
-    eventually("it is sent again", || receiver.inbox.ids().last().is_some_and(|id| id == "m5")).await;
+    eventually("it is sent again", || receiver.inbox.ids().last().is_some_and(|id| id == "m5"))
+        .await;
     sender.stop().await;
     receiver.stop().await;
     broker.stop().await;
@@ -267,7 +311,9 @@ async fn tls_is_checked_against_the_configured_roots() {
     let folder = tempfile::tempdir().expect("a folder");
     let (identity, root) = certificate();
     let (_, stranger) = certificate();
-    let broker = TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity)).await;
+    let broker =
+        TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity))
+            .await;
     let url = format!("amqps://localhost:{}", broker.port());
     let trusting = TestLink::start_with(&url, "f1", &[], AcceptedReports::Leave, |config| {
         config.tls.roots = Roots::Pem(root);
@@ -280,8 +326,10 @@ async fn tls_is_checked_against_the_configured_roots() {
         config.tls.roots = Roots::Pem(stranger);
     });
     let state = wary.handle.state();
-    eventually("the distrust is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("the distrust is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     assert!(wary.reason().contains("certificate"), "{}", wary.reason());
     wary.stop().await;
     trusting.stop().await;
@@ -301,7 +349,10 @@ async fn addresses_come_and_go_while_the_link_is_up() {
     eventually("the second arrives", || link.inbox.ids().len() == 2).await;
     link.handle.set_consumed(vec![address("factory.f2.ingress")]);
     eventually("the first has no consumer", || {
-        broker.handle.queue(&crate::support::queue("factory.f1.ingress")).is_some_and(|q| q.consumers == 0)
+        broker
+            .handle
+            .queue(&crate::support::queue("factory.f1.ingress"))
+            .is_some_and(|q| q.consumers == 0)
     })
     .await;
     assert_eq!(link.handle.state().borrow().connects, 1);
@@ -322,7 +373,11 @@ async fn a_post_is_not_kept_and_a_rest_leaves_the_broker() {
 
     factory.handle.rest("somebody else is to have it", Duration::from_secs(3600));
     let mut state = factory.handle.state();
-    let resting = state.wait_for(|state| matches!(state.phase, LinkPhase::Down { .. })).await.expect("it runs").clone();
+    let resting = state
+        .wait_for(|state| matches!(state.phase, LinkPhase::Down { .. }))
+        .await
+        .expect("it runs")
+        .clone();
     assert!(matches!(resting.phase, LinkPhase::Down { is_permanent: true, .. }));
     assert_eq!(resting.reason.as_deref(), Some("somebody else is to have it"));
     platform.send("factory.f1.requests", envelope("r1", "{}"));
@@ -341,7 +396,9 @@ async fn a_post_is_not_kept_and_a_rest_leaves_the_broker() {
 async fn a_proxy_with_credentials_is_passed() {
     let folder = tempfile::tempdir().expect("a folder");
     let (identity, root) = certificate();
-    let broker = TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity)).await;
+    let broker =
+        TestBroker::start_with(folder.path(), |config| config.listeners[0].tls = Some(identity))
+            .await;
     let proxy = format!("http://{}", http_proxy().await);
     let url = format!("amqps://localhost:{}", broker.port());
     let start = |password: &str| {
@@ -356,8 +413,10 @@ async fn a_proxy_with_credentials_is_passed() {
     eventually("it arrives", || broker.ready("factory.f1.ingress") == 1).await;
     let stranger = start("wrong");
     let state = stranger.handle.state();
-    eventually("the refusal is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("the refusal is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     assert!(stranger.reason().contains("proxy"), "{}", stranger.reason());
     stranger.stop().await;
     link.stop().await;

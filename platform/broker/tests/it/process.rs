@@ -61,7 +61,10 @@ impl Drop for BrokerProcess {
 async fn child_serves_until_it_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };
     let port: u16 = std::env::var(PORT).expect("a port").parse().expect("a number");
-    let broker = TestBroker::start_with(Path::new(&folder), |config| config.listeners[0].address.set_port(port)).await;
+    let broker = TestBroker::start_with(Path::new(&folder), |config| {
+        config.listeners[0].address.set_port(port)
+    })
+    .await;
     #[allow(clippy::print_stdout)]
     {
         println!("\nlistens:{}", broker.port());
@@ -76,16 +79,23 @@ async fn kills_lose_nothing_that_was_accepted() {
     let port = process.port;
     let url = format!("amqp://127.0.0.1:{port}");
     let sender = TestLink::start(&url, "f1", &[]);
-    let receiver = TestLink::start_with(&url, "platform", &["factory.f1.ingress"], AcceptedReports::Leave, |config| {
-        config.limits.batch = 20;
-    });
+    let receiver = TestLink::start_with(
+        &url,
+        "platform",
+        &["factory.f1.ingress"],
+        AcceptedReports::Leave,
+        |config| {
+            config.limits.batch = 20;
+        },
+    );
     receiver.inbox.answer("m3", Settlement::Release);
     let (rounds, per_round) = (6, 300);
     for round in 0..rounds {
         for n in 0..per_round {
-            sender
-                .spool
-                .push(address("factory.f1.ingress"), envelope(format!("m{}", round * per_round + n), vec![b'x'; 300]));
+            sender.spool.push(
+                address("factory.f1.ingress"),
+                envelope(format!("m{}", round * per_round + n), vec![b'x'; 300]),
+            );
         }
         sender.handle.wake();
         let before = receiver.inbox.ids().len();

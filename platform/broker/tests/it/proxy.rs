@@ -30,11 +30,14 @@ impl Proxy {
         let is_stalled = Arc::new(AtomicBool::new(false));
         let cut = Arc::new(parking_lot::Mutex::new(CancellationToken::new()));
         tokio::spawn({
-            let (connections, is_stalled, cut) = (Arc::clone(&connections), Arc::clone(&is_stalled), Arc::clone(&cut));
+            let (connections, is_stalled, cut) =
+                (Arc::clone(&connections), Arc::clone(&is_stalled), Arc::clone(&cut));
             async move {
                 while let Ok((client, _)) = listener.accept().await {
                     connections.fetch_add(1, Ordering::SeqCst);
-                    let Ok(server) = TcpStream::connect(("127.0.0.1", port)).await else { continue };
+                    let Ok(server) = TcpStream::connect(("127.0.0.1", port)).await else {
+                        continue;
+                    };
                     let token = cut.lock().clone();
                     let is_stalled = Arc::clone(&is_stalled);
                     tokio::spawn(async move {
@@ -107,7 +110,10 @@ async fn connect(mut client: TcpStream) -> Option<()> {
     let request = String::from_utf8(request).ok()?;
     let target = request.strip_prefix("CONNECT ")?.split(' ').next()?;
     if !request.contains("Proxy-Authorization: Basic cGxhbnQ6Z2F0ZQ==") {
-        client.write_all(b"HTTP/1.1 407 Proxy Authentication Required\r\nContent-Length: 0\r\n\r\n").await.ok()?;
+        client
+            .write_all(b"HTTP/1.1 407 Proxy Authentication Required\r\nContent-Length: 0\r\n\r\n")
+            .await
+            .ok()?;
         return None;
     }
     let mut server = TcpStream::connect(target).await.ok()?;

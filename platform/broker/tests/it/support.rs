@@ -8,8 +8,8 @@ use std::{
 
 use asi_model::MessageId;
 use broker::{
-    AddressPattern, Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable, Listener, QueueName,
-    QueueOptions, TlsIdentity,
+    AddressPattern, Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable,
+    Listener, QueueName, QueueOptions, TlsIdentity,
 };
 use messaging::{
     Envelope, Link, LinkConfig, LinkHandle, LinkLimits, LogicalAddress, Login,
@@ -72,14 +72,17 @@ impl TestBroker {
 
     pub async fn start_with(folder: &Path, change: impl FnOnce(&mut BrokerConfig)) -> Self {
         logs();
-        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
+        let listener =
+            Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
         let mut config = BrokerConfig::new(listener, folder.join("broker.db"));
         config.auto_created = vec![pattern("factory.*.ingress"), pattern("factory.*.requests")];
         change(&mut config);
         let users = Arc::new(CredentialTable::new());
         users.put(
             "platform",
-            BrokerUser::with_secret(SECRET.as_bytes()).may_consume(pattern("#")).may_produce(pattern("#")),
+            BrokerUser::with_secret(SECRET.as_bytes())
+                .may_consume(pattern("#"))
+                .may_produce(pattern("#")),
         );
         users.put(
             "f1",
@@ -148,7 +151,8 @@ impl TestLink {
     ) -> Self {
         logs();
         let login = Login::new(user, SECRET);
-        let mut config = LinkConfig::new(url.parse().expect("a url"), login, format!("test-{user}"));
+        let mut config =
+            LinkConfig::new(url.parse().expect("a url"), login, format!("test-{user}"));
         config.consumed = consumed.iter().map(|name| address(name)).collect();
         config.limits = LinkLimits {
             backoff_min: Duration::from_millis(50),
@@ -160,7 +164,8 @@ impl TestLink {
         change(&mut config);
         let spool = Arc::new(MemorySpool::new(accepted));
         let inbox = Arc::new(RecordingInbox::default());
-        let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) = (Arc::clone(&spool), Arc::clone(&inbox));
+        let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) =
+            (Arc::clone(&spool), Arc::clone(&inbox));
         let (link, handle) = Link::new(config, store, receiver).expect("a link");
         let stop = CancellationToken::new();
         let running = tokio::spawn(link.run(stop.clone()));
@@ -190,12 +195,17 @@ impl TestLink {
 /// Listens for WebSockets, too, with the same certificate.
 pub fn with_websockets(config: &mut BrokerConfig) {
     let tls = config.listeners[0].tls.clone();
-    config.listeners.push(Listener { address: ([127, 0, 0, 1], 0).into(), tls, carrier: Carrier::WebSocket });
+    config.listeners.push(Listener {
+        address: ([127, 0, 0, 1], 0).into(),
+        tls,
+        carrier: Carrier::WebSocket,
+    });
 }
 
 /// A certificate for localhost and its authority, as PEM.
 pub fn certificate() -> (TlsIdentity, bytes::Bytes) {
-    let certified = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+    let certified =
+        rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
     let pem = bytes::Bytes::from(certified.cert.pem());
     let identity = TlsIdentity {
         certificates_pem: pem.clone(),

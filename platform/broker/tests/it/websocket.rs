@@ -51,15 +51,22 @@ async fn the_link_goes_through_an_encrypted_websocket_and_a_proxy_with_credentia
     for n in 0..500 {
         factory.send("factory.f1.ingress", envelope(format!("m{n}"), "{}"));
     }
-    eventually("all arrive", || factory.inbox.ids() == ["r1"] && platform.inbox.ids().len() == 501).await;
+    eventually("all arrive", || factory.inbox.ids() == ["r1"] && platform.inbox.ids().len() == 501)
+        .await;
     let large = platform.inbox.received.lock().iter().map(|(_, d)| d.envelope.body.len()).max();
     assert_eq!(large, Some(1_500_000));
-    assert_eq!(platform.inbox.received.lock()[0].1.principal.as_deref(), Some("f1"), "SASL counts there, too");
+    assert_eq!(
+        platform.inbox.received.lock()[0].1.principal.as_deref(),
+        Some("f1"),
+        "SASL counts there, too"
+    );
 
     let stranger = start("f1", "wrong", &[]);
     let state = stranger.handle.state();
-    eventually("the refusal is told", || matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. }))
-        .await;
+    eventually("the refusal is told", || {
+        matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    })
+    .await;
     assert!(stranger.reason().contains("proxy"), "{}", stranger.reason());
     for link in [stranger, factory, platform] {
         link.stop().await;
@@ -97,12 +104,18 @@ async fn cuts_and_stalls_of_a_websocket_are_noticed_and_lose_nothing() {
         } else {
             let state = sender.handle.state();
             proxy.stall(true);
-            eventually("the stall is noticed", || matches!(state.borrow().phase, LinkPhase::Down { .. })).await;
+            eventually("the stall is noticed", || {
+                matches!(state.borrow().phase, LinkPhase::Down { .. })
+            })
+            .await;
             proxy.stall(false);
         }
     }
     eventually("all arrive", || distinct() == 1500).await;
-    eventually("nothing is left", || sender.spool.waiting() == 0 && broker.ready("factory.f1.ingress") == 0).await;
+    eventually("nothing is left", || {
+        sender.spool.waiting() == 0 && broker.ready("factory.f1.ingress") == 0
+    })
+    .await;
     assert!(proxy.connections.load(Ordering::SeqCst) > 2);
     sender.stop().await;
     receiver.stop().await;
@@ -113,26 +126,29 @@ async fn cuts_and_stalls_of_a_websocket_are_noticed_and_lose_nothing() {
 async fn a_wrong_port_is_told_with_the_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = plain_broker(folder.path()).await;
-    let permanent =
-        |link: &TestLink| matches!(link.handle.state().borrow().phase, LinkPhase::Down { is_permanent: true, .. });
+    let permanent = |link: &TestLink| {
+        matches!(link.handle.state().borrow().phase, LinkPhase::Down { is_permanent: true, .. })
+    };
     let link = TestLink::start(&format!("amqp+ws://127.0.0.1:{}", broker.port()), "f1", &[]);
     eventually("a WebSocket where there is none", || permanent(&link)).await;
     assert!(link.reason().contains("is the port right?"), "{}", link.reason());
     link.stop().await;
 
-    let link = TestLink::start(&format!("mqtt+ws://127.0.0.1:{}", broker.websocket_port()), "f1", &[]);
+    let link =
+        TestLink::start(&format!("mqtt+ws://127.0.0.1:{}", broker.websocket_port()), "f1", &[]);
     eventually("another subprotocol", || permanent(&link)).await;
     assert!(link.reason().contains("answered 400"), "{}", link.reason());
     link.stop().await;
 
-    let link = TestLink::start(&format!("amqp+ws://127.0.0.1:{}", broker.websocket_port()), "f1", &[]);
+    let link =
+        TestLink::start(&format!("amqp+ws://127.0.0.1:{}", broker.websocket_port()), "f1", &[]);
     link.up().await;
     link.stop().await;
     broker.stop().await;
 }
 
-/// What a broker answers to these bytes until it closes, and how long that takes. The frame follows once a WebSocket is
-/// open.
+/// What a broker answers to these bytes until it closes, and how long that takes. The frame follows
+/// once a WebSocket is open.
 async fn told(port: u16, request: &[u8], frame: &[u8]) -> (Vec<u8>, Duration) {
     let begun = Instant::now();
     let mut tcp = TcpStream::connect(("127.0.0.1", port)).await.expect("connected");
@@ -172,8 +188,22 @@ async fn peers_that_promise_nothing_are_sent_away_and_leave_room_for_others() {
     let gigabytes = [0x82, 0xFF, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0];
     for (what, request, frame, begins, ends, is_waited_for) in [
         ("no subprotocol", asking(""), &[][..], "HTTP/1.1 400", Vec::new(), false),
-        ("another subprotocol", asking("Sec-WebSocket-Protocol: mqtt\r\n"), &[], "HTTP/1.1 400", Vec::new(), false),
-        ("no WebSocket", b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n".to_vec(), &[], "", Vec::new(), false),
+        (
+            "another subprotocol",
+            asking("Sec-WebSocket-Protocol: mqtt\r\n"),
+            &[],
+            "HTTP/1.1 400",
+            Vec::new(),
+            false,
+        ),
+        (
+            "no WebSocket",
+            b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n".to_vec(),
+            &[],
+            "",
+            Vec::new(),
+            false,
+        ),
         ("AMQP without WebSocket", b"AMQP\x03\x01\0\0".to_vec(), &[], "", Vec::new(), false),
         ("silence", Vec::new(), &[], "", Vec::new(), true),
         ("a slow request", b"GET / HTTP/1.1\r\nHost:".to_vec(), &[], "", Vec::new(), true),
@@ -182,11 +212,16 @@ async fn peers_that_promise_nothing_are_sent_away_and_leave_room_for_others() {
         ("text", amqp.clone(), &text, opened, close(1003), false),
         ("a frame of gigabytes", amqp, &gigabytes, opened, close(1009), false),
     ] {
-        // There is one place for all: until the one before has left it, a peer is cut off without a word.
+        // There is one place for all: until the one before has left it, a peer is cut off without a
+        // word.
         let deadline = Instant::now() + Duration::from_secs(20);
         loop {
             let (answer, took) = told(port, &request, frame).await;
-            let is_begun = if begins.is_empty() { answer.is_empty() } else { answer.starts_with(begins.as_bytes()) };
+            let is_begun = if begins.is_empty() {
+                answer.is_empty()
+            } else {
+                answer.starts_with(begins.as_bytes())
+            };
             let is_timely = !is_waited_for || took > Duration::from_millis(400);
             if is_begun && is_timely && answer.ends_with(&ends) && took < Duration::from_secs(5) {
                 break;

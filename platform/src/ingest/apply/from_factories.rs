@@ -2,7 +2,9 @@
 
 use asi_model::{
     RequestKey,
-    messages::{Acknowledgement, AcknowledgementResult, Decision, DecisionTarget, FactoryMessage, Gap},
+    messages::{
+        Acknowledgement, AcknowledgementResult, Decision, DecisionTarget, FactoryMessage, Gap,
+    },
 };
 use messaging::LogicalAddress;
 
@@ -21,15 +23,24 @@ impl Applier<'_> {
         message: &FactoryMessage,
     ) -> Result<(), StoreError> {
         match message {
-            FactoryMessage::Acknowledgement(acknowledgement) => self.acknowledgement(acknowledgement).await,
+            FactoryMessage::Acknowledgement(acknowledgement) => {
+                self.acknowledgement(acknowledgement).await
+            }
             FactoryMessage::Decision(decision) => self.decision(decision).await,
             FactoryMessage::Gap(gap) => self.gap(gap).await,
             FactoryMessage::Comment(comment) => {
-                let network = self.work.networks().lookup(&Scope::Platform, &comment.operation_network_id).await?;
+                let network = self
+                    .work
+                    .networks()
+                    .lookup(&Scope::Platform, &comment.operation_network_id)
+                    .await?;
                 let parts = self.work.parts().of_network(&comment.operation_network_id).await?;
                 let has_part = parts.iter().any(|part| part.factory_id == comment.factory_id);
                 let Some(network) = network.filter(|_| has_part) else {
-                    let reason = format!("{} has no part in {}.", comment.factory_id, comment.operation_network_id);
+                    let reason = format!(
+                        "{} has no part in {}.",
+                        comment.factory_id, comment.operation_network_id
+                    );
                     return self.refuse_from(address, incoming, "UNKNOWN_NETWORK", reason).await;
                 };
                 let new = NewComment {
@@ -45,10 +56,14 @@ impl Applier<'_> {
                 let comment_id = self.work.comments().add(&new).await?;
                 let members = self.members(&network.collaboration_id).await?;
                 let operation_network_id = comment.operation_network_id.clone();
-                self.effects.news.push(LiveEvent::Comment { operation_network_id, comment_id }.to(members));
+                self.effects
+                    .news
+                    .push(LiveEvent::Comment { operation_network_id, comment_id }.to(members));
                 Ok(())
             }
-            FactoryMessage::AssetOffer(offer) => self.work.meta_data().put_offer(offer, incoming.received_at).await,
+            FactoryMessage::AssetOffer(offer) => {
+                self.work.meta_data().put_offer(offer, incoming.received_at).await
+            }
             // Answered before anything else of its batch.
             FactoryMessage::LeaseRequest(_) => Ok(()),
         }
@@ -56,11 +71,19 @@ impl Applier<'_> {
 
     async fn acknowledgement(&mut self, answer: &Acknowledgement) -> Result<(), StoreError> {
         let network = answer.operation_network_id.as_ref();
-        let part = self.work.parts().of_answer(&answer.factory_id, &answer.correlation_id, network).await?;
+        let part = self
+            .work
+            .parts()
+            .of_answer(&answer.factory_id, &answer.correlation_id, network)
+            .await?;
         let Some(mut part) = part else { return Ok(()) };
-        let is_for_this = part.message_id == answer.correlation_id || answer.revision == Some(part.revision);
-        // An answer to an older revision says nothing of the one in effect; one that repeats says nothing new.
-        if !is_for_this || (part.state != PartState::Sent && answer.result == AcknowledgementResult::Unchanged) {
+        let is_for_this =
+            part.message_id == answer.correlation_id || answer.revision == Some(part.revision);
+        // An answer to an older revision says nothing of the one in effect; one that repeats says
+        // nothing new.
+        if !is_for_this
+            || (part.state != PartState::Sent && answer.result == AcknowledgementResult::Unchanged)
+        {
             return Ok(());
         }
         part.state = match answer.result {
@@ -86,8 +109,12 @@ impl Applier<'_> {
     }
 
     async fn decision(&mut self, decision: &Decision) -> Result<(), StoreError> {
-        let DecisionTarget::Field { operation_network_id, operation_id, dynamic_data_request_id, field_name } =
-            &decision.target
+        let DecisionTarget::Field {
+            operation_network_id,
+            operation_id,
+            dynamic_data_request_id,
+            field_name,
+        } = &decision.target
         else {
             return Ok(());
         };
@@ -100,7 +127,11 @@ impl Applier<'_> {
         if !self.work.fields().decide(&key, decision).await? {
             return Ok(());
         }
-        let concerned = self.work.fields().concerned(operation_network_id, dynamic_data_request_id.as_str()).await?;
+        let concerned = self
+            .work
+            .fields()
+            .concerned(operation_network_id, dynamic_data_request_id.as_str())
+            .await?;
         let event = LiveEvent::Decision {
             key,
             mapping_state: decision.mapping_state,

@@ -13,13 +13,19 @@ use crate::{
 
 impl Applier<'_> {
     /// A tool's request becomes a request of its organisation, or an answer says why not.
-    pub(super) async fn data_request(&mut self, message: &DataRequestMessage) -> Result<(), StoreError> {
-        let Some(tool) = self.work.tools().lookup(&Scope::Platform, &message.tool_id).await? else { return Ok(()) };
+    pub(super) async fn data_request(
+        &mut self,
+        message: &DataRequestMessage,
+    ) -> Result<(), StoreError> {
+        let Some(tool) = self.work.tools().lookup(&Scope::Platform, &message.tool_id).await? else {
+            return Ok(());
+        };
         let author = Author::tool(&tool.tool_id, tool.organisation_id, self.now);
         let mut request = message.dynamic_data_request.clone();
         request.dynamic_data_request_publisher_id = Some(message.tool_id.clone());
         let (network, operation) = (&message.operation_network_id, &message.operation_id);
-        let added = add_request(self.work, network, operation, request, &author, self.resend_after).await;
+        let added =
+            add_request(self.work, network, operation, request, &author, self.resend_after).await;
         let (result, revision, fault_list) = match added {
             Ok(outcome) => {
                 self.asked.clear();

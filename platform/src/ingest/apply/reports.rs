@@ -19,7 +19,8 @@ use crate::{
     store::{CurrentValue, NewReport, StoreError},
 };
 
-/// Rows waiting in the outbox for one tool beyond which reports are no longer forwarded: the tool reads the history.
+/// Rows waiting in the outbox for one tool beyond which reports are no longer forwarded: the tool
+/// reads the history.
 const TOOL_BACKLOG_MAX: u64 = 10_000;
 
 impl Applier<'_> {
@@ -34,7 +35,8 @@ impl Applier<'_> {
         for report in reports {
             let asked = self.asked(&report.request).await?;
             if let Some(asked) = asked.as_ref().filter(|asked| asked.factory_id != *factory) {
-                let reason = format!("The request {} is asked of {}.", report.request, asked.factory_id);
+                let reason =
+                    format!("The request {} is asked of {}.", report.request, asked.factory_id);
                 self.refuse(factory, incoming, "FOREIGN_REQUEST", reason).await?;
                 continue;
             }
@@ -48,11 +50,15 @@ impl Applier<'_> {
             writer.received += 1;
             writer.last_report_at = Some(incoming.received_at);
             writer.operation_network_id = Some(report.request.operation_network_id.to_string());
-            writer.dynamic_data_request_id = Some(report.request.dynamic_data_request_id.to_string());
+            writer.dynamic_data_request_id =
+                Some(report.request.dynamic_data_request_id.to_string());
             let is_newest = writer.sequences.through() == Some(report.sequence);
             self.heard.entry(factory.clone()).or_default().report_at = Some(incoming.received_at);
-            let shown: serde_json::Map<_, _> =
-                report.fields.iter().map(|(name, value)| (name.clone(), data_value(value))).collect();
+            let shown: serde_json::Map<_, _> = report
+                .fields
+                .iter()
+                .map(|(name, value)| (name.clone(), data_value(value)))
+                .collect();
             let shown = serde_json::Value::Object(shown);
             let mut request = report.request.clone();
             if let Some(asked) = asked {
@@ -63,8 +69,11 @@ impl Applier<'_> {
                     forwarded.entry(tool.clone()).or_default().push(report.position);
                 }
                 if is_newest && !asked.recipients.is_empty() {
-                    let event =
-                        LiveEvent::Value { request: request.clone(), factory_id: factory.clone(), fields: news };
+                    let event = LiveEvent::Value {
+                        request: request.clone(),
+                        factory_id: factory.clone(),
+                        fields: news,
+                    };
                     self.effects.news.push(event.to(asked.recipients.clone()));
                 }
             } else {
@@ -90,7 +99,8 @@ impl Applier<'_> {
         Ok(())
     }
 
-    /// Keeps of each field the value with the highest epoch and sequence; all values as pages show them.
+    /// Keeps of each field the value with the highest epoch and sequence; all values as pages show
+    /// them.
     fn collect_values(
         &mut self,
         asked: &Asked,
@@ -128,7 +138,11 @@ impl Applier<'_> {
         }
         let part = NetworkMessage {
             message_id: Some(id.clone()),
-            messages: positions.iter().filter_map(|position| message.messages.get(*position)).cloned().collect(),
+            messages: positions
+                .iter()
+                .filter_map(|position| message.messages.get(*position))
+                .cloned()
+                .collect(),
             ..message.clone()
         };
         self.send(address, id.clone(), "ua-data", None, encode(&part, Encoding::Digicor)).await
@@ -148,7 +162,12 @@ fn value_news(value: &CurrentValue) -> ValueNews {
     }
 }
 
-fn current_value(key: FieldKey, value: &DataValue, incoming: &Incoming, report: &IncomingReport) -> CurrentValue {
+fn current_value(
+    key: FieldKey,
+    value: &DataValue,
+    incoming: &Incoming,
+    report: &IncomingReport,
+) -> CurrentValue {
     CurrentValue {
         key,
         epoch: report.epoch,

@@ -63,9 +63,11 @@ fn the_report_of_the_contract_is_understood() {
 #[test]
 fn the_sender_is_known_by_the_address() {
     let mut forged = report();
-    for (publisher, expected) in
-        [("FOR_MUC.robot%201", None), ("INS_HAM", Some("FORGED_PUBLISHER")), ("FOR_MUC2", Some("FORGED_PUBLISHER"))]
-    {
+    for (publisher, expected) in [
+        ("FOR_MUC.robot%201", None),
+        ("INS_HAM", Some("FORGED_PUBLISHER")),
+        ("FOR_MUC2", Some("FORGED_PUBLISHER")),
+    ] {
         forged["PublisherId"] = json!(publisher);
         assert_eq!(code_of(&check(&forged)), expected, "{publisher}");
     }
@@ -84,14 +86,22 @@ fn rubbish_is_told_with_its_reason() {
         (vec![b' '; 300 * 1024], "UNREADABLE_BODY"),
     ] {
         let incoming = decode(&ingress(), &delivery(body.clone()), &());
-        assert_eq!(code_of(&incoming), Some(expected), "{:?}", String::from_utf8_lossy(&body[..body.len().min(40)]));
+        assert_eq!(
+            code_of(&incoming),
+            Some(expected),
+            "{:?}",
+            String::from_utf8_lossy(&body[..body.len().min(40)])
+        );
         assert_eq!(incoming.message_id.as_str(), "t1", "the transport's id stands in");
     }
     let mut without_sequence = report();
     without_sequence["Messages"][0].as_object_mut().expect("an object").remove("SequenceNumber");
     assert_eq!(code_of(&check(&without_sequence)), Some("NO_SEQUENCE"));
     let mut without_request = report();
-    without_request["Messages"][0]["Payload"].as_object_mut().expect("an object").remove("operationId");
+    without_request["Messages"][0]["Payload"]
+        .as_object_mut()
+        .expect("an object")
+        .remove("operationId");
     assert_eq!(code_of(&check(&without_request)), Some("NO_REQUEST"));
 }
 
@@ -100,6 +110,8 @@ fn keep_alives_are_no_reports() {
     let body = json!({ "MessageId": "m3", "MessageType": "ua-data", "PublisherId": "FOR_MUC", "Messages": [
         { "DataSetWriterId": 1, "SequenceNumber": 5, "MessageType": "ua-keepalive",
           "MetaDataVersion": { "MajorVersion": 7, "MinorVersion": 7 } } ] });
-    let Content::Reports { reports, keep_alives, .. } = check(&body).content else { panic!("reports") };
+    let Content::Reports { reports, keep_alives, .. } = check(&body).content else {
+        panic!("reports")
+    };
     assert_eq!((reports.len(), keep_alives), (0, vec![(1, 7)]));
 }

@@ -6,14 +6,16 @@ use std::{
 };
 
 use asi_model::values::{
-    BuiltInType, DataValue, ExtensionBody, NodeId as ModelNodeId, QualifiedName, Scalar, Variant as ModelVariant,
+    BuiltInType, DataValue, ExtensionBody, NodeId as ModelNodeId, QualifiedName, Scalar,
+    Variant as ModelVariant,
 };
 use indexmap::IndexMap;
 use opcua_stack::{
     NamespaceTable,
     opcua::types::{
-        AttributeId, BrowseDescription, BrowseDirection, DataTypeId, NodeClass as StackClass, NodeClassMask, NodeId,
-        ReadValueId, ReferenceDescription, ReferenceTypeId, TimestampsToReturn,
+        AttributeId, BrowseDescription, BrowseDirection, DataTypeId, NodeClass as StackClass,
+        NodeClassMask, NodeId, ReadValueId, ReferenceDescription, ReferenceTypeId,
+        TimestampsToReturn,
     },
     values::{from_stack, node_id_from_stack, node_id_to_stack},
 };
@@ -37,19 +39,32 @@ const ATTRIBUTES: [AttributeId; 7] = [
 ];
 
 /// Reads what is to know of nodes; leaves out those that are not there.
-pub(super) async fn details(connection: &Connection, bare: Vec<Bare>) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+pub(super) async fn details(
+    connection: &Connection,
+    bare: Vec<Bare>,
+) -> Result<Vec<BrowsedNode>, ShopFloorError> {
     let namespaces = connection.namespaces();
-    let ids: Vec<_> =
-        bare.iter().flat_map(|bare| ATTRIBUTES.map(|attribute| ReadValueId::new(bare.id.clone(), attribute))).collect();
+    let ids: Vec<_> = bare
+        .iter()
+        .flat_map(|bare| ATTRIBUTES.map(|attribute| ReadValueId::new(bare.id.clone(), attribute)))
+        .collect();
     let attributes = read_all(connection, &ids, &namespaces).await?;
-    let children =
-        references(connection, bare.iter().map(|bare| downward(bare.id.clone())).collect(), PROPERTIES_MAX).await?;
+    let children = references(
+        connection,
+        bare.iter().map(|bare| downward(bare.id.clone())).collect(),
+        PROPERTIES_MAX,
+    )
+    .await?;
     let properties = properties(connection, &children, &namespaces).await?;
     let types = type_names(connection, &bare, &attributes, &namespaces).await?;
     let built_in = built_in_types(connection, &types, &namespaces).await?;
     let mut nodes = Vec::with_capacity(bare.len());
-    for (index, (bare, attributes)) in bare.iter().zip(attributes.chunks(ATTRIBUTES.len())).enumerate() {
-        let [name, display, class, description, data_type, rank, access] = attributes else { continue };
+    for (index, (bare, attributes)) in
+        bare.iter().zip(attributes.chunks(ATTRIBUTES.len())).enumerate()
+    {
+        let [name, display, class, description, data_type, rank, access] = attributes else {
+            continue;
+        };
         let (Some(ModelVariant::Scalar(Scalar::QualifiedName(name))), Some(node_class)) =
             (name.status.is_good().then_some(&name.value), node_class(class))
         else {
@@ -65,13 +80,19 @@ pub(super) async fn details(connection: &Connection, bare: Vec<Bare>) -> Result<
             display_name: text_of(display).unwrap_or_else(|| path.to_string()),
             description: text_of(description),
             node_class,
-            type_definition: bare.type_definition.as_ref().map(|id| type_name(&types, id, &namespaces)),
+            type_definition: bare
+                .type_definition
+                .as_ref()
+                .map(|id| type_name(&types, id, &namespaces)),
             built_in_type: data_type.as_ref().and_then(|id| built_in.get(id).copied()),
             data_type: data_type.and_then(|id| {
                 let id = node_id_to_stack(&id, &namespaces).ok()?;
                 Some(type_name(&types, &id, &namespaces))
             }),
-            value_rank: is_variable.then(|| int_of(rank)).flatten().and_then(|rank| i32::try_from(rank).ok()),
+            value_rank: is_variable
+                .then(|| int_of(rank))
+                .flatten()
+                .and_then(|rank| i32::try_from(rank).ok()),
             unit,
             range,
             // CurrentWrite is bit 1 of the access level (OPC 10000-3 §8.57).
@@ -90,7 +111,9 @@ async fn read_all(
 ) -> Result<Vec<DataValue>, ShopFloorError> {
     let mut values = Vec::with_capacity(ids.len());
     for chunk in ids.chunks(per_request(connection.limits().nodes_per_read_max)) {
-        let answers = connection.ask(connection.session().read(chunk, TimestampsToReturn::Neither, 0.0)).await?;
+        let answers = connection
+            .ask(connection.session().read(chunk, TimestampsToReturn::Neither, 0.0))
+            .await?;
         values.extend(answers.into_iter().map(|answer| from_stack(answer, namespaces)));
     }
     values.resize_with(ids.len(), DataValue::default);
@@ -115,10 +138,13 @@ async fn properties(
         .iter()
         .enumerate()
         .flat_map(|(index, children)| {
-            ["EngineeringUnits", "EURange"].into_iter().filter_map(move |name| Some((index, property(children, name)?)))
+            ["EngineeringUnits", "EURange"]
+                .into_iter()
+                .filter_map(move |name| Some((index, property(children, name)?)))
         })
         .collect();
-    let ids: Vec<_> = asked.iter().map(|(_, id)| ReadValueId::new(id.clone(), AttributeId::Value)).collect();
+    let ids: Vec<_> =
+        asked.iter().map(|(_, id)| ReadValueId::new(id.clone(), AttributeId::Value)).collect();
     let values = read_all(connection, &ids, namespaces).await?;
     let mut found: Vec<UnitAndRange> = vec![(None, None); children.len()];
     for ((index, _), value) in asked.into_iter().zip(values) {
@@ -126,7 +152,9 @@ async fn properties(
         let number = |name: &str| fields.get(name).and_then(ModelVariant::as_f64);
         if let (Some(low), Some(high)) = (number("Low"), number("High")) {
             found[index].1 = Some((low, high));
-        } else if let Some(ModelVariant::Scalar(Scalar::LocalizedText(text))) = fields.get("DisplayName") {
+        } else if let Some(ModelVariant::Scalar(Scalar::LocalizedText(text))) =
+            fields.get("DisplayName")
+        {
             let code = number("UnitId").and_then(|id| unit_code(id as i64));
             let display_name = text.text.as_deref().unwrap_or_default().to_owned();
             found[index].0 = Some(UnitName { display_name, code });
@@ -145,7 +173,8 @@ fn structure_of(value: &DataValue) -> Option<&IndexMap<Arc<str>, ModelVariant>> 
     }
 }
 
-/// The UNECE code that a unit id spells (OPC 10000-8 §5.6.4.3): one to three ASCII letters or digits.
+/// The UNECE code that a unit id spells (OPC 10000-8 §5.6.4.3): one to three ASCII letters or
+/// digits.
 fn unit_code(unit_id: i64) -> Option<String> {
     let bytes = u32::try_from(unit_id).ok().filter(|id| *id > 0)?.to_be_bytes();
     let code: Vec<u8> = bytes.into_iter().skip_while(|byte| *byte == 0).collect();
@@ -160,18 +189,26 @@ async fn type_names(
     attributes: &[DataValue],
     namespaces: &NamespaceTable,
 ) -> Result<HashMap<NodeId, String>, ShopFloorError> {
-    let data_types = attributes
-        .chunks(ATTRIBUTES.len())
-        .filter_map(|attributes| node_id_to_stack(&node_id_of(attributes.get(4)?)?, namespaces).ok());
-    let ids: HashSet<NodeId> = bare.iter().filter_map(|bare| bare.type_definition.clone()).chain(data_types).collect();
+    let data_types = attributes.chunks(ATTRIBUTES.len()).filter_map(|attributes| {
+        node_id_to_stack(&node_id_of(attributes.get(4)?)?, namespaces).ok()
+    });
+    let ids: HashSet<NodeId> =
+        bare.iter().filter_map(|bare| bare.type_definition.clone()).chain(data_types).collect();
     let ids: Vec<_> = ids.into_iter().collect();
     let names = paths::browse_names(connection, &ids).await?;
     let name = |name: Option<QualifiedName>| name.and_then(|name| name.name).unwrap_or_default();
     Ok(ids.into_iter().zip(names.into_iter().map(|found| name(found).to_string())).collect())
 }
 
-fn type_name(names: &HashMap<NodeId, String>, id: &NodeId, namespaces: &NamespaceTable) -> TypeName {
-    TypeName { node_id: node_id_from_stack(id, namespaces), name: names.get(id).cloned().unwrap_or_default() }
+fn type_name(
+    names: &HashMap<NodeId, String>,
+    id: &NodeId,
+    namespaces: &NamespaceTable,
+) -> TypeName {
+    TypeName {
+        node_id: node_id_from_stack(id, namespaces),
+        name: names.get(id).cloned().unwrap_or_default(),
+    }
 }
 
 /// The built-in type behind each of some types: found upwards along their supertypes.
@@ -204,7 +241,9 @@ async fn built_in_types(
         open = open
             .into_iter()
             .zip(answers)
-            .filter_map(|((asked, _), parents)| Some((asked, parents.into_iter().next()?.node_id.node_id)))
+            .filter_map(|((asked, _), parents)| {
+                Some((asked, parents.into_iter().next()?.node_id.node_id))
+            })
             .collect();
     }
     Ok(found)
@@ -251,7 +290,9 @@ fn node_id_of(value: &DataValue) -> Option<ModelNodeId> {
 
 fn text_of(value: &DataValue) -> Option<String> {
     match value.value.as_scalar()? {
-        Scalar::LocalizedText(text) => text.text.as_deref().filter(|text| !text.is_empty()).map(str::to_owned),
+        Scalar::LocalizedText(text) => {
+            text.text.as_deref().filter(|text| !text.is_empty()).map(str::to_owned)
+        }
         _ => None,
     }
 }
@@ -262,7 +303,9 @@ mod tests {
 
     #[test]
     fn unit_ids_spell_codes() {
-        for (id, code) in [(4_408_652, Some("CEL")), (17_476, Some("DD")), (-1, None), (0, None), (1, None)] {
+        for (id, code) in
+            [(4_408_652, Some("CEL")), (17_476, Some("DD")), (-1, None), (0, None), (1, None)]
+        {
             assert_eq!(unit_code(id).as_deref(), code, "{id}");
         }
     }

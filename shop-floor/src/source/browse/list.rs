@@ -7,8 +7,8 @@ use std::{
 
 use opcua_stack::{
     opcua::types::{
-        BrowseDescription, BrowseDirection, NodeClass as StackClass, NodeClassMask, NodeId, ObjectId,
-        ReferenceDescription, ReferenceTypeId,
+        BrowseDescription, BrowseDirection, NodeClass as StackClass, NodeClassMask, NodeId,
+        ObjectId, ReferenceDescription, ReferenceTypeId,
     },
     values::node_id_from_stack,
 };
@@ -22,8 +22,14 @@ use crate::{ListedVariable, ShopFloorError, VariableList};
 /// Longest way up from a type to the base of all.
 const SUPERTYPES_MAX: usize = 20;
 /// The base types' names say nothing about a node.
-const BASE_TYPES: [&str; 6] =
-    ["BaseObjectType", "FolderType", "BaseVariableType", "BaseDataVariableType", "DataItemType", "PropertyType"];
+const BASE_TYPES: [&str; 6] = [
+    "BaseObjectType",
+    "FolderType",
+    "BaseVariableType",
+    "BaseDataVariableType",
+    "DataItemType",
+    "PropertyType",
+];
 
 /// A variable whose types have no names yet: its own, and those of what stands above it.
 struct Found {
@@ -31,31 +37,38 @@ struct Found {
     types: Arc<[NodeId]>,
 }
 
-pub(crate) async fn list(connection: &Connection, visited_max: usize) -> Result<VariableList, ShopFloorError> {
+pub(crate) async fn list(
+    connection: &Connection,
+    visited_max: usize,
+) -> Result<VariableList, ShopFloorError> {
     let namespaces = connection.namespaces();
     let mut found: Vec<Found> = Vec::new();
-    let is_complete = walk(connection, Arc::<[NodeId]>::default(), visited_max, |child, path, above| {
-        if is_aside(child) {
-            return Onward::Past;
-        }
-        let types = match non_null(child.type_definition.node_id.clone()) {
-            Some(own) if !above.contains(&own) => above.iter().cloned().chain([own]).collect(),
-            _ => Arc::clone(above),
-        };
-        if child.node_class == StackClass::Variable {
-            let name = child.display_name.text.value().clone();
-            let variable = ListedVariable {
-                node_id: node_id_from_stack(&child.node_id.node_id, &namespaces),
-                display_name: name.unwrap_or_else(|| path.0.last().map(|name| name.to_string()).unwrap_or_default()),
-                browse_path: path.clone(),
-                type_names: Vec::new(),
+    let is_complete =
+        walk(connection, Arc::<[NodeId]>::default(), visited_max, |child, path, above| {
+            if is_aside(child) {
+                return Onward::Past;
+            }
+            let types = match non_null(child.type_definition.node_id.clone()) {
+                Some(own) if !above.contains(&own) => above.iter().cloned().chain([own]).collect(),
+                _ => Arc::clone(above),
             };
-            found.push(Found { variable, types: Arc::clone(&types) });
-        }
-        Onward::Below(types)
-    })
-    .await?;
-    let distinct: HashSet<NodeId> = found.iter().flat_map(|found| found.types.iter().cloned()).collect();
+            if child.node_class == StackClass::Variable {
+                let name = child.display_name.text.value().clone();
+                let variable = ListedVariable {
+                    node_id: node_id_from_stack(&child.node_id.node_id, &namespaces),
+                    display_name: name.unwrap_or_else(|| {
+                        path.0.last().map(|name| name.to_string()).unwrap_or_default()
+                    }),
+                    browse_path: path.clone(),
+                    type_names: Vec::new(),
+                };
+                found.push(Found { variable, types: Arc::clone(&types) });
+            }
+            Onward::Below(types)
+        })
+        .await?;
+    let distinct: HashSet<NodeId> =
+        found.iter().flat_map(|found| found.types.iter().cloned()).collect();
     let names = names_with_supertypes(connection, distinct).await?;
     let variables = found.into_iter().map(|Found { mut variable, types }| {
         let named = types.iter().rev().filter_map(|id| names.get(id)).flatten();

@@ -23,8 +23,8 @@ pub(super) enum Onward<T> {
     Home,
 }
 
-/// Shows every node below the Objects folder once, with its path and the note left at its parent. True where all were
-/// shown; false where `visited_max` nodes, the depth or the visitor ended it.
+/// Shows every node below the Objects folder once, with its path and the note left at its parent.
+/// True where all were shown; false where `visited_max` nodes, the depth or the visitor ended it.
 pub(super) async fn walk<T>(
     connection: &Connection,
     note: T,
@@ -44,7 +44,8 @@ pub(super) async fn walk<T>(
         let mut next = VecDeque::new();
         for ((_, path, note), children) in level.drain(..).zip(answers) {
             for child in children {
-                if child.node_id.server_index != 0 || !visited.insert(child.node_id.node_id.clone()) {
+                if child.node_id.server_index != 0 || !visited.insert(child.node_id.node_id.clone())
+                {
                     continue;
                 }
                 let mut path = path.clone();

@@ -7,7 +7,8 @@ use opcua_stack::opcua::{
 
 use super::problem;
 use crate::{
-    EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem, SourceProblemKind as Kind,
+    EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
+    SourceProblemKind as Kind,
 };
 
 /// The endpoint that fits the choice of security and the identity.
@@ -21,7 +22,9 @@ pub(super) fn choose<'a>(
         let Some(policy) = policy_of(endpoint) else { return false };
         let mode = mode_of(endpoint.security_mode);
         match choice {
-            SecurityChoice::Strongest => policy != SecurityPolicy::None && mode != MessageSecurity::None,
+            SecurityChoice::Strongest => {
+                policy != SecurityPolicy::None && mode != MessageSecurity::None
+            }
             SecurityChoice::None => policy == SecurityPolicy::None,
             SecurityChoice::Exactly { policy: wanted_policy, mode: wanted_mode } => {
                 (policy, mode) == (wanted_policy, wanted_mode)
@@ -32,7 +35,9 @@ pub(super) fn choose<'a>(
     if secure_enough.is_empty() {
         let names: Vec<_> = offered.iter().map(offer_name).collect();
         let hint = match choice {
-            SecurityChoice::Strongest => "only unprotected or outdated endpoints; choose \"none\" to accept that",
+            SecurityChoice::Strongest => {
+                "only unprotected or outdated endpoints; choose \"none\" to accept that"
+            }
             SecurityChoice::None => "no unprotected endpoint",
             SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
         };
@@ -46,7 +51,9 @@ pub(super) fn choose<'a>(
     let strongest = secure_enough
         .into_iter()
         .filter(|endpoint| allows(endpoint, wanted))
-        .max_by_key(|endpoint| (mode_of(endpoint.security_mode), policy_of(endpoint), endpoint.security_level));
+        .max_by_key(|endpoint| {
+            (mode_of(endpoint.security_mode), policy_of(endpoint), endpoint.security_level)
+        });
     match strongest {
         Some(endpoint) => Ok(endpoint),
         None => unsuitable(format!("The server does not accept sign-in by {wanted:?} there.")),
@@ -98,7 +105,8 @@ pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
         allows_certificate: allows(endpoint, UserTokenType::Certificate),
         server_name: text(&endpoint.server.application_name.text),
         application_uri: text(&endpoint.server.application_uri),
-        certificate_thumbprint: certificate.map(|certificate| certificate.thumbprint().as_hex_string()),
+        certificate_thumbprint: certificate
+            .map(|certificate| certificate.thumbprint().as_hex_string()),
     }
 }
 
@@ -118,14 +126,22 @@ mod tests {
 
     use super::*;
 
-    fn endpoint(policy: &str, mode: MessageSecurityMode, tokens: &[UserTokenType]) -> EndpointDescription {
+    fn endpoint(
+        policy: &str,
+        mode: MessageSecurityMode,
+        tokens: &[UserTokenType],
+    ) -> EndpointDescription {
         EndpointDescription {
-            security_policy_uri: format!("http://opcfoundation.org/UA/SecurityPolicy#{policy}").into(),
+            security_policy_uri: format!("http://opcfoundation.org/UA/SecurityPolicy#{policy}")
+                .into(),
             security_mode: mode,
             user_identity_tokens: Some(
                 tokens
                     .iter()
-                    .map(|token_type| UserTokenPolicy { token_type: *token_type, ..UserTokenPolicy::default() })
+                    .map(|token_type| UserTokenPolicy {
+                        token_type: *token_type,
+                        ..UserTokenPolicy::default()
+                    })
                     .collect(),
             ),
             ..EndpointDescription::default()
@@ -144,11 +160,15 @@ mod tests {
             endpoint("Aes256_Sha256_RsaPss", SignAndEncrypt, &[UserTokenType::Certificate]),
         ];
         let user = Identity::UserName { user_name: "a".into(), password: "b".into() };
-        let check = |offered: &[EndpointDescription], choice, identity: &Identity, expected: Option<&str>| {
+        let check = |offered: &[EndpointDescription],
+                     choice,
+                     identity: &Identity,
+                     expected: Option<&str>| {
             let chosen = choose(offered, choice, identity).ok().map(offer_name);
             assert_eq!(chosen.as_deref(), expected, "{choice:?}");
         };
-        let exactly = |mode| SecurityChoice::Exactly { policy: SecurityPolicy::Basic256Sha256, mode };
+        let exactly =
+            |mode| SecurityChoice::Exactly { policy: SecurityPolicy::Basic256Sha256, mode };
         check(&offered, SecurityChoice::Strongest, &user, Some("Basic256Sha256 SignAndEncrypt"));
         check(&offered, SecurityChoice::None, &Identity::Anonymous, Some("None None"));
         check(&offered, exactly(MessageSecurity::Sign), &user, Some("Basic256Sha256 Sign"));
@@ -159,7 +179,11 @@ mod tests {
     #[test]
     fn a_server_is_reached_where_we_were_told() {
         for (given, said, expected) in [
-            ("opc.tcp://10.0.0.7:4840", "opc.tcp://plc:4841/UA/Server", "opc.tcp://10.0.0.7:4840/UA/Server"),
+            (
+                "opc.tcp://10.0.0.7:4840",
+                "opc.tcp://plc:4841/UA/Server",
+                "opc.tcp://10.0.0.7:4840/UA/Server",
+            ),
             ("opc.tcp://10.0.0.7:4840/x", "opc.tcp://plc", "opc.tcp://10.0.0.7:4840"),
         ] {
             assert_eq!(reachable_url(given, said), expected);

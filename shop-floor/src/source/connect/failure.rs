@@ -13,10 +13,14 @@ pub(super) fn explain(status: StatusCode, detail: &str, policy: SecurityPolicy) 
         StatusCode::BadUserAccessDenied
         | StatusCode::BadIdentityTokenRejected
         | StatusCode::BadIdentityTokenInvalid
-        | StatusCode::BadUserSignatureInvalid => (Kind::CredentialsRejected, "The server does not accept the sign-in"),
+        | StatusCode::BadUserSignatureInvalid => {
+            (Kind::CredentialsRejected, "The server does not accept the sign-in")
+        }
         StatusCode::BadTooManySessions
         | StatusCode::BadTcpNotEnoughResources
-        | StatusCode::BadMaxConnectionsReached => (Kind::ServerFull, "The server has no room for another session"),
+        | StatusCode::BadMaxConnectionsReached => {
+            (Kind::ServerFull, "The server has no room for another session")
+        }
         StatusCode::BadCertificateTimeInvalid
         | StatusCode::BadCertificateIssuerTimeInvalid
         | StatusCode::BadCertificateInvalid
@@ -26,9 +30,10 @@ pub(super) fn explain(status: StatusCode, detail: &str, policy: SecurityPolicy) 
         | StatusCode::BadCertificateUntrusted
         | StatusCode::BadCertificateChainIncomplete
         | StatusCode::BadSecurityChecksFailed
-        | StatusCode::BadCertificateRevoked => {
-            (Kind::ClientCertificateRejected, "The server does not accept this connector's certificate")
-        }
+        | StatusCode::BadCertificateRevoked => (
+            Kind::ClientCertificateRejected,
+            "The server does not accept this connector's certificate",
+        ),
         // Many servers just close the connection when they do not trust a certificate.
         StatusCode::BadConnectionClosed | StatusCode::BadSecureChannelClosed if secure => (
             Kind::ClientCertificateRejected,

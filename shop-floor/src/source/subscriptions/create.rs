@@ -1,4 +1,5 @@
-//! Creating items: in chunks that the server takes, in subscriptions with room, and by browse path where an id is gone.
+//! Creating items: in chunks that the server takes, in subscriptions with room, and by browse path
+//! where an id is gone.
 
 use std::{
     collections::VecDeque,
@@ -25,7 +26,8 @@ use crate::{InputChange, MonitorRequest, ShopFloorError};
 /// First and longest pause before an input that the server refused is tried again.
 const RETRY_MIN: Duration = Duration::from_secs(2);
 const RETRY_MAX: Duration = Duration::from_secs(60);
-/// After how many publishing intervals without requests a server deletes a subscription, at least this long.
+/// After how many publishing intervals without requests a server deletes a subscription, at least
+/// this long.
 const SUBSCRIPTION_LIFE: Duration = Duration::from_secs(30);
 
 /// An item that is to be created.
@@ -64,7 +66,9 @@ impl Subscriptions {
             let found = memory.moved.get(&request.node_id).cloned();
             let is_found_by_path = found.is_some();
             match found.map_or_else(|| node_id_to_stack(&request.node_id, &namespaces), Ok) {
-                Ok(node_id) => queue.push_back(Candidate { request, node_id, is_found_by_path, attempts }),
+                Ok(node_id) => {
+                    queue.push_back(Candidate { request, node_id, is_found_by_path, attempts })
+                }
                 Err(error) => {
                     let status = StatusCode::BadNodeIdUnknown;
                     lost.push(Lost { request, attempts, status, reason: error.to_string() });
@@ -81,7 +85,8 @@ impl Subscriptions {
         Ok(())
     }
 
-    /// Creates what is queued. What the server does not know (any more) and was not found by its path ends in `lost`.
+    /// Creates what is queued. What the server does not know (any more) and was not found by its
+    /// path ends in `lost`.
     async fn create_queued(
         &mut self,
         queue: &mut VecDeque<Candidate>,
@@ -105,7 +110,8 @@ impl Subscriptions {
                 Ok(outcomes) => outcomes,
                 // Some servers refuse all items of a request that has more than there is room for.
                 Err(ShopFloorError::Refused { status })
-                    if StatusCode::from(status.0) == StatusCode::BadTooManyMonitoredItems && count > 1 =>
+                    if StatusCode::from(status.0) == StatusCode::BadTooManyMonitoredItems
+                        && count > 1 =>
                 {
                     self.subscriptions[index].room_guess = count / 2;
                     for candidate in chunk.into_iter().rev() {
@@ -134,18 +140,29 @@ impl Subscriptions {
     }
 
     /// Sends one request for items. Handles are released again for those that were not created.
-    async fn request_items(&self, index: usize, chunk: &[Candidate]) -> Result<Vec<Outcome>, ShopFloorError> {
-        let handles: Vec<_> = chunk.iter().map(|candidate| self.feed.reserve(candidate.request.input)).collect();
+    async fn request_items(
+        &self,
+        index: usize,
+        chunk: &[Candidate],
+    ) -> Result<Vec<Outcome>, ShopFloorError> {
+        let handles: Vec<_> =
+            chunk.iter().map(|candidate| self.feed.reserve(candidate.request.input)).collect();
         let publishing_ms = self.publishing_ms();
         let requests = chunk
             .iter()
             .zip(&handles)
             .map(|(candidate, handle)| {
-                request::item(candidate.node_id.clone(), &candidate.request.options, *handle, publishing_ms)
+                request::item(
+                    candidate.node_id.clone(),
+                    &candidate.request.options,
+                    *handle,
+                    publishing_ms,
+                )
             })
             .collect();
         let session = self.connection.session();
-        // Past the session's own list of items, which would keep all of it once more: the feed knows the handles.
+        // Past the session's own list of items, which would keep all of it once more: the feed
+        // knows the handles.
         let request = CreateMonitoredItems::new(self.subscriptions[index].id, session)
             .timestamps_to_return(TimestampsToReturn::Both)
             .items_to_create(requests);
@@ -167,7 +184,9 @@ impl Subscriptions {
         Ok(created
             .into_iter()
             .zip(handles)
-            .map(|(item, handle)| outcome((item.result.status_code, handle), item.result.monitored_item_id))
+            .map(|(item, handle)| {
+                outcome((item.result.status_code, handle), item.result.monitored_item_id)
+            })
             .collect())
     }
 
@@ -188,7 +207,12 @@ impl Subscriptions {
                     self.feed.expect(self.subscriptions[index].place);
                     let request = candidate.request;
                     self.entry.note([(request.input, None)]);
-                    let item = Item::Monitored { request: Arc::clone(&request), subscription: index, item_id, handle };
+                    let item = Item::Monitored {
+                        request: Arc::clone(&request),
+                        subscription: index,
+                        item_id,
+                        handle,
+                    };
                     self.items.insert(request.input, item);
                 }
                 Outcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
@@ -197,7 +221,12 @@ impl Subscriptions {
                 }
                 Outcome::Refused(status) if is_gone(status) && !candidate.is_found_by_path => {
                     let reason = format!("the server does not know this node: {status}");
-                    lost.push(Lost { request: candidate.request, attempts: candidate.attempts, status, reason });
+                    lost.push(Lost {
+                        request: candidate.request,
+                        attempts: candidate.attempts,
+                        status,
+                        reason,
+                    });
                 }
                 Outcome::Refused(status) => {
                     let reason = format!("the server refuses to monitor this node: {status}");
@@ -213,27 +242,46 @@ impl Subscriptions {
         }
     }
 
-    /// A subscription that takes another item; made where there is none. `None` after it was found that there is no
-    /// room at all.
+    /// A subscription that takes another item; made where there is none. `None` after it was found
+    /// that there is no room at all.
     async fn subscription_with_room(&mut self) -> Result<Option<usize>, ShopFloorError> {
-        if let Some(index) = self.subscriptions.iter().position(|known| known.items < known.capacity) {
+        if let Some(index) =
+            self.subscriptions.iter().position(|known| known.items < known.capacity)
+        {
             return Ok(Some(index));
         }
         let interval = self.config.publishing_interval();
         let keep_alive = self.config.silence_max() / 3;
-        let count = |duration: Duration| (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32;
+        let count = |duration: Duration| {
+            (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32
+        };
         let keep_alive_count = count(keep_alive);
         let life_count = count(SUBSCRIPTION_LIFE).max(keep_alive_count.saturating_mul(3));
         let place = self.feed.add_subscription();
         let listener = Listener::new(Arc::clone(&self.feed), place);
         let session = self.connection.session();
-        let created = session.create_subscription(interval, life_count, keep_alive_count, 0, 0, true, listener);
+        let created = session.create_subscription(
+            interval,
+            life_count,
+            keep_alive_count,
+            0,
+            0,
+            true,
+            listener,
+        );
         match self.connection.ask(created).await {
             Ok(id) => {
                 let limit = self.connection.limits().items_per_subscription_max;
-                let limit = limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
+                let limit =
+                    limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
                 let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
-                self.subscriptions.push(Subscription { id, place, items: 0, capacity, room_guess: usize::MAX });
+                self.subscriptions.push(Subscription {
+                    id,
+                    place,
+                    items: 0,
+                    capacity,
+                    room_guess: usize::MAX,
+                });
                 Ok(Some(self.subscriptions.len() - 1))
             }
             Err(ShopFloorError::Refused { status }) => {
@@ -269,7 +317,8 @@ impl Subscriptions {
                 let Lost { request, attempts, .. } = lost;
                 queue.push_back(Candidate { request, node_id, is_found_by_path: true, attempts });
             } else {
-                let reason = format!("{}; nothing is at its browse path {path} either", lost.reason);
+                let reason =
+                    format!("{}; nothing is at its browse path {path} either", lost.reason);
                 self.refuse(lost.request, lost.attempts, lost.status, reason);
             }
         }
@@ -277,12 +326,21 @@ impl Subscriptions {
     }
 
     /// The input stays without value; its status says why, and it is tried again later.
-    fn refuse(&mut self, request: Arc<MonitorRequest>, attempts: u32, status: StatusCode, reason: String) {
+    fn refuse(
+        &mut self,
+        request: Arc<MonitorRequest>,
+        attempts: u32,
+        status: StatusCode,
+        reason: String,
+    ) {
         let status = status_from_stack(status);
         let input = request.input;
         self.entry.note([(input, Some((status, reason)))]);
         if attempts == 0 {
-            self.outbox.push(vec![InputChange { input, value: DataValue::status_only(status, Some(now())) }]);
+            self.outbox.push(vec![InputChange {
+                input,
+                value: DataValue::status_only(status, Some(now())),
+            }]);
         }
         let pause = RETRY_MIN.saturating_mul(1 << attempts.min(10)).min(RETRY_MAX);
         let retry_at = Instant::now() + pause;

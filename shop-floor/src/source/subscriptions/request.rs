@@ -1,8 +1,8 @@
 //! One request for a monitored item, and what a refusal of several means.
 
 use opcua_stack::opcua::types::{
-    AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId,
-    NumericRange, QualifiedName, ReadValueId, StatusCode,
+    AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters,
+    NodeId, NumericRange, QualifiedName, ReadValueId, StatusCode,
 };
 
 use super::{ShopFloorError, parse_range};
@@ -25,7 +25,11 @@ pub(super) fn item(
         item_to_monitor: ReadValueId {
             node_id,
             attribute_id: AttributeId::Value as u32,
-            index_range: options.index_range.as_deref().and_then(parse_range).unwrap_or(NumericRange::None),
+            index_range: options
+                .index_range
+                .as_deref()
+                .and_then(parse_range)
+                .unwrap_or(NumericRange::None),
             data_encoding: QualifiedName::null(),
         },
         monitoring_mode: MonitoringMode::Reporting,
@@ -33,7 +37,9 @@ pub(super) fn item(
             client_handle: handle,
             sampling_interval,
             filter: ExtensionObject::null(),
-            queue_size: options.queue_size.unwrap_or_else(|| queue_size(sampling_interval, publishing_ms)),
+            queue_size: options
+                .queue_size
+                .unwrap_or_else(|| queue_size(sampling_interval, publishing_ms)),
             discard_oldest: true,
         },
     }
@@ -77,10 +83,18 @@ mod tests {
 
     #[test]
     fn queues_hold_what_may_come_between_two_publishings() {
-        for (sampling, publishing, expected) in
-            [(100.0, 100.0, 2), (10.0, 100.0, 11), (0.0, 20.0, 10), (1.0, 60_000.0, 100), (1000.0, 20.0, 2)]
-        {
-            assert_eq!(queue_size(sampling, publishing), expected, "{sampling} ms in {publishing} ms");
+        for (sampling, publishing, expected) in [
+            (100.0, 100.0, 2),
+            (10.0, 100.0, 11),
+            (0.0, 20.0, 10),
+            (1.0, 60_000.0, 100),
+            (1000.0, 20.0, 2),
+        ] {
+            assert_eq!(
+                queue_size(sampling, publishing),
+                expected,
+                "{sampling} ms in {publishing} ms"
+            );
         }
     }
 }

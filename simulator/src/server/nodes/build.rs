@@ -7,12 +7,14 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         nodes::{
-            DataTypeBuilder, MethodBuilder, ObjectBuilder, ObjectTypeBuilder, ReferenceDirection, VariableBuilder,
+            DataTypeBuilder, MethodBuilder, ObjectBuilder, ObjectTypeBuilder, ReferenceDirection,
+            VariableBuilder,
         },
         server::address_space::AddressSpace,
         types::{
-            Argument, DataTypeDefinition, DataTypeId, NodeId, ObjectId, ObjectTypeId, QualifiedName as StackName,
-            ReferenceTypeId, StructureDefinition, StructureField, StructureType, VariableTypeId, Variant,
+            Argument, DataTypeDefinition, DataTypeId, NodeId, ObjectId, ObjectTypeId,
+            QualifiedName as StackName, ReferenceTypeId, StructureDefinition, StructureField,
+            StructureType, VariableTypeId, Variant,
             custom::{DataTypeTree, EncodingIds, ParentIds, TypeInfo},
         },
     },
@@ -22,7 +24,10 @@ use opcua_stack::{
 use super::layout;
 use crate::{
     Layout,
-    blueprint::{Blueprint, Class, NodePlan, POWER_AGGREGATE, POWER_AGGREGATE_BINARY, POWER_AGGREGATE_FIELDS, Source},
+    blueprint::{
+        Blueprint, Class, NodePlan, POWER_AGGREGATE, POWER_AGGREGATE_BINARY,
+        POWER_AGGREGATE_FIELDS, Source,
+    },
 };
 
 /// The custom structure: its nodes, and the table that can encode it.
@@ -32,7 +37,8 @@ pub(super) fn add_power_aggregate(
     space: &mut AddressSpace,
 ) -> NamespaceTable {
     let namespace = table.index(&blueprint.namespace_uri).expect("it was just registered");
-    let (id, binary) = (NodeId::new(namespace, POWER_AGGREGATE), NodeId::new(namespace, POWER_AGGREGATE_BINARY));
+    let (id, binary) =
+        (NodeId::new(namespace, POWER_AGGREGATE), NodeId::new(namespace, POWER_AGGREGATE_BINARY));
     let types = [DataTypeId::UInt32, DataTypeId::Double, DataTypeId::Double, DataTypeId::Double];
     let fields = POWER_AGGREGATE_FIELDS.iter().zip(types).map(|(name, data_type)| StructureField {
         name: (*name).into(),
@@ -99,14 +105,21 @@ impl Builder<'_> {
         for plan in &self.blueprint.types {
             let id = self.id(&plan.node_id);
             let name = StackName::new(id.namespace, plan.name);
-            ObjectTypeBuilder::new(&id, name, plan.name).subtype_of(self.id(&plan.supertype)).insert(self.space);
+            ObjectTypeBuilder::new(&id, name, plan.name)
+                .subtype_of(self.id(&plan.supertype))
+                .insert(self.space);
         }
     }
 
     pub(super) fn add(&mut self, index: usize, node: &NodePlan) {
-        debug_assert_eq!(self.ids[index], self.id(&layout::node_id(self.blueprint, self.layout, index)));
+        debug_assert_eq!(
+            self.ids[index],
+            self.id(&layout::node_id(self.blueprint, self.layout, index))
+        );
         let id = self.ids[index].clone();
-        let parent = node.parent.map_or_else(|| ObjectId::ObjectsFolder.into(), |parent| self.ids[parent].clone());
+        let parent = node
+            .parent
+            .map_or_else(|| ObjectId::ObjectsFolder.into(), |parent| self.ids[parent].clone());
         let name = self.name(&node.name);
         let display = node.name.name.as_deref().unwrap_or_default();
         let description = node.description.unwrap_or_default();
@@ -115,8 +128,11 @@ impl Builder<'_> {
                 let object = ObjectBuilder::new(&id, name, display)
                     .description(description)
                     .has_type_definition(self.id(type_definition));
-                let object =
-                    if node.parent.is_some() { object.component_of(parent) } else { object.organized_by(parent) };
+                let object = if node.parent.is_some() {
+                    object.component_of(parent)
+                } else {
+                    object.organized_by(parent)
+                };
                 object.insert(self.space);
             }
             Class::Variable(plan) => {
@@ -144,7 +160,14 @@ impl Builder<'_> {
         }
     }
 
-    fn add_job(&mut self, id: &NodeId, name: StackName, display: &str, description: &str, parent: NodeId) {
+    fn add_job(
+        &mut self,
+        id: &NodeId,
+        name: StackName,
+        display: &str,
+        description: &str,
+        parent: NodeId,
+    ) {
         let argument = |name: &str, data_type: DataTypeId| Argument {
             name: name.into(),
             data_type: data_type.into(),
@@ -152,7 +175,8 @@ impl Builder<'_> {
             ..Argument::default()
         };
         let below = |name: &str| NodeId::new(id.namespace, format!("{}.{name}", id.identifier));
-        let inputs = [argument("OrderId", DataTypeId::String), argument("Quantity", DataTypeId::UInt32)];
+        let inputs =
+            [argument("OrderId", DataTypeId::String), argument("Quantity", DataTypeId::UInt32)];
         let outputs = [argument("Accepted", DataTypeId::Boolean)];
         MethodBuilder::new(id, name, display)
             .description(description)

@@ -1,5 +1,5 @@
-//! Bare SQLite: the same rows in the same transactions into the same tables, by prepared statements on the thread that
-//! has them already.
+//! Bare SQLite: the same rows in the same transactions into the same tables, by prepared statements
+//! on the thread that has them already.
 
 use std::{
     path::Path,
@@ -44,7 +44,8 @@ fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
     for (id, row) in &changes.field_values {
         statement.execute(params![id, row.gate, row.transform])?;
     }
-    let mut statement = transaction.prepare_cached("UPDATE writer SET next_sequence = ? WHERE id = ?")?;
+    let mut statement =
+        transaction.prepare_cached("UPDATE writer SET next_sequence = ? WHERE id = ?")?;
     for (id, row) in &changes.writers {
         statement.execute(params![row.next_sequence, id])?;
     }
@@ -76,10 +77,18 @@ fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
     for (entry, report) in &changes.ledger {
         let (recipient, recorded_at) = (entry.recipient.as_str(), entry.recorded_at.unix_micros());
         let number = entry.number as i64;
-        statement.execute(params![recipient, number, recorded_at, report, entry.content, entry.hash])?;
+        statement.execute(params![
+            recipient,
+            number,
+            recorded_at,
+            report,
+            entry.content,
+            entry.hash
+        ])?;
     }
-    let mut statement =
-        transaction.prepare_cached("UPDATE ledger_head SET number = ?, hash = ?, signature = ? WHERE recipient = ?")?;
+    let mut statement = transaction.prepare_cached(
+        "UPDATE ledger_head SET number = ?, hash = ?, signature = ? WHERE recipient = ?",
+    )?;
     for head in &changes.heads {
         let number = head.number as i64;
         statement.execute(params![number, head.hash, head.signature, head.recipient.as_str()])?;

@@ -30,7 +30,8 @@ pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let mut outcomes = FuturesUnordered::new();
     for _ in 0..MESSAGES {
         if outcomes.len() >= usize::from(WINDOW) {
-            let outcome: fe2o3_amqp::types::messaging::Outcome = outcomes.next().await.context("an outcome")??;
+            let outcome: fe2o3_amqp::types::messaging::Outcome =
+                outcomes.next().await.context("an outcome")??;
             ensure!(outcome.is_accepted(), "every message is accepted");
         }
         let mut message = Message::from(Data::from(vec![b'x'; BODY_BYTES]));
@@ -67,9 +68,19 @@ pub(super) async fn receive(broker: &BrokerUnderTest) -> anyhow::Result<Duration
     Ok(took)
 }
 
-async fn connect(broker: &BrokerUnderTest, account: &Account) -> anyhow::Result<ConnectionHandle<()>> {
+async fn connect(
+    broker: &BrokerUnderTest,
+    account: &Account,
+) -> anyhow::Result<ConnectionHandle<()>> {
     let stream = tokio::net::TcpStream::connect(broker.endpoint()?).await?;
     stream.set_nodelay(true)?;
-    let profile = SaslProfile::Plain { username: account.user_name.clone(), password: account.password.clone() };
-    Ok(Connection::builder().container_id("bare").sasl_profile(profile).open_with_stream(stream).await?)
+    let profile = SaslProfile::Plain {
+        username: account.user_name.clone(),
+        password: account.password.clone(),
+    };
+    Ok(Connection::builder()
+        .container_id("bare")
+        .sasl_profile(profile)
+        .open_with_stream(stream)
+        .await?)
 }

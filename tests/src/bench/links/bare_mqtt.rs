@@ -1,4 +1,5 @@
-//! A bare MQTT 5 client. It uses the session of the link's user, whose subscription keeps the messages.
+//! A bare MQTT 5 client. It uses the session of the link's user, whose subscription keeps the
+//! messages.
 
 use std::time::{Duration, Instant};
 
@@ -49,17 +50,26 @@ pub(super) async fn receive(broker: &BrokerUnderTest) -> anyhow::Result<Duration
     }
     let took = began.elapsed();
     // The last acknowledgements are on their way still.
-    let _ = tokio::time::timeout(Duration::from_millis(300), async { while events.poll().await.is_ok() {} }).await;
+    let _ = tokio::time::timeout(Duration::from_millis(300), async {
+        while events.poll().await.is_ok() {}
+    })
+    .await;
     leave(&client, &mut events).await;
     Ok(took)
 }
 
 async fn leave(client: &AsyncClient, events: &mut EventLoop) {
     let _ = client.disconnect().await;
-    let _ = tokio::time::timeout(Duration::from_secs(1), async { while events.poll().await.is_ok() {} }).await;
+    let _ = tokio::time::timeout(Duration::from_secs(1), async {
+        while events.poll().await.is_ok() {}
+    })
+    .await;
 }
 
-fn connect(broker: &BrokerUnderTest, account: &Account) -> anyhow::Result<(AsyncClient, EventLoop)> {
+fn connect(
+    broker: &BrokerUnderTest,
+    account: &Account,
+) -> anyhow::Result<(AsyncClient, EventLoop)> {
     let (host, port) = broker.endpoint()?;
     let mut options = MqttOptions::new(&account.user_name, host, port);
     options

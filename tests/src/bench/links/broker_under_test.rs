@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use broker::{Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable, Listener, QueueOptions};
+use broker::{
+    Broker, BrokerConfig, BrokerHandle, BrokerUser, Carrier, CredentialTable, Listener,
+    QueueOptions,
+};
 use messaging::{
     BrokerProfile, LogicalAddress,
     definitions::{self, Plan, QueueLimits, rabbitmq_definitions},
@@ -44,7 +47,11 @@ pub(super) struct BrokerUnderTest {
 
 /// Ends with this.
 enum Process {
-    Embedded { _folder: tempfile::TempDir, stop: CancellationToken, running: JoinHandle<anyhow::Result<()>> },
+    Embedded {
+        _folder: tempfile::TempDir,
+        stop: CancellationToken,
+        running: JoinHandle<anyhow::Result<()>>,
+    },
     RabbitMq(#[expect(dead_code, reason = "held until the end")] RabbitMq),
     Mosquitto(#[expect(dead_code, reason = "held until the end")] Mosquitto),
 }
@@ -53,38 +60,65 @@ impl BrokerUnderTest {
     /// The platform's own broker with full synchronisation, in this process.
     pub(super) async fn embedded() -> anyhow::Result<Self> {
         let folder = tempfile::tempdir()?;
-        let listener = Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
+        let listener =
+            Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
         let users = Arc::new(CredentialTable::new());
         let (sender, receiver) = accounts();
         let queue = address().to_string();
         let user = |account: &Account| BrokerUser::with_secret(account.password.as_bytes());
         users.put(&sender.user_name, user(&sender).may_produce(queue.parse()?));
         users.put(&receiver.user_name, user(&receiver).may_consume(queue.parse()?));
-        let (broker, handle) = Broker::new(BrokerConfig::new(listener, folder.path().join("broker.db")), users).await?;
+        let (broker, handle) =
+            Broker::new(BrokerConfig::new(listener, folder.path().join("broker.db")), users)
+                .await?;
         let stop = CancellationToken::new();
         let shutdown = stop.clone();
         let running = tokio::spawn(async move { Ok(broker.run(shutdown).await?) });
         handle.declare_queue(&queue.parse()?, QueueOptions::default()).await?;
         let url = format!("amqp://127.0.0.1:{}", port(&handle)?);
         let process = Process::Embedded { _folder: folder, stop, running };
-        Ok(Self::new("the embedded broker", Protocol::Amqp, BrokerProfile::embedded(), url, process))
+        Ok(Self::new(
+            "the embedded broker",
+            Protocol::Amqp,
+            BrokerProfile::embedded(),
+            url,
+            process,
+        ))
     }
 
     /// RabbitMQ with its AMQP 1.0 plugin.
     pub(super) async fn rabbitmq() -> Self {
         let broker = RabbitMq::start(&rabbitmq_definitions(&plan(), "/", rand::random)).await;
         let url = broker.url();
-        Self::new("RabbitMQ 3", Protocol::Amqp, BrokerProfile::rabbitmq_3(), url, Process::RabbitMq(broker))
+        Self::new(
+            "RabbitMQ 3",
+            Protocol::Amqp,
+            BrokerProfile::rabbitmq_3(),
+            url,
+            Process::RabbitMq(broker),
+        )
     }
 
     /// Mosquitto.
     pub(super) async fn mosquitto() -> Self {
         let broker = Mosquitto::start(&plan(), Saving::AtTheEnd).await;
         let url = broker.url();
-        Self::new("Mosquitto", Protocol::Mqtt, BrokerProfile::mqtt(), url, Process::Mosquitto(broker))
+        Self::new(
+            "Mosquitto",
+            Protocol::Mqtt,
+            BrokerProfile::mqtt(),
+            url,
+            Process::Mosquitto(broker),
+        )
     }
 
-    fn new(name: &'static str, protocol: Protocol, profile: BrokerProfile, url: String, process: Process) -> Self {
+    fn new(
+        name: &'static str,
+        protocol: Protocol,
+        profile: BrokerProfile,
+        url: String,
+        process: Process,
+    ) -> Self {
         let (sender, receiver) = accounts();
         Self { name, protocol, profile, url, address: address(), sender, receiver, process }
     }
@@ -114,14 +148,17 @@ fn address() -> LogicalAddress {
 }
 
 fn accounts() -> (Account, Account) {
-    let account = |name: &str| Account { user_name: name.to_owned(), password: format!("secret of {name}") };
+    let account =
+        |name: &str| Account { user_name: name.to_owned(), password: format!("secret of {name}") };
     (account(FACTORY), account(PLATFORM))
 }
 
 fn plan() -> Plan {
     let (sender, receiver) = accounts();
-    let of =
-        |account: Account| definitions::Account { user_name: account.user_name, password: account.password.into() };
+    let of = |account: Account| definitions::Account {
+        user_name: account.user_name,
+        password: account.password.into(),
+    };
     let factories = vec![(FACTORY.parse().expect("an id"), of(sender))];
     Plan { platform: of(receiver), factories, tools: Vec::new(), limits: QueueLimits::default() }
 }

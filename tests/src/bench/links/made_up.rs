@@ -1,4 +1,5 @@
-//! A spool that makes its messages up when they are asked for, so that it takes no memory of its own.
+//! A spool that makes its messages up when they are asked for, so that it takes no memory of its
+//! own.
 
 use std::{
     collections::BTreeSet,
@@ -8,7 +9,8 @@ use std::{
 use async_trait::async_trait;
 use bytes::Bytes;
 use messaging::{
-    Backlog, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+    Backlog, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow,
+    SpoolStore, StoreError,
 };
 
 use super::{BODY_BYTES, Counting};
@@ -31,7 +33,13 @@ struct Accepted {
 impl MadeUpSpool {
     /// So many control messages to an address.
     pub(super) fn new(count: u64, address: LogicalAddress) -> Self {
-        Self { count, address, body: Bytes::from(vec![b'x'; BODY_BYTES]), accepted: Mutex::default(), pace: None }
+        Self {
+            count,
+            address,
+            body: Bytes::from(vec![b'x'; BODY_BYTES]),
+            accepted: Mutex::default(),
+            pace: None,
+        }
     }
 
     /// At most so many ahead of what was received.
@@ -57,21 +65,33 @@ impl SpoolStore for MadeUpSpool {
         }
         let accepted = self.lock();
         let first = u64::try_from(fetch.after.0)?.max(accepted.through) + 1;
-        let last = fetch.through.map_or(Ok(self.count), |through| u64::try_from(through.0))?.min(self.count);
-        let last = self.pace.as_ref().map_or(last, |(inbox, ahead)| last.min(inbox.received() + ahead));
-        let waiting = (first..=last).filter(|number| !accepted.beyond.contains(number)).take(fetch.limit);
+        let last = fetch
+            .through
+            .map_or(Ok(self.count), |through| u64::try_from(through.0))?
+            .min(self.count);
+        let last =
+            self.pace.as_ref().map_or(last, |(inbox, ahead)| last.min(inbox.received() + ahead));
+        let waiting =
+            (first..=last).filter(|number| !accepted.beyond.contains(number)).take(fetch.limit);
         waiting
             .map(|number| {
                 let message_id = format!("m{number}").parse()?;
                 let envelope = Envelope::new(message_id, "bench", self.body.clone());
-                Ok(SpoolRow { id: RowId(i64::try_from(number)?), address: self.address.clone(), envelope, attempts: 0 })
+                Ok(SpoolRow {
+                    id: RowId(i64::try_from(number)?),
+                    address: self.address.clone(),
+                    envelope,
+                    attempts: 0,
+                })
             })
             .collect()
     }
 
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
         let mut accepted = self.lock();
-        for outcome in outcomes.into_iter().filter(|outcome| outcome.outcome == SendOutcome::Accepted) {
+        for outcome in
+            outcomes.into_iter().filter(|outcome| outcome.outcome == SendOutcome::Accepted)
+        {
             accepted.beyond.insert(u64::try_from(outcome.id.0)?);
         }
         let mut next = accepted.through + 1;

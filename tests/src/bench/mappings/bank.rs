@@ -43,7 +43,12 @@ impl Bank {
             environment: Vec::new(),
             log: folder.path().join("bank.log"),
         })?;
-        Ok(Self { variables, endpoint: format!("opc.tcp://127.0.0.1:{port}"), _daemon: daemon, _folder: folder })
+        Ok(Self {
+            variables,
+            endpoint: format!("opc.tcp://127.0.0.1:{port}"),
+            _daemon: daemon,
+            _folder: folder,
+        })
     }
 
     /// How a connector reads from it.

@@ -1,4 +1,5 @@
-//! A connector whose store is filled beforehand: enrolled, one network, one field per counter of a bank, each mapped.
+//! A connector whose store is filled beforehand: enrolled, one network, one field per counter of a
+//! bank, each mapped.
 
 use std::{
     fs,
@@ -42,7 +43,8 @@ pub(super) struct Filled {
 }
 
 impl Filled {
-    /// A store with one field per counter, mapped through these steps; undecided where they are null.
+    /// A store with one field per counter, mapped through these steps; undecided where they are
+    /// null.
     pub async fn with(bank: &Bank, steps: &Value) -> anyhow::Result<Self> {
         let folder = tempfile::Builder::new().prefix("verbund-connector-").tempdir()?;
         fill(&folder.path().join("data"), bank, steps).await?;
@@ -98,13 +100,18 @@ impl Connector {
     }
 
     /// Waits until so many inputs would be found again if the server gave them other ids.
-    pub async fn until_paths_are_learned(&self, inputs: u32, patience: Duration) -> anyhow::Result<()> {
+    pub async fn until_paths_are_learned(
+        &self,
+        inputs: u32,
+        patience: Duration,
+    ) -> anyhow::Result<()> {
         self.until("findable", inputs, patience).await
     }
 
     async fn until(&self, member: &str, inputs: u32, patience: Duration) -> anyhow::Result<()> {
         eventually(&format!("all inputs are {member}"), patience, || async {
-            let status: Value = self.api.get("/api/v1/status").await.map_err(|error| format!("{error:#}"))?;
+            let status: Value =
+                self.api.get("/api/v1/status").await.map_err(|error| format!("{error:#}"))?;
             let count = status["sources"][0][member].as_u64().unwrap_or_default();
             if count >= u64::from(inputs) {
                 return Ok(());
@@ -185,7 +192,11 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     let (mut changes, _) = books.take();
     let source = bank.source()?;
     let config = serde_json::to_string(&source)?;
-    changes.sources.push(SourceRow { source_id: source.source_id.to_string(), config, password: None });
+    changes.sources.push(SourceRow {
+        source_id: source.source_id.to_string(),
+        config,
+        password: None,
+    });
     store.commit(changes).await?;
     store.close().await;
     Ok(())

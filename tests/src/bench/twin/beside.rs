@@ -1,5 +1,6 @@
-//! The same scenario on the twin and on a server written with node-opcua: 5000 variables, all of which change every
-//! 100 ms, to one client. Processor time and memory of the two servers, and their ratios.
+//! The same scenario on the twin and on a server written with node-opcua: 5000 variables, all of
+//! which change every 100 ms, to one client. Processor time and memory of the two servers, and
+//! their ratios.
 
 use std::{
     path::Path,
@@ -55,9 +56,18 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     let theirs = scenario(theirs).await?;
     let mut results = Vec::new();
     for (who, taken) in [("twin", &ours), ("node-opcua", &theirs)] {
-        let scenario = format!("{who}: {VARIABLES} variables changing every {} ms", PERIOD.as_millis());
-        results.push(result(&format!("{scenario}, notifications received"), taken.per_second, "per second"));
-        results.push(result(&format!("{scenario}, processor"), taken.processor_percent, "% of a core"));
+        let scenario =
+            format!("{who}: {VARIABLES} variables changing every {} ms", PERIOD.as_millis());
+        results.push(result(
+            &format!("{scenario}, notifications received"),
+            taken.per_second,
+            "per second",
+        ));
+        results.push(result(
+            &format!("{scenario}, processor"),
+            taken.processor_percent,
+            "% of a core",
+        ));
         results.push(result(&format!("{scenario}, memory"), taken.memory_mib, "MiB"));
         results.extend(distribution(&format!("{scenario}, latency"), taken.latencies.clone()));
     }
@@ -66,7 +76,11 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
         theirs.processor_percent / ours.processor_percent,
         "times",
     ));
-    results.push(result("node-opcua's memory for one of the twin's", theirs.memory_mib / ours.memory_mib, "times"));
+    results.push(result(
+        "node-opcua's memory for one of the twin's",
+        theirs.memory_mib / ours.memory_mib,
+        "times",
+    ));
     Ok(results)
 }
 
@@ -93,7 +107,8 @@ async fn observe(server: &mut Child, folder: &Path) -> anyhow::Result<Taken> {
         }
         anyhow::bail!("the server ended")
     };
-    let said = tokio::time::timeout(START_TIMEOUT, first).await.context("waiting for the server")??;
+    let said =
+        tokio::time::timeout(START_TIMEOUT, first).await.context("waiting for the server")??;
     let nodes: Vec<NodeId> = said["nodes"]
         .as_array()
         .context("the server names its nodes")?
@@ -101,7 +116,9 @@ async fn observe(server: &mut Child, folder: &Path) -> anyhow::Result<Taken> {
         .filter_map(|node| node.as_str()?.parse().ok())
         .collect();
     anyhow::ensure!(nodes.len() == VARIABLES, "the server names {} nodes", nodes.len());
-    let client = Client::connect(said["url"].as_str().context("the server names its endpoint")?, folder).await?;
+    let client =
+        Client::connect(said["url"].as_str().context("the server names its endpoint")?, folder)
+            .await?;
     let mut changes = client.subscribe(&nodes, PERIOD).await?;
     let pid = server.id().context("the server runs")?;
 
@@ -113,13 +130,15 @@ async fn observe(server: &mut Child, folder: &Path) -> anyhow::Result<Taken> {
     let (start, processor) = (Instant::now(), processor_time(pid)?);
     let (mut received, mut latencies) = (0_usize, Vec::new());
     while start.elapsed() < SPAN {
-        let change = tokio::time::timeout(SPAN, changes.recv()).await.context("waiting for changes")?;
+        let change =
+            tokio::time::timeout(SPAN, changes.recv()).await.context("waiting for changes")?;
         let (_, value) = change.context("the subscription goes on")?;
         received += 1;
         if received.is_multiple_of(LATENCY_EVERY)
             && let Some(at) = value.source_timestamp
         {
-            let age = (DateTime::now().as_chrono() - at.as_chrono()).num_microseconds().unwrap_or(0);
+            let age =
+                (DateTime::now().as_chrono() - at.as_chrono()).num_microseconds().unwrap_or(0);
             latencies.push(Duration::from_micros(u64::try_from(age).unwrap_or(0)));
         }
     }

@@ -9,9 +9,9 @@ use opcua_stack::{
         client::{ClientBuilder, DataChangeCallback, IdentityToken, Session},
         crypto::SecurityPolicy,
         types::{
-            AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask, DataValue, MessageSecurityMode,
-            MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters, NodeId, ReadValueId, ReferenceTypeId,
-            TimestampsToReturn, UserTokenPolicy,
+            AttributeId, BrowseDescription, BrowseDirection, BrowseResultMask, DataValue,
+            MessageSecurityMode, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters,
+            NodeId, ReadValueId, ReferenceTypeId, TimestampsToReturn, UserTokenPolicy,
         },
     },
 };
@@ -41,10 +41,14 @@ impl Client {
             .create_sample_keypair(true)
             .trust_server_certs(true)
             .session_retry_limit(0);
-        let mut client = limits::raise_client(builder).client().map_err(|faults| anyhow::anyhow!(faults.join(", ")))?;
+        let mut client = limits::raise_client(builder)
+            .client()
+            .map_err(|faults| anyhow::anyhow!(faults.join(", ")))?;
         let policy = SecurityPolicy::None;
-        let endpoint = (url, policy.to_str(), MessageSecurityMode::None, UserTokenPolicy::anonymous());
-        let (session, event_loop) = client.connect_to_matching_endpoint(endpoint, IdentityToken::Anonymous).await?;
+        let endpoint =
+            (url, policy.to_str(), MessageSecurityMode::None, UserTokenPolicy::anonymous());
+        let (session, event_loop) =
+            client.connect_to_matching_endpoint(endpoint, IdentityToken::Anonymous).await?;
         let events = event_loop.spawn();
         anyhow::ensure!(session.wait_for_connection().await, "the server at {url} can be reached");
         Ok(Self { session, events })
@@ -76,8 +80,17 @@ impl Client {
             node_class_mask: 0,
             result_mask: BrowseResultMask::All as u32,
         };
-        let found = self.session.browse(&[wanted], 0, None).await?.pop().context("one result for one node")?;
-        anyhow::ensure!(found.status_code.is_good(), "browsing {identifier}: {}", found.status_code);
+        let found = self
+            .session
+            .browse(&[wanted], 0, None)
+            .await?
+            .pop()
+            .context("one result for one node")?;
+        anyhow::ensure!(
+            found.status_code.is_good(),
+            "browsing {identifier}: {}",
+            found.status_code
+        );
         Ok(found.references.map_or(0, |references| references.len()))
     }
 
@@ -92,12 +105,19 @@ impl Client {
             // Handles count from 1. Whoever measured may have enough.
             sender.send((item.client_handle() as usize - 1, value)).ok();
         });
-        let subscription = self.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await?;
-        let items: Vec<_> = (1_u32..).zip(nodes).map(|(handle, node_id)| item(handle, node_id)).collect();
+        let subscription =
+            self.session.create_subscription(interval, 1000, 100, 0, 0, true, callback).await?;
+        let items: Vec<_> =
+            (1_u32..).zip(nodes).map(|(handle, node_id)| item(handle, node_id)).collect();
         for chunk in items.chunks(ITEMS_PER_CALL) {
-            let created =
-                self.session.create_monitored_items(subscription, TimestampsToReturn::Both, chunk.to_vec()).await?;
-            anyhow::ensure!(created.iter().all(|i| i.result.status_code.is_good()), "all nodes can be monitored");
+            let created = self
+                .session
+                .create_monitored_items(subscription, TimestampsToReturn::Both, chunk.to_vec())
+                .await?;
+            anyhow::ensure!(
+                created.iter().all(|i| i.result.status_code.is_good()),
+                "all nodes can be monitored"
+            );
         }
         Ok(receiver)
     }

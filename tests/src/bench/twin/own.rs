@@ -31,11 +31,12 @@ const ROUNDS: u64 = 3;
 /// Browses whose median is taken.
 const BROWSES: u32 = 500;
 
-/// Bytes that the twin takes for a field with its document, and how long it takes to show everything again from the
-/// stored messages.
+/// Bytes that the twin takes for a field with its document, and how long it takes to show
+/// everything again from the stored messages.
 pub(in crate::bench) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
-    let stored: Vec<String> = (0..NETWORKS).map(|network| text(network, FIELDS_PER_NETWORK)).collect();
+    let stored: Vec<String> =
+        (0..NETWORKS).map(|network| text(network, FIELDS_PER_NETWORK)).collect();
     // The key is made at the first start; a restart finds it.
     drop(new(folder.path())?);
     let before = resident()?;
@@ -49,8 +50,16 @@ pub(in crate::bench) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
     drop(twin);
     let count = (NETWORKS * FIELDS_PER_NETWORK) as f64;
     Ok(vec![
-        figure("twin: memory of a field, its document included, 100 000 fields", grown as f64 / count, "bytes"),
-        figure("twin: 100 000 fields parsed and shown again after a restart", took.as_secs_f64(), "s"),
+        figure(
+            "twin: memory of a field, its document included, 100 000 fields",
+            grown as f64 / count,
+            "bytes",
+        ),
+        figure(
+            "twin: 100 000 fields parsed and shown again after a restart",
+            took.as_secs_f64(),
+            "s",
+        ),
     ])
 }
 
@@ -63,8 +72,9 @@ pub(in crate::bench) async fn readers() -> anyhow::Result<Vec<Value>> {
     }
     let client = Client::connect(&twin.url, folder.path()).await?;
     let among_few = browse(&client).await?;
-    let documents: Vec<_> =
-        (0..NETWORKS).map(|network| document(&text(network, FIELDS_PER_NETWORK))).collect::<Result<_, _>>()?;
+    let documents: Vec<_> = (0..NETWORKS)
+        .map(|network| document(&text(network, FIELDS_PER_NETWORK)))
+        .collect::<Result<_, _>>()?;
     let is_done = Arc::new(AtomicBool::new(false));
     let adding = tokio::task::spawn_blocking({
         let (handle, is_done) = (twin.handle.clone(), Arc::clone(&is_done));
@@ -88,7 +98,8 @@ pub(in crate::bench) async fn readers() -> anyhow::Result<Vec<Value>> {
     let among_many = browse(&client).await?;
     client.close().await?;
     twin.stop().await?;
-    let mut results = vec![figure("twin: 100 000 fields added in 10 000 interfaces", added.as_secs_f64(), "s")];
+    let mut results =
+        vec![figure("twin: 100 000 fields added in 10 000 interfaces", added.as_secs_f64(), "s")];
     results.extend(figures("twin: a read meanwhile", reads));
     results.push(figure("twin: reads meanwhile that took over 20 ms", late as f64, "reads"));
     results.push(figure("twin: browsing an interface among 10, median", among_few, "ms"));
@@ -123,7 +134,10 @@ pub(in crate::bench) async fn latency() -> anyhow::Result<Vec<Value>> {
         tokio::time::sleep(Duration::from_micros(1000 + (value * 137) % 9000)).await;
         let start = Instant::now();
         twin.handle.publish_values(vec![(key.clone(), DataValue::good(value, now()))]);
-        anyhow::ensure!(heard(&mut changes).await?.1.value == Some(value.into()), "values come in order");
+        anyhow::ensure!(
+            heard(&mut changes).await?.1.value == Some(value.into()),
+            "values come in order"
+        );
         times.push(start.elapsed());
     }
     client.close().await?;
@@ -149,7 +163,9 @@ pub(in crate::bench) async fn burst() -> anyhow::Result<Vec<Value>> {
     }
     let start = Instant::now();
     for round in 2..2 + ROUNDS {
-        twin.handle.publish_values(keys.iter().map(|key| (key.clone(), DataValue::good(round, now()))).collect());
+        twin.handle.publish_values(
+            keys.iter().map(|key| (key.clone(), DataValue::good(round, now()))).collect(),
+        );
     }
     let mut last = vec![1_u64; ITEMS];
     let (mut received, mut out_of_order) = (0, 0);
@@ -165,20 +181,27 @@ pub(in crate::bench) async fn burst() -> anyhow::Result<Vec<Value>> {
     client.close().await?;
     twin.stop().await?;
     Ok(vec![
-        figure("twin: 150 000 changes of 50 000 items in one tick, until the last is heard", took.as_secs_f64(), "s"),
+        figure(
+            "twin: 150 000 changes of 50 000 items in one tick, until the last is heard",
+            took.as_secs_f64(),
+            "s",
+        ),
         figure("twin: of these lost", (ITEMS * ROUNDS as usize - received) as f64, "changes"),
         figure("twin: of these out of order", f64::from(out_of_order), "changes"),
     ])
 }
 
 async fn heard<T>(changes: &mut tokio::sync::mpsc::UnboundedReceiver<T>) -> anyhow::Result<T> {
-    let next = tokio::time::timeout(PATIENCE, changes.recv()).await.context("waiting for a notification")?;
+    let next = tokio::time::timeout(PATIENCE, changes.recv())
+        .await
+        .context("waiting for a notification")?;
     next.context("the subscription goes on")
 }
 
 /// Resident memory of this process in bytes.
 fn resident() -> anyhow::Result<usize> {
     let statm = std::fs::read_to_string("/proc/self/statm")?;
-    let pages: usize = statm.split(' ').nth(1).context("reading the memory of this process")?.parse()?;
+    let pages: usize =
+        statm.split(' ').nth(1).context("reading the memory of this process")?.parse()?;
     Ok(pages * 4096)
 }

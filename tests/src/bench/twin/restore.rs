@@ -38,8 +38,13 @@ pub(in crate::bench) async fn measure() -> anyhow::Result<Vec<Value>> {
     for first in (0..NETWORKS).step_by(BATCH) {
         let batch = (first..first + BATCH).map(delivery).collect::<anyhow::Result<Vec<_>>>()?;
         let settled = connector.desk.deliver(batch).await;
-        let accepted = settled.iter().filter(|settlement| matches!(settlement, Settlement::Accept)).count();
-        anyhow::ensure!(accepted == BATCH, "{accepted} of {BATCH} networks were stored: {:?}", settled.first());
+        let accepted =
+            settled.iter().filter(|settlement| matches!(settlement, Settlement::Accept)).count();
+        anyhow::ensure!(
+            accepted == BATCH,
+            "{accepted} of {BATCH} networks were stored: {:?}",
+            settled.first()
+        );
     }
     connector.stop().await?;
     let start = Instant::now();
@@ -99,7 +104,13 @@ impl Connector {
         // The desk answers when it has shown what it read.
         desk.read(|_| ()).await.context("asking the desk")?;
         let shown = handle.interfaces();
-        Ok(Self { desk, shown, shutdown, running, _ends: (mapping_work, Box::new((candidates, twin))) })
+        Ok(Self {
+            desk,
+            shown,
+            shutdown,
+            running,
+            _ends: (mapping_work, Box::new((candidates, twin))),
+        })
     }
 
     async fn stop(self) -> anyhow::Result<()> {

@@ -12,8 +12,8 @@ use serde_json::json;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, Twin, TwinConfig, TwinError, TwinHandle,
-    TwinUser,
+    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, Twin, TwinConfig,
+    TwinError, TwinHandle, TwinUser,
 };
 
 /// Whose twin it is.
@@ -69,8 +69,11 @@ impl Running {
 
 /// A twin that everybody may look at, as no figure is about signing in.
 pub(super) fn new(folder: &Path) -> anyhow::Result<(Twin, TwinHandle)> {
-    let mut config =
-        TwinConfig { listen: "127.0.0.1:0".parse()?, pki_directory: folder.join("twin-pki"), ..TwinConfig::default() };
+    let mut config = TwinConfig {
+        listen: "127.0.0.1:0".parse()?,
+        pki_directory: folder.join("twin-pki"),
+        ..TwinConfig::default()
+    };
     config.security.allow_anonymous_unencrypted = true;
     Ok(Twin::new(FactoryId::new(FACTORY)?, config, Arc::new(Taker), Arc::new(Taker))?)
 }
@@ -110,7 +113,8 @@ pub(super) fn document(text: &str) -> anyhow::Result<AsiDocument> {
     };
     let network = &message.operation_network;
     let fields = network.fields().map(|(key, _, _)| (key, record())).collect();
-    let writers = (1..).zip(network.requests()).map(|(writer, (key, _, _))| (key, writer)).collect();
+    let writers =
+        (1..).zip(network.requests()).map(|(writer, (key, _, _))| (key, writer)).collect();
     Ok(AsiDocument { message: Arc::new(message), received_at: now(), writers, fields })
 }
 
@@ -146,7 +150,9 @@ pub(in crate::bench) async fn serve() -> anyhow::Result<()> {
         for value in 2_u64.. {
             tick.tick().await;
             let at = now();
-            twin.handle.publish_values(keys.iter().map(|key| (key.clone(), DataValue::good(value, at))).collect());
+            twin.handle.publish_values(
+                keys.iter().map(|key| (key.clone(), DataValue::good(value, at))).collect(),
+            );
         }
     };
     tokio::select! {

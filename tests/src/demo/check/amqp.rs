@@ -78,22 +78,30 @@ pub(super) async fn rubbish(world: &World, cast: &Cast) -> anyhow::Result<String
     anyhow::ensure!(is_well, "the broker did not take it: {lines:?}");
     let count = files.len();
     let codes = eventually("each is answered", Duration::from_secs(10), || async {
-        let letters: Value = cast.munich.get("/api/v1/dead-letters").await.map_err(|e| format!("{e:#}"))?;
+        let letters: Value =
+            cast.munich.get("/api/v1/dead-letters").await.map_err(|e| format!("{e:#}"))?;
         let items = letters["items"].as_array().cloned().unwrap_or_default();
         if items.len() >= known + count {
-            Ok(items[..count].iter().filter_map(|l| l["code"].as_str().map(str::to_owned)).collect::<Vec<_>>())
+            Ok(items[..count]
+                .iter()
+                .filter_map(|l| l["code"].as_str().map(str::to_owned))
+                .collect::<Vec<_>>())
         } else {
             Err(format!("{} of {} dead letters", items.len() - known, count))
         }
     })
     .await?;
     let after: Value = cast.munich.get(&path).await?;
-    anyhow::ensure!(before["message"] == after["message"] && before["revision"] == after["revision"], "it changed");
+    anyhow::ensure!(
+        before["message"] == after["message"] && before["revision"] == after["revision"],
+        "it changed"
+    );
     Ok(codes.join(", "))
 }
 
-/// With the platform stopped, a foreign client has its part: it sends a request and reads acknowledgement and reports.
-/// What it took away from the platform is sent again later, since the platform never receipted it.
+/// With the platform stopped, a foreign client has its part: it sends a request and reads
+/// acknowledgement and reports. What it took away from the platform is sent again later, since the
+/// platform never receipted it.
 pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<String> {
     let message_id = uuid::Uuid::new_v4().to_string();
     let request = json!({ "messageType": "operation-network", "messageId": message_id, "factoryId": MUNICH,
@@ -104,8 +112,10 @@ pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<Stri
                     { "name": "f", "type": 9 } ] } } ] } ] } });
     let file = world.places.folder.join("proton.json");
     std::fs::write(&file, request.to_string())?;
-    let (url, file) = (format!("amqp://127.0.0.1:{}", world.places.broker_plain), file.display().to_string());
-    let [requests, leases, ingress] = ["requests", "leases", "ingress"].map(|role| format!("factory.{MUNICH}.{role}"));
+    let (url, file) =
+        (format!("amqp://127.0.0.1:{}", world.places.broker_plain), file.display().to_string());
+    let [requests, leases, ingress] =
+        ["requests", "leases", "ingress"].map(|role| format!("factory.{MUNICH}.{role}"));
     let arguments = [
         "--url",
         &url,
@@ -126,17 +136,29 @@ pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<Stri
         "--count",
         "8",
     ];
-    let seen = eventually("Proton exchanges messages with the connector", Duration::from_secs(60), || async {
-        let (lines, _) =
-            python("amqp/exchange.py", &arguments, Duration::from_secs(40)).await.map_err(|e| format!("{e:#}"))?;
-        let received: Vec<Value> =
-            lines.iter().filter_map(|line| serde_json::from_str(line["received"]["body"].as_str()?).ok()).collect();
-        if received.is_empty() { Err(format!("{lines:?}")) } else { Ok(received) }
-    })
+    let seen = eventually(
+        "Proton exchanges messages with the connector",
+        Duration::from_secs(60),
+        || async {
+            let (lines, _) = python("amqp/exchange.py", &arguments, Duration::from_secs(40))
+                .await
+                .map_err(|e| format!("{e:#}"))?;
+            let received: Vec<Value> = lines
+                .iter()
+                .filter_map(|line| serde_json::from_str(line["received"]["body"].as_str()?).ok())
+                .collect();
+            if received.is_empty() { Err(format!("{lines:?}")) } else { Ok(received) }
+        },
+    )
     .await?;
-    let is_answer = |m: &&Value| m["messageType"] == "acknowledgement" && m["correlationId"] == message_id.as_str();
+    let is_answer = |m: &&Value| {
+        m["messageType"] == "acknowledgement" && m["correlationId"] == message_id.as_str()
+    };
     let answer = seen.iter().find(is_answer);
-    anyhow::ensure!(answer.is_some_and(|m| m["result"] != "REJECTED"), "no acknowledgement in {seen:?}");
+    anyhow::ensure!(
+        answer.is_some_and(|m| m["result"] != "REJECTED"),
+        "no acknowledgement in {seen:?}"
+    );
     let reports = seen.iter().filter(|message| message["MessageType"] == "ua-data").count();
     anyhow::ensure!(reports > 0, "no report in {seen:?}");
     Ok(format!("{reports} reports read"))
@@ -148,10 +170,12 @@ pub(super) async fn oversize(world: &World) -> anyhow::Result<String> {
     std::fs::write(&file, vec![b' '; 3 * 1024 * 1024])?;
     let (lines, is_well) = send(world, &[file]).await?;
     let refusal = lines.iter().find_map(|line| {
-        let is_refused =
-            line["outcome"] == "rejected" || line.get("linkError").is_some() || line.get("failed").is_some();
+        let is_refused = line["outcome"] == "rejected"
+            || line.get("linkError").is_some()
+            || line.get("failed").is_some();
         let reason = [&line["condition"], &line["linkError"], &line["failed"]];
-        is_refused.then(|| reason.into_iter().find_map(Value::as_str).unwrap_or_default().to_owned())
+        is_refused
+            .then(|| reason.into_iter().find_map(Value::as_str).unwrap_or_default().to_owned())
     });
     match refusal {
         Some(reason) if reason.contains("size") => Ok(reason),

@@ -10,10 +10,12 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, World},
 };
 
-/// How long a browser may take: pictures of everything are several hundred, drawn without a graphics card.
+/// How long a browser may take: pictures of everything are several hundred, drawn without a
+/// graphics card.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
-/// Drives both pages through the story of the browser tests: a question, its answer, and the value on the page.
+/// Drives both pages through the story of the browser tests: a question, its answer, and the value
+/// on the page.
 pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=story"]).await
 }
@@ -44,7 +46,12 @@ pub async fn run_with(
     let folder = repository()?.join("tests/browser");
     let script = if script == "test" { "playwright test" } else { script };
     let mut command = Command::new("npx");
-    command.current_dir(&folder).args(script.split(' ')).args(arguments).stdin(Stdio::null()).kill_on_drop(true);
+    command
+        .current_dir(&folder)
+        .args(script.split(' '))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .kill_on_drop(true);
     command
         .env("PLATFORM_URL", format!("http://127.0.0.1:{}", world.places.platform_web))
         .env("PLATFORM_USER", ADMIN)
@@ -61,6 +68,8 @@ pub async fn run_with(
     anyhow::ensure!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
     let passed = text.lines().rev().find(|line| line.contains("passed")).unwrap_or_default().trim();
     // What specs measured is worth more than that they passed.
-    let measured = text.lines().filter(|line| line.starts_with("first paint: ") || line.starts_with("slowest "));
+    let measured = text
+        .lines()
+        .filter(|line| line.starts_with("first paint: ") || line.starts_with("slowest "));
     Ok(std::iter::once(passed).chain(measured).collect::<Vec<_>>().join("; "))
 }

@@ -14,9 +14,13 @@ use crate::{
     world::World,
 };
 
-/// Kills connector, platform (with its broker) and machines without warning, starts each again, and waits until values
-/// flow as before.
-pub(super) async fn every_program_in_turn(world: &mut World, cast: Cast, steps: &mut Steps) -> anyhow::Result<Cast> {
+/// Kills connector, platform (with its broker) and machines without warning, starts each again, and
+/// waits until values flow as before.
+pub(super) async fn every_program_in_turn(
+    world: &mut World,
+    cast: Cast,
+    steps: &mut Steps,
+) -> anyhow::Result<Cast> {
     let Cast { mut platform, mut munich, hamburg } = cast;
     steps
         .run("kill -9 of a connector, and it goes on", async {
@@ -61,7 +65,8 @@ pub(super) async fn every_program_in_turn(world: &mut World, cast: Cast, steps: 
 async fn goes_on(platform: &crate::harness::Api) -> anyhow::Result<String> {
     let before = story::platform_field(platform, "spindlePower").await?;
     eventually("newer values arrive", Duration::from_secs(40), || async {
-        let now = story::platform_field(platform, "spindlePower").await.map_err(|e| format!("{e:#}"))?;
+        let now =
+            story::platform_field(platform, "spindlePower").await.map_err(|e| format!("{e:#}"))?;
         let is_newer = now["receivedAt"].as_str() > before["receivedAt"].as_str();
         if is_newer && !now["value"].is_null() { Ok(String::new()) } else { Err(now.to_string()) }
     })
@@ -75,9 +80,15 @@ pub(super) async fn nothing_lost(cast: &Cast) -> anyhow::Result<String> {
         let count = eventually("no sequence is missing", Duration::from_secs(30), || async {
             let path = format!("/api/v1/factories/{factory_id}/writers");
             let answer: Value = cast.platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
-            let writers = answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+            let writers = answer
+                .as_array()
+                .or_else(|| answer["items"].as_array())
+                .cloned()
+                .unwrap_or_default();
             let has_hole = |writer: &Value| {
-                writer["missing"].as_array().map_or_else(|| writer["missing"].as_u64() > Some(0), |m| !m.is_empty())
+                writer["missing"]
+                    .as_array()
+                    .map_or_else(|| writer["missing"].as_u64() > Some(0), |m| !m.is_empty())
             };
             if writers.is_empty() || writers.iter().any(has_hole) {
                 return Err(answer.to_string());

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use crate::{harness::Api, scenario::frame_order::MUNICH, world::World};
 
-/// Sets a counter on the machine so many times and says how long each took to the buyer's live stream.
+/// Sets a counter on the machine so many times and says how long each took to the buyer's live
+/// stream.
 pub(super) async fn of_values(world: &World, platform: &Api, times: u32) -> anyhow::Result<String> {
     let mut latencies = measure(world, platform, times).await?;
     latencies.sort_unstable();
@@ -43,7 +44,11 @@ pub async fn measure(world: &World, platform: &Api, times: u32) -> anyhow::Resul
             }
             anyhow::Ok(start.elapsed())
         };
-        latencies.push(tokio::time::timeout(Duration::from_secs(10), seen).await.context("a change stayed away")??);
+        latencies.push(
+            tokio::time::timeout(Duration::from_secs(10), seen)
+                .await
+                .context("a change stayed away")??,
+        );
     }
     machines.delete::<Value>(path).await?;
     Ok(latencies)

@@ -21,7 +21,8 @@ fn field_node(field: &str) -> String {
 async fn asyncua(world: &World, command: &[&str]) -> anyhow::Result<Value> {
     let endpoint = format!("opc.tcp://127.0.0.1:{}", world.places.munich.twin);
     let pki = world.places.folder.join("asyncua").display().to_string();
-    let mut arguments = vec![endpoint.as_str(), "--user", ENGINEER, "--password", PASSWORD, "--pki", pki.as_str()];
+    let mut arguments =
+        vec![endpoint.as_str(), "--user", ENGINEER, "--password", PASSWORD, "--pki", pki.as_str()];
     arguments.extend(command);
     let (lines, _) = python("opcua/asyncua_client.py", &arguments, Duration::from_secs(40)).await?;
     lines.into_iter().next().context("asyncua printed no line")
@@ -41,7 +42,8 @@ pub(super) async fn browse(world: &World) -> anyhow::Result<String> {
 /// An accepted write, which the platform then shows.
 pub(super) async fn write_external(world: &World, platform: &Api) -> anyhow::Result<String> {
     let remark = "Tool changed, going on";
-    let answer = asyncua(world, &["write", &field_node("note"), "String", &format!("\"{remark}\"")]).await?;
+    let answer =
+        asyncua(world, &["write", &field_node("note"), "String", &format!("\"{remark}\"")]).await?;
     anyhow::ensure!(answer["status"] == "Good", "{answer}");
     eventually("the platform shows the written value", Duration::from_secs(10), || async {
         let field = story::platform_field(platform, "note").await.map_err(|e| format!("{e:#}"))?;

@@ -2,7 +2,9 @@
 
 use std::net::IpAddr;
 
-use x509_parser::{certificate::X509Certificate, extensions::GeneralName, prelude::FromDer, time::ASN1Time};
+use x509_parser::{
+    certificate::X509Certificate, extensions::GeneralName, prelude::FromDer, time::ASN1Time,
+};
 
 use crate::security::{
     trust::{TrustFault, faults},
@@ -48,7 +50,8 @@ pub(super) fn host_names(certificate: &X509Certificate<'_>) -> Vec<String> {
 
 /// Whether a certificate names a machine.
 pub(crate) fn names_host(certificate: &X509Certificate<'_>, host: &str) -> bool {
-    let canonical = host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
+    let canonical =
+        host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
     host_names(certificate).iter().any(|name| name.eq_ignore_ascii_case(&canonical))
 }
 
@@ -58,14 +61,18 @@ fn of_validity(leaf: &X509Certificate<'_>, now: ASN1Time, found: &mut Vec<TrustF
         found.push(TrustFault::new("EXPIRED", format!("It expired on {}.", validity.not_after)));
     }
     if validity.not_before > now {
-        found.push(TrustFault::new("NOT_VALID_YET", format!("It is not valid before {}.", validity.not_before)));
+        found.push(TrustFault::new(
+            "NOT_VALID_YET",
+            format!("It is not valid before {}.", validity.not_before),
+        ));
     }
 }
 
 fn of_names(leaf: &X509Certificate<'_>, wanted: &Wanted<'_>, found: &mut Vec<TrustFault>) {
     let uri = faults::application_uri(leaf);
     if uri != Some(wanted.application_uri) {
-        let says = uri.map_or_else(|| "no application".to_owned(), |uri| format!("the application {uri}"));
+        let says =
+            uri.map_or_else(|| "no application".to_owned(), |uri| format!("the application {uri}"));
         found.push(TrustFault::new(
             "WRONG_APPLICATION",
             format!(
@@ -75,19 +82,29 @@ fn of_names(leaf: &X509Certificate<'_>, wanted: &Wanted<'_>, found: &mut Vec<Tru
             ),
         ));
     }
-    let missing: Vec<&str> =
-        wanted.host_names.iter().map(String::as_str).filter(|host| !names_host(leaf, host)).collect();
+    let missing: Vec<&str> = wanted
+        .host_names
+        .iter()
+        .map(String::as_str)
+        .filter(|host| !names_host(leaf, host))
+        .collect();
     if !missing.is_empty() {
         found.push(TrustFault::new(
             "MISSING_HOST_NAME",
-            format!("It lacks the host name {}, under which clients reach the twin.", missing.join(", ")),
+            format!(
+                "It lacks the host name {}, under which clients reach the twin.",
+                missing.join(", ")
+            ),
         ));
     }
 }
 
 fn of_usage(leaf: &X509Certificate<'_>, found: &mut Vec<TrustFault>) {
     if leaf.is_ca() {
-        found.push(TrustFault::new("WRONG_USAGE", "It belongs to an authority, not to an application."));
+        found.push(TrustFault::new(
+            "WRONG_USAGE",
+            "It belongs to an authority, not to an application.",
+        ));
     }
     if matches!(leaf.key_usage(), Ok(Some(usage)) if !usage.value.digital_signature() || !usage.value.key_encipherment())
     {
@@ -96,8 +113,12 @@ fn of_usage(leaf: &X509Certificate<'_>, found: &mut Vec<TrustFault>) {
             "Its key may not be used for both digital signatures and key encipherment, which OPC UA needs.",
         ));
     }
-    if matches!(leaf.extended_key_usage(), Ok(Some(usage)) if !usage.value.server_auth && !usage.value.any) {
-        found.push(TrustFault::new("WRONG_USAGE", "It may not be used by a server (extended key usage serverAuth)."));
+    if matches!(leaf.extended_key_usage(), Ok(Some(usage)) if !usage.value.server_auth && !usage.value.any)
+    {
+        found.push(TrustFault::new(
+            "WRONG_USAGE",
+            "It may not be used by a server (extended key usage serverAuth).",
+        ));
     }
 }
 
@@ -111,7 +132,8 @@ fn of_chain(leaf: &X509Certificate<'_>, authorities: &[X509Certificate<'_>]) -> 
     }
     let mut subject = leaf;
     for _ in 0..=CHAIN_LENGTH_MAX {
-        let Some(issuer) = authorities.iter().find(|authority| is_issued_by(subject, authority)) else {
+        let Some(issuer) = authorities.iter().find(|authority| is_issued_by(subject, authority))
+        else {
             return Some(TrustFault::new(
                 "UNKNOWN_ISSUER",
                 format!(

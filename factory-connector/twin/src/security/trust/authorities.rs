@@ -1,22 +1,26 @@
-//! Certificates of authorities: those whose clients are trusted, and those that only complete chains.
+//! Certificates of authorities: those whose clients are trusted, and those that only complete
+//! chains.
 
 use std::fs;
 
 use asi_model::DateTime;
 use opcua_stack::opcua::crypto::CertificateStore;
 use x509_parser::{
-    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
+    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList,
+    time::ASN1Time,
 };
 
 use super::{
-    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time,
+    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read,
+    refuse, time,
 };
 use crate::{
     error::TwinError,
     security::validation::{FILE_BYTES_MAX, is_signed_by},
 };
 
-/// What is known of the certificates that an authority revoked. Without a current list its clients stay outside.
+/// What is known of the certificates that an authority revoked. Without a current list its clients
+/// stay outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RevocationKnowledge {
     /// Its list is here.
@@ -46,7 +50,8 @@ pub struct Authority {
     pub not_before: DateTime,
     /// End of its validity.
     pub not_after: DateTime,
-    /// Clients with a certificate of it may connect; otherwise it only leads to one that is trusted.
+    /// Clients with a certificate of it may connect; otherwise it only leads to one that is
+    /// trusted.
     pub is_trusted: bool,
     /// What it has revoked.
     pub revocation: RevocationKnowledge,
@@ -59,8 +64,10 @@ impl TrustList {
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn authorities(&self) -> Result<Vec<Authority>, TwinError> {
         let lists = self.contents(REVOCATION_LISTS, "crl")?;
-        let lists: Vec<_> =
-            lists.iter().filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1)).collect();
+        let lists: Vec<_> = lists
+            .iter()
+            .filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1))
+            .collect();
         let mut all = Vec::new();
         for (folder, is_trusted) in [(TRUSTED, true), (ISSUERS, false)] {
             for (_, der) in self.contents(folder, "der")? {
@@ -86,18 +93,25 @@ impl TrustList {
     /// Lets an authority's certificate take part in chains without being trusted itself, as DER.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
+    /// cannot be stored.
     pub fn add_issuer(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let parsed = faults::certificate(der)?;
         refuse(faults::of_authority(&parsed, ASN1Time::now()))?;
         let certificate = read(der)?;
         self.write(ISSUERS, &CertificateStore::cert_file_name(&certificate), der)?;
-        self.changed(by, format!("The certificate {} of an authority in between was added.", thumbprint(&certificate)));
+        self.changed(
+            by,
+            format!(
+                "The certificate {} of an authority in between was added.",
+                thumbprint(&certificate)
+            ),
+        );
         Ok(())
     }
 
-    /// Takes an authority's certificate away: its clients stay outside from the next connection on. False where there is
-    /// none.
+    /// Takes an authority's certificate away: its clients stay outside from the next connection on.
+    /// False where there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
@@ -105,8 +119,10 @@ impl TrustList {
         let mut is_removed = false;
         for folder in [TRUSTED, ISSUERS] {
             let Some(path) = self.find(folder, wanted)? else { continue };
-            let der = fs::read(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
-            let is_authority = X509Certificate::from_der(&der).is_ok_and(|(_, parsed)| faults::is_authority(&parsed));
+            let der =
+                fs::read(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+            let is_authority = X509Certificate::from_der(&der)
+                .is_ok_and(|(_, parsed)| faults::is_authority(&parsed));
             if is_authority || folder == ISSUERS {
                 fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
                 is_removed = true;
@@ -118,13 +134,16 @@ impl TrustList {
         Ok(is_removed)
     }
 
-    /// The files of a folder with their content, as many as are listed; what cannot be read is left out.
+    /// The files of a folder with their content, as many as are listed; what cannot be read is left
+    /// out.
     pub(super) fn contents(
         &self,
         folder: &str,
         extension: &str,
     ) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>, TwinError> {
-        let is_small = |path: &std::path::PathBuf| path.metadata().is_ok_and(|found| found.len() <= FILE_BYTES_MAX);
+        let is_small = |path: &std::path::PathBuf| {
+            path.metadata().is_ok_and(|found| found.len() <= FILE_BYTES_MAX)
+        };
         let files = self.files(folder, extension)?.into_iter().filter(is_small).take(LISTED_MAX);
         Ok(files.filter_map(|path| fs::read(&path).ok().map(|content| (path, content))).collect())
     }
@@ -137,7 +156,9 @@ fn knowledge(
 ) -> RevocationKnowledge {
     let own = lists
         .iter()
-        .filter(|list| list.issuer().as_raw() == authority.subject().as_raw() && is_signed_by(list, authority))
+        .filter(|list| {
+            list.issuer().as_raw() == authority.subject().as_raw() && is_signed_by(list, authority)
+        })
         .max_by_key(|list| (list.next_update().is_none_or(|next| next >= now), list.last_update()));
     match own.map(CertificateRevocationList::next_update) {
         None => RevocationKnowledge::Missing,

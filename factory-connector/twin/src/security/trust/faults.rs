@@ -26,7 +26,8 @@ impl TrustFault {
     }
 }
 
-/// The application that a certificate was made for: the URI among its alternative names (OPC 10000-6 §6.2.2).
+/// The application that a certificate was made for: the URI among its alternative names (OPC
+/// 10000-6 §6.2.2).
 pub(crate) fn application_uri<'a>(certificate: &'a X509Certificate<'_>) -> Option<&'a str> {
     let names = certificate.subject_alternative_name().ok().flatten()?;
     names.value.general_names.iter().find_map(|name| match name {
@@ -35,7 +36,8 @@ pub(crate) fn application_uri<'a>(certificate: &'a X509Certificate<'_>) -> Optio
     })
 }
 
-/// An authority's certificate rather than an application's: it may issue others and names no application.
+/// An authority's certificate rather than an application's: it may issue others and names no
+/// application.
 pub(crate) fn is_authority(certificate: &X509Certificate<'_>) -> bool {
     certificate.is_ca() && application_uri(certificate).is_none()
 }
@@ -48,12 +50,19 @@ pub(crate) fn certificate(der: &[u8]) -> Result<X509Certificate<'_>, TrustFault>
             "NOT_A_CERTIFICATE",
             "This is a revocation list, not a certificate. Choose that kind instead.",
         )),
-        _ => Err(TrustFault::new("NOT_A_CERTIFICATE", "These bytes are no certificate (X.509, in PEM or DER).")),
+        _ => Err(TrustFault::new(
+            "NOT_A_CERTIFICATE",
+            "These bytes are no certificate (X.509, in PEM or DER).",
+        )),
     }
 }
 
 /// What keeps a client's certificate from opening the door, beside its not being trusted yet.
-pub(crate) fn of_client(der: &[u8], certificate: &X509Certificate<'_>, now: ASN1Time) -> Vec<TrustFault> {
+pub(crate) fn of_client(
+    der: &[u8],
+    certificate: &X509Certificate<'_>,
+    now: ASN1Time,
+) -> Vec<TrustFault> {
     let mut faults = Vec::new();
     faults.extend(expired(certificate, now));
     if matches!(certificate.key_usage(), Ok(Some(usage)) if !usage.value.digital_signature()) {
@@ -64,7 +73,8 @@ pub(crate) fn of_client(der: &[u8], certificate: &X509Certificate<'_>, now: ASN1
     }
     let bits = X509::from_der(der).ok().and_then(|certificate| certificate.key_length().ok());
     if bits.is_none_or(|bits| !KEY_BITS.contains(&bits)) {
-        let found = bits.map_or_else(|| "no RSA key".to_owned(), |bits| format!("an RSA key of {bits} bits"));
+        let found = bits
+            .map_or_else(|| "no RSA key".to_owned(), |bits| format!("an RSA key of {bits} bits"));
         faults.push(TrustFault::new(
             "WRONG_KEY",
             format!("It has {found}; the security policies of the twin need RSA keys of 2048 to 4096 bits."),
@@ -83,7 +93,8 @@ pub(crate) fn of_authority(certificate: &X509Certificate<'_>, now: ASN1Time) -> 
         ));
     }
     if matches!(certificate.key_usage(), Ok(Some(usage)) if !usage.value.key_cert_sign()) {
-        faults.push(TrustFault::new("WRONG_USAGE", "Its key may not be used to sign certificates."));
+        faults
+            .push(TrustFault::new("WRONG_USAGE", "Its key may not be used to sign certificates."));
     }
     faults.extend(expired(certificate, now));
     faults
@@ -97,13 +108,15 @@ pub(crate) fn revocation_list(der: &[u8]) -> Result<CertificateRevocationList<'_
             "NOT_A_REVOCATION_LIST",
             "This is a certificate, not a revocation list. Choose another kind.",
         )),
-        _ => {
-            Err(TrustFault::new("NOT_A_REVOCATION_LIST", "These bytes are no revocation list (X.509, in PEM or DER)."))
-        }
+        _ => Err(TrustFault::new(
+            "NOT_A_REVOCATION_LIST",
+            "These bytes are no revocation list (X.509, in PEM or DER).",
+        )),
     }
 }
 
-/// What keeps a revocation list from being of use, given the authorities and the lists that are known.
+/// What keeps a revocation list from being of use, given the authorities and the lists that are
+/// known.
 pub(crate) fn of_revocation_list(
     list: &CertificateRevocationList<'_>,
     authorities: &[X509Certificate<'_>],
@@ -112,7 +125,8 @@ pub(crate) fn of_revocation_list(
 ) -> Vec<TrustFault> {
     let mut faults = Vec::new();
     let issuer = list.issuer();
-    let same_name: Vec<_> = authorities.iter().filter(|one| one.subject().as_raw() == issuer.as_raw()).collect();
+    let same_name: Vec<_> =
+        authorities.iter().filter(|one| one.subject().as_raw() == issuer.as_raw()).collect();
     let signer = same_name.iter().find(|authority| is_signed_by(list, authority));
     if same_name.is_empty() {
         faults.push(TrustFault::new(
@@ -134,13 +148,18 @@ pub(crate) fn of_revocation_list(
         ));
     }
     let newest = signer.and_then(|authority| {
-        let lists = known.iter().filter(|one| one.issuer().as_raw() == issuer.as_raw() && is_signed_by(one, authority));
+        let lists = known
+            .iter()
+            .filter(|one| one.issuer().as_raw() == issuer.as_raw() && is_signed_by(one, authority));
         lists.map(CertificateRevocationList::last_update).max()
     });
     if let Some(newest) = newest.filter(|newest| *newest > list.last_update()) {
         faults.push(TrustFault::new(
             "OLDER_THAN_KNOWN",
-            format!("It is of {}, older than the list that is here, of {newest}.", list.last_update()),
+            format!(
+                "It is of {}, older than the list that is here, of {newest}.",
+                list.last_update()
+            ),
         ));
     }
     faults

@@ -1,7 +1,7 @@
 //! Who knocked last with a certificate that opens no door, as far as that is known.
 //!
-//! One small file per certificate. Anybody may knock, so only certificates that lie in a folder of the trust list are
-//! remembered, and each at most once a second.
+//! One small file per certificate. Anybody may knock, so only certificates that lie in a folder of
+//! the trust list are remembered, and each at most once a second.
 
 use std::{
     fs, io,
@@ -60,7 +60,11 @@ pub struct Rejection {
 }
 
 impl Rejection {
-    pub(crate) fn new(rejected_at: DateTime, reason: RejectionReason, bearer: &CertificateBearer<'_>) -> Self {
+    pub(crate) fn new(
+        rejected_at: DateTime,
+        reason: RejectionReason,
+        bearer: &CertificateBearer<'_>,
+    ) -> Self {
         let name: String = bearer
             .application
             .application_name
@@ -94,7 +98,8 @@ impl Knocks {
     pub fn remember(&self, certificate: &X509, rejection: &Rejection) {
         let thumbprint = thumbprint(certificate);
         let is_news = self.last(&thumbprint).is_none_or(|last| {
-            last.rejected_at > rejection.rejected_at || last.rejected_at.after(PAUSE) <= rejection.rejected_at
+            last.rejected_at > rejection.rejected_at
+                || last.rejected_at.after(PAUSE) <= rejection.rejected_at
         });
         if is_news && let Err(error) = self.write(&thumbprint, rejection) {
             tracing::warn!(
@@ -109,7 +114,10 @@ impl Knocks {
     pub fn last(&self, thumbprint: &str) -> Option<Rejection> {
         let path = self.path(thumbprint);
         let is_ours = fs::metadata(&path).is_ok_and(|metadata| metadata.len() <= FILE_BYTES_MAX);
-        is_ours.then(|| fs::read(&path).ok()).flatten().and_then(|bytes| serde_json::from_slice(&bytes).ok())
+        is_ours
+            .then(|| fs::read(&path).ok())
+            .flatten()
+            .and_then(|bytes| serde_json::from_slice(&bytes).ok())
     }
 
     /// The certificate is trusted now, or gone: what was is no longer of interest.
@@ -147,7 +155,8 @@ mod tests {
 
     fn certificate() -> X509 {
         let key = rcgen::KeyPair::generate().unwrap();
-        X509::from_der(rcgen::CertificateParams::default().self_signed(&key).unwrap().der()).unwrap()
+        X509::from_der(rcgen::CertificateParams::default().self_signed(&key).unwrap().der())
+            .unwrap()
     }
 
     #[test]
@@ -173,7 +182,9 @@ mod tests {
         assert!(name.starts_with("Planner") && name.len() == NAME_CHARS_MAX, "{name}");
 
         // Many knocks at once are one; a clock that was set back is believed.
-        for (micros, expected) in [(5_900_000, 5_000_000), (6_000_000, 6_000_000), (1_000_000, 1_000_000)] {
+        for (micros, expected) in
+            [(5_900_000, 5_000_000), (6_000_000, 6_000_000), (1_000_000, 1_000_000)]
+        {
             knocks.remember(&certificate, &at(micros));
             assert_eq!(knocks.last(&thumbprint), Some(at(expected)));
         }

@@ -4,10 +4,13 @@ use std::fs;
 
 use asi_model::DateTime;
 use x509_parser::{
-    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList, time::ASN1Time,
+    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList,
+    time::ASN1Time,
 };
 
-use super::{ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time};
+use super::{
+    ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time,
+};
 use crate::{error::TwinError, security::validation::is_signed_by};
 
 /// An authority's list of certificates that it revoked.
@@ -54,43 +57,53 @@ impl TrustList {
         Ok(all)
     }
 
-    /// Takes an authority's revocation list as DER; it replaces the ones before of the same authority. Certificates of an
-    /// authority open the door only while its current list is here.
+    /// Takes an authority's revocation list as DER; it replaces the ones before of the same
+    /// authority. Certificates of an authority open the door only while its current list is here.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it cannot be stored.
+    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
+    /// cannot be stored.
     pub fn put_revocation_list(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let list = faults::revocation_list(der)?;
         let authorities = self.authority_files()?;
         let authorities = parsed(&authorities);
         let known = self.contents(REVOCATION_LISTS, "crl")?;
-        let known_lists: Vec<_> =
-            known.iter().filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1)).collect();
+        let known_lists: Vec<_> = known
+            .iter()
+            .filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1))
+            .collect();
         refuse(faults::of_revocation_list(&list, &authorities, &known_lists, ASN1Time::now()))?;
-        let authority = signer(&list, &authorities).expect("a list that nobody known signed was refused");
+        let authority =
+            signer(&list, &authorities).expect("a list that nobody known signed was refused");
         let name = format!("{}.crl", thumbprint(&read(authority.as_raw())?));
         self.write(REVOCATION_LISTS, &name, der)?;
         // The lists that it replaces may lie under other names, put there by hand.
-        for (path, der) in known.iter().filter(|(path, _)| path.file_name().is_none_or(|found| found != name.as_str()))
+        for (path, der) in known
+            .iter()
+            .filter(|(path, _)| path.file_name().is_none_or(|found| found != name.as_str()))
         {
-            let is_older = CertificateRevocationList::from_der(der)
-                .is_ok_and(|(_, old)| old.issuer().as_raw() == list.issuer().as_raw() && is_signed_by(&old, authority));
+            let is_older = CertificateRevocationList::from_der(der).is_ok_and(|(_, old)| {
+                old.issuer().as_raw() == list.issuer().as_raw() && is_signed_by(&old, authority)
+            });
             if is_older {
-                fs::remove_file(path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+                fs::remove_file(path)
+                    .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
             }
         }
         self.changed(by, format!("The revocation list of {} was replaced.", list.issuer()));
         Ok(())
     }
 
-    /// Takes a revocation list away: certificates of its authority open no door until there is a new one. False where
-    /// there is none.
+    /// Takes a revocation list away: certificates of its authority open no door until there is a
+    /// new one. False where there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
     pub fn remove_revocation_list(&self, id: &str, by: &str) -> Result<bool, TwinError> {
         let is_meant = |path: &std::path::PathBuf| path.file_stem().is_some_and(|stem| stem == id);
-        let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(is_meant) else { return Ok(false) };
+        let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(is_meant) else {
+            return Ok(false);
+        };
         fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
         self.changed(by, format!("The revocation list {id} was removed."));
         Ok(true)
@@ -118,5 +131,7 @@ fn signer<'a, 'b>(
     list: &CertificateRevocationList<'_>,
     authorities: &'a [X509Certificate<'b>],
 ) -> Option<&'a X509Certificate<'b>> {
-    authorities.iter().find(|one| one.subject().as_raw() == list.issuer().as_raw() && is_signed_by(list, one))
+    authorities
+        .iter()
+        .find(|one| one.subject().as_raw() == list.issuer().as_raw() && is_signed_by(list, one))
 }

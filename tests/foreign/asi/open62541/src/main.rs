@@ -1,9 +1,10 @@
-//! Decodes with open62541 every value that asi-model writes in 1.05, lets open62541 write it again, and compares what
-//! is read from that with the value it began with.
+//! Decodes with open62541 every value that asi-model writes in 1.05, lets open62541 write it again,
+//! and compares what is read from that with the value it began with.
 //!
-//! Left out are structures inside variants, which open62541 1.5.10 expects in another place (`UaBody`) than the standard
-//! puts them, and texts with `\u0001`, which it refuses although JSON allows it. Frozen texts and the tests of asi-model
-//! stand in for those; the fields of structures alone it reads as their own type.
+//! Left out are structures inside variants, which open62541 1.5.10 expects in another place
+//! (`UaBody`) than the standard puts them, and texts with `\u0001`, which it refuses although JSON
+//! allows it. Frozen texts and the tests of asi-model stand in for those; the fields of structures
+//! alone it reads as their own type.
 
 #[path = "../../../../../asi-model/tests/it/vectors.rs"]
 mod vectors;
@@ -12,7 +13,10 @@ use std::{ffi::c_void, process::ExitCode, ptr, sync::Arc};
 
 use asi_model::{
     DataValue, NodeId, Scalar, Variant,
-    opcua_json::{DataEncoding, DecodedValue, Encoder, Leniency, decode_value, encode_data_value, encode_variant},
+    opcua_json::{
+        DataEncoding, DecodedValue, Encoder, Leniency, decode_value, encode_data_value,
+        encode_variant,
+    },
     values::ExtensionObject,
 };
 use open62541_sys as ua;
@@ -47,8 +51,13 @@ impl Mapping {
 }
 
 /// The value as open62541 writes it after having read it.
-fn through_open62541(text: &[u8], data_type: u32, mapping: &mut Mapping) -> Result<Vec<u8>, String> {
-    // SAFETY: the types table has this many entries; the value is initialised by the decoder, used once, and cleared.
+fn through_open62541(
+    text: &[u8],
+    data_type: u32,
+    mapping: &mut Mapping,
+) -> Result<Vec<u8>, String> {
+    // SAFETY: the types table has this many entries; the value is initialised by the decoder, used
+    // once, and cleared.
     unsafe {
         let data_type = &raw const ua::UA_TYPES[data_type as usize];
         let mut decode: ua::UA_DecodeJsonOptions = std::mem::zeroed();
@@ -78,13 +87,16 @@ fn through_open62541(text: &[u8], data_type: u32, mapping: &mut Mapping) -> Resu
 /// As text, since NaN is no equal of itself.
 fn canonical(value: &DecodedValue) -> String {
     let text = match value {
-        DecodedValue::Variant(value) | DecodedValue::Bare(value) => encode_variant(value, DataEncoding::Reversible104),
+        DecodedValue::Variant(value) | DecodedValue::Bare(value) => {
+            encode_variant(value, DataEncoding::Reversible104)
+        }
         DecodedValue::DataValue(value) => encode_data_value(value, DataEncoding::Reversible104),
     };
     String::from_utf8(text).expect("our own text")
 }
 
-/// What open62541 1.5.10 is known to get wrong: structures in their place, and escaped control characters.
+/// What open62541 1.5.10 is known to get wrong: structures in their place, and escaped control
+/// characters.
 fn is_known_fault(value: &Variant) -> bool {
     let is_fault = |scalar: &Scalar| match scalar {
         Scalar::ExtensionObject(_) => true,
@@ -106,7 +118,11 @@ fn has_control(text: Option<&str>) -> bool {
 }
 
 /// The fields of a structure as its own type, which open62541 reads where the standard has them.
-fn structure_alone(object: &ExtensionObject, encoder: &Encoder<'_>, mapping: &mut Mapping) -> Result<(), String> {
+fn structure_alone(
+    object: &ExtensionObject,
+    encoder: &Encoder<'_>,
+    mapping: &mut Mapping,
+) -> Result<(), String> {
     let (data_type, id) = match object.type_id.node_id {
         ref id if *id == NodeId::ua(884) => (ua::UA_TYPES_RANGE, "i=884"),
         ref id if *id == NodeId::ua(887) => (ua::UA_TYPES_EUINFORMATION, "i=887"),
@@ -119,9 +135,15 @@ fn structure_alone(object: &ExtensionObject, encoder: &Encoder<'_>, mapping: &mu
     let again = through_open62541(fields.as_bytes(), data_type, mapping)?;
     let again = String::from_utf8_lossy(&again).replacen('{', &type_member, 1);
     let typed = format!("{{\"UaType\":22,\"Value\":{again}}}");
-    let (found, _) = decode_value(typed.as_bytes(), Leniency::Lenient, &[], &[]).map_err(|error| error.to_string())?;
-    let expected = DecodedValue::Variant(Variant::Scalar(Scalar::ExtensionObject(Box::new(object.clone()))));
-    if canonical(&found) == canonical(&expected) { Ok(()) } else { Err(format!("{fields} was read as {again}")) }
+    let (found, _) = decode_value(typed.as_bytes(), Leniency::Lenient, &[], &[])
+        .map_err(|error| error.to_string())?;
+    let expected =
+        DecodedValue::Variant(Variant::Scalar(Scalar::ExtensionObject(Box::new(object.clone()))));
+    if canonical(&found) == canonical(&expected) {
+        Ok(())
+    } else {
+        Err(format!("{fields} was read as {again}"))
+    }
 }
 
 fn main() -> ExitCode {
@@ -141,7 +163,9 @@ fn main() -> ExitCode {
                 let mut text = Vec::new();
                 match &expected {
                     DecodedValue::DataValue(value) => encoder.data_value(&mut text, value),
-                    DecodedValue::Variant(value) | DecodedValue::Bare(value) => encoder.variant(&mut text, value),
+                    DecodedValue::Variant(value) | DecodedValue::Bare(value) => {
+                        encoder.variant(&mut text, value)
+                    }
                 }
                 count += 1;
                 let found = through_open62541(&text, data_type, &mut mapping).and_then(|again| {
@@ -153,7 +177,10 @@ fn main() -> ExitCode {
                 if found.as_ref() != Ok(&expected) {
                     differences += 1;
                     if differences <= 20 {
-                        eprintln!("{}\n  expected {expected}\n  found    {found:?}", String::from_utf8_lossy(&text));
+                        eprintln!(
+                            "{}\n  expected {expected}\n  found    {found:?}",
+                            String::from_utf8_lossy(&text)
+                        );
                     }
                 }
             }
