@@ -1,4 +1,6 @@
 import { defineConfig } from 'vite'
 import { app } from './vite.base.ts'
 
-export default defineConfig(app('engineer', process.env['CONNECTOR_URL'] ?? 'http://127.0.0.1:8081'))
+export default defineConfig(
+  app('engineer', process.env['CONNECTOR_URL'] ?? 'http://127.0.0.1:8081'),
+)

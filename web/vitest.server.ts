@@ -17,15 +17,27 @@ type Answer = (asked: Asked) => unknown
 export function serve(answers: Record<string, Answer>): Asked[] {
   const log: Asked[] = []
   vi.stubGlobal('fetch', (address: string, { method = 'GET', body }: RequestInit = {}) => {
-    const asked: Asked = { method, path: address.replace('/api/v1', ''), body: typeof body === 'string' ? JSON.parse(body) : undefined }
+    const asked: Asked = {
+      method,
+      path: address.replace('/api/v1', ''),
+      body: typeof body === 'string' ? JSON.parse(body) : undefined,
+    }
     log.push(asked)
-    const answer = answers[`${method} ${asked.path.split('?')[0] ?? ''}`]?.(asked) ?? problem(404, 'There is no such thing.')
-    return Promise.resolve(answer instanceof Response ? answer : new Response(JSON.stringify(answer)))
+    const answer =
+      answers[`${method} ${asked.path.split('?')[0] ?? ''}`]?.(asked) ??
+      problem(404, 'There is no such thing.')
+    return Promise.resolve(
+      answer instanceof Response ? answer : new Response(JSON.stringify(answer)),
+    )
   })
   return log
 }
 
 /** A problem document (RFC 9457). */
-export function problem(status: number, detail: string, faultList: { pointer: string; message: string }[] = []): Response {
+export function problem(
+  status: number,
+  detail: string,
+  faultList: { pointer: string; message: string }[] = [],
+): Response {
   return new Response(JSON.stringify({ title: 'Problem', status, detail, faultList }), { status })
 }

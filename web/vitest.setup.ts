@@ -3,7 +3,16 @@ import { beforeEach } from 'vitest'
 // Tests of the build's own tools run without a browser.
 if (typeof window !== 'undefined') {
   // jsdom has no media queries.
-  window.matchMedia = (media) => ({ matches: false, media, onchange: null, addEventListener: () => undefined, removeEventListener: () => undefined, addListener: () => undefined, removeListener: () => undefined, dispatchEvent: () => false })
+  window.matchMedia = (media) => ({
+    matches: false,
+    media,
+    onchange: null,
+    addEventListener: () => undefined,
+    removeEventListener: () => undefined,
+    addListener: () => undefined,
+    removeListener: () => undefined,
+    dispatchEvent: () => false,
+  })
   // Nor does it lay anything out.
   window.ResizeObserver = class {
     observe = (): void => undefined

@@ -8,20 +8,31 @@ for (const site of [connector, platform]) {
       const page = await signedIn(browser, site, { colorScheme })
       for (const place of await places(page, site)) {
         await enter(page, site, place)
-        const { violations } = await new AxeBuilder({ page }).withTags(['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa']).analyze()
-        const said = violations.map((violation) => `${violation.id}: ${violation.nodes.map((node) => `${node.target.join(' ')} ${node.any[0]?.message ?? ''}`).join('; ')}`)
+        const { violations } = await new AxeBuilder({ page })
+          .withTags(['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'])
+          .analyze()
+        const said = violations.map(
+          (violation) =>
+            `${violation.id}: ${violation.nodes.map((node) => `${node.target.join(' ')} ${node.any[0]?.message ?? ''}`).join('; ')}`,
+        )
         expect.soft(said, `${site.app}/${place.name}`).toEqual([])
       }
       await page.context().close()
     })
   }
 
-  test(`${site.app} asks for nothing elsewhere and breaks no rule of its own policy`, async ({ browser }) => {
+  test(`${site.app} asks for nothing elsewhere and breaks no rule of its own policy`, async ({
+    browser,
+  }) => {
     const page = await signedIn(browser, site)
     const foreign: string[] = []
     const complaints: string[] = []
     page.on('request', (request) => {
-      if (!request.url().startsWith(site.url.replace(/\/$/, '')) && !request.url().startsWith('data:')) foreign.push(request.url())
+      if (
+        !request.url().startsWith(site.url.replace(/\/$/, '')) &&
+        !request.url().startsWith('data:')
+      )
+        foreign.push(request.url())
     })
     page.on('console', (message) => {
       if (message.type() === 'error') complaints.push(message.text())

@@ -37,7 +37,13 @@ test('from an empty installation to the first mapped field', async ({ page }) =>
   await test.step('a suggestion is taken and consented to', async () => {
     await person.click('inbox', page.getByRole('navigation').getByRole('link', { name: /Inbox/ }))
     await person.click('decide', page.getByRole('link', { name: `Decide: ${FIELD}` }))
-    await person.click('suggestion', page.locator('[data-suggestion]').first().getByRole('button', { name: /^Take it/ }))
+    await person.click(
+      'suggestion',
+      page
+        .locator('[data-suggestion]')
+        .first()
+        .getByRole('button', { name: /^Take it/ }),
+    )
     await person.click('consent', page.getByRole('button', { name: 'Consent', exact: true }))
     await expect(page.getByText('Consent recorded. Values flow.')).toBeVisible()
     await expect(page.locator('main').getByText('Mapped').first()).toBeVisible()
@@ -49,7 +55,9 @@ test('from an empty installation to the first mapped field', async ({ page }) =>
     await expect(row.locator('.figure')).toHaveText(/^[\d.,]+$/, { timeout: 15_000 })
   })
 
-  console.info(`${person.clicks.length} clicks (${person.clicks.join(', ')}), ${person.texts.length} texts (${person.texts.join(', ')})`)
+  console.info(
+    `${person.clicks.length} clicks (${person.clicks.join(', ')}), ${person.texts.length} texts (${person.texts.join(', ')})`,
+  )
   expect(person.clicks.length).toBeLessThanOrEqual(CLICKS_MAX)
   expect(person.texts.length).toBeLessThanOrEqual(TEXTS_MAX)
 })

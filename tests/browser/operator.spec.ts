@@ -2,7 +2,12 @@ import { expect, test, type Page } from '@playwright/test'
 import { api, change, connector, signedIn, signIn, type Site } from './world.ts'
 
 /** Somebody at a machine, made for this run. */
-const operator: Site = { app: 'engineer', url: connector.url, userName: `operator${Date.now()}`, password: 'a tablet at the belt' }
+const operator: Site = {
+  app: 'engineer',
+  url: connector.url,
+  userName: `operator${Date.now()}`,
+  password: 'a tablet at the belt',
+}
 
 interface Operation {
   operationNetworkId: string
@@ -19,37 +24,59 @@ interface Entry {
   receivedAt: string
 }
 
-const where = ({ operationNetworkId, operationId }: Operation): string => new URLSearchParams({ operationNetworkId, operationId }).toString()
+const where = ({ operationNetworkId, operationId }: Operation): string =>
+  new URLSearchParams({ operationNetworkId, operationId }).toString()
 
 async function operations(page: Page): Promise<Operation[]> {
-  const week = new URLSearchParams({ from: new Date(Date.now() - 86_400_000).toISOString(), until: new Date(Date.now() + 7 * 86_400_000).toISOString() })
-  return (await api<{ items: Operation[] }>(page.request, connector, `/operator/operations?${week}`)).items
+  const week = new URLSearchParams({
+    from: new Date(Date.now() - 86_400_000).toISOString(),
+    until: new Date(Date.now() + 7 * 86_400_000).toISOString(),
+  })
+  return (
+    await api<{ items: Operation[] }>(page.request, connector, `/operator/operations?${week}`)
+  ).items
 }
 
 /** What the connector has of this operator, in the order in which it was entered. */
 async function entries(page: Page, operation: Operation): Promise<Entry[]> {
-  const { items } = await api<{ items: Entry[] }>(page.request, connector, `/operator/entries?${where(operation)}`)
-  return items.filter(({ madeBy }) => madeBy === operator.userName).toSorted((a, b) => a.madeAt.localeCompare(b.madeAt))
+  const { items } = await api<{ items: Entry[] }>(
+    page.request,
+    connector,
+    `/operator/entries?${where(operation)}`,
+  )
+  return items
+    .filter(({ madeBy }) => madeBy === operator.userName)
+    .toSorted((a, b) => a.madeAt.localeCompare(b.madeAt))
 }
 
 /** The page is kept by the browser, so that it opens without a network. */
 async function isKept(page: Page): Promise<boolean> {
   return page.evaluate(async () => {
     const script = document.querySelector<HTMLScriptElement>('script[src]')?.src ?? ''
-    return navigator.serviceWorker.controller !== null && (await caches.match('/')) !== undefined && (await caches.match(script)) !== undefined
+    return (
+      navigator.serviceWorker.controller !== null &&
+      (await caches.match('/')) !== undefined &&
+      (await caches.match(script)) !== undefined
+    )
   })
 }
 
 test('an operator works on without a network, and everything arrives once', async ({ browser }) => {
   test.setTimeout(180_000)
   const engineer = await signedIn(browser, connector, { locale: 'en-GB' })
-  await change(engineer, connector, 'PUT', `/users/${operator.userName}`, { role: 'OPERATOR', password: operator.password })
+  await change(engineer, connector, 'PUT', `/users/${operator.userName}`, {
+    role: 'OPERATOR',
+    password: operator.password,
+  })
   const operation = (await operations(engineer))[0]
   if (operation === undefined) throw new Error('No operation has a field to be filled by hand.')
 
   // An earlier run may have left it running.
   const isRunning = operation.standing.state === 'Running'
-  const context = await browser.newContext({ locale: 'en-GB', viewport: { width: 1180, height: 820 } })
+  const context = await browser.newContext({
+    locale: 'en-GB',
+    viewport: { width: 1180, height: 820 },
+  })
   const page = await context.newPage()
   await signIn(page, operator)
   const card = page.locator(`[data-operation="${operation.operationId}"]`)
@@ -87,9 +114,16 @@ test('an operator works on without a network, and everything arrives once', asyn
     await expect(waiting).toContainText('Everything you entered has arrived.')
     await expect(good).toHaveText(counted(4))
     const arrived = await entries(engineer, operation)
-    expect(arrived.map(({ action, quantity }) => [action, quantity ?? 0])).toEqual([[isRunning ? 'DONE' : 'START', 0], ...Array<[string, number]>(4).fill(['ADD', 1])])
+    expect(arrived.map(({ action, quantity }) => [action, quantity ?? 0])).toEqual([
+      [isRunning ? 'DONE' : 'START', 0],
+      ...Array<[string, number]>(4).fill(['ADD', 1]),
+    ])
     expect(new Set(arrived.map(({ entryId }) => entryId)).size).toBe(5)
-    for (const { madeAt, receivedAt } of arrived) expect([Date.parse(madeAt) <= Date.parse(back), Date.parse(receivedAt) >= Date.parse(back)]).toEqual([true, true])
+    for (const { madeAt, receivedAt } of arrived)
+      expect([
+        Date.parse(madeAt) <= Date.parse(back),
+        Date.parse(receivedAt) >= Date.parse(back),
+      ]).toEqual([true, true])
   })
 
   await test.step('an answer that is lost on its way makes nothing count twice', async () => {
@@ -105,7 +139,9 @@ test('an operator works on without a network, and everything arrives once', asyn
     expect(lost, 'the first answer was lost').toBe(1)
     expect(await entries(engineer, operation)).toHaveLength(6)
     await expect(good).toHaveText(counted(5))
-    const standing = (await operations(engineer)).find(({ operationId }) => operationId === operation.operationId)?.standing
+    const standing = (await operations(engineer)).find(
+      ({ operationId }) => operationId === operation.operationId,
+    )?.standing
     expect(standing?.goodQuantity).toBe(operation.standing.goodQuantity + 5)
   })
 
@@ -116,7 +152,10 @@ test('an operator works on without a network, and everything arrives once', asyn
     await one.click()
     await expect(waiting).toHaveAttribute('data-waiting', '2')
     const password = 'another tablet at the belt'
-    await change(engineer, connector, 'PUT', `/users/${operator.userName}`, { role: 'OPERATOR', password })
+    await change(engineer, connector, 'PUT', `/users/${operator.userName}`, {
+      role: 'OPERATOR',
+      password,
+    })
     await context.setOffline(false)
     await expect(page.getByRole('button', { name: 'Sign in' })).toBeVisible({ timeout: 30_000 })
     expect(await entries(engineer, operation), 'the old session delivers nothing').toHaveLength(6)
@@ -129,7 +168,10 @@ test('an operator works on without a network, and everything arrives once', asyn
   })
 
   await change(engineer, connector, 'DELETE', `/users/${operator.userName}`)
-  await expect(page.getByRole('button', { name: 'Sign in' }), 'who was removed is signed out').toBeVisible({ timeout: 30_000 })
+  await expect(
+    page.getByRole('button', { name: 'Sign in' }),
+    'who was removed is signed out',
+  ).toBeVisible({ timeout: 30_000 })
   await context.close()
   await engineer.context().close()
 })

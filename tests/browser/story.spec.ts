@@ -10,29 +10,56 @@ const COUNT = 'browserCount'
 const SECRET = 'browserSecret'
 
 interface View {
-  network: { operationNetworkId: string; operationList: { operationId: string; operationType: string; owningFactoryId?: string; dynamicDataRequestList?: { requesterId: string }[] }[] }
+  network: {
+    operationNetworkId: string
+    operationList: {
+      operationId: string
+      operationType: string
+      owningFactoryId?: string
+      dynamicDataRequestList?: { requesterId: string }[]
+    }[]
+  }
 }
 
 /** The first operation of the connector's factory that makes something, with the network it stands in. */
-async function place(partner: Page, engineer: Page): Promise<{ network: string; operation: string }> {
+async function place(
+  partner: Page,
+  engineer: Page,
+): Promise<{ network: string; operation: string }> {
   const { factoryId } = await api<{ factoryId: string }>(engineer.request, connector, '/status')
-  const { items } = await api<{ items: { operationNetworkId: string; withdrawnAt?: string | null }[] }>(partner.request, platform, '/operation-networks')
+  const { items } = await api<{
+    items: { operationNetworkId: string; withdrawnAt?: string | null }[]
+  }>(partner.request, platform, '/operation-networks')
   for (const { operationNetworkId, withdrawnAt } of items) {
     if (withdrawnAt) continue
-    const { network } = await api<View>(partner.request, platform, `/operation-networks/${encodeURIComponent(operationNetworkId)}`)
-    const operation = network.operationList.find((each) => each.owningFactoryId === factoryId && each.operationType === 'PRODUCTION')
-    if (operation !== undefined) return { network: operationNetworkId, operation: operation.operationId }
+    const { network } = await api<View>(
+      partner.request,
+      platform,
+      `/operation-networks/${encodeURIComponent(operationNetworkId)}`,
+    )
+    const operation = network.operationList.find(
+      (each) => each.owningFactoryId === factoryId && each.operationType === 'PRODUCTION',
+    )
+    if (operation !== undefined)
+      return { network: operationNetworkId, operation: operation.operationId }
   }
   throw new Error('No network has an operation of the connector’s factory that makes something.')
 }
 
 /** Opens the tree down to a variable and returns it. */
 async function variable(tree: Locator, path: readonly string[]): Promise<Locator> {
-  let item = tree.getByRole('treeitem').filter({ hasText: path[0] ?? '' }).first()
+  let item = tree
+    .getByRole('treeitem')
+    .filter({ hasText: path[0] ?? '' })
+    .first()
   for (const [index, name] of path.entries()) {
-    item = tree.locator(`[role=treeitem][aria-level="${index + 1}"]`).filter({ hasText: name }).first()
+    item = tree
+      .locator(`[role=treeitem][aria-level="${index + 1}"]`)
+      .filter({ hasText: name })
+      .first()
     await item.waitFor()
-    if (index < path.length - 1 && (await item.getAttribute('aria-expanded')) === 'false') await item.click()
+    if (index < path.length - 1 && (await item.getAttribute('aria-expanded')) === 'false')
+      await item.click()
   }
   return item
 }
@@ -50,7 +77,9 @@ test('who has no password stays outside', async ({ browser }) => {
     await signIn(page, site)
     await page.getByRole('button', { name: 'Sign out' }).click()
     await expect(page.getByRole('button', { name: 'Sign in' })).toBeVisible()
-    expect((await page.request.get(`${site.url.replace(/\/$/, '')}/api/v1/status`)).status()).toBe(401)
+    expect((await page.request.get(`${site.url.replace(/\/$/, '')}/api/v1/status`)).status()).toBe(
+      401,
+    )
     await page.context().close()
   }
 })
@@ -64,7 +93,9 @@ test('from a partner’s question to the value on its page, and back', async ({ 
   await expect(engineer.getByRole('heading', { name: 'Inbox', level: 1 })).toBeVisible()
 
   await test.step('the partner asks', async () => {
-    await partner.goto(`${platform.url.replace(/\/$/, '')}/#/networks/${encodeURIComponent(network)}/${encodeURIComponent(operation)}`)
+    await partner.goto(
+      `${platform.url.replace(/\/$/, '')}/#/networks/${encodeURIComponent(network)}/${encodeURIComponent(operation)}`,
+    )
     await partner.getByRole('button', { name: 'Request data' }).click()
     const dialog = partner.getByRole('dialog')
     await dialog.getByLabel('What for').fill('See that the browser tests reach both ends')
@@ -132,7 +163,9 @@ test('from a partner’s question to the value on its page, and back', async ({ 
   })
 
   await test.step('what is refused stays in the factory, with the reason', async () => {
-    await engineer.goto(`${connector.url.replace(/\/$/, '')}/#/fields/${[network, operation, REQUEST, SECRET].map(encodeURIComponent).join('/')}`)
+    await engineer.goto(
+      `${connector.url.replace(/\/$/, '')}/#/fields/${[network, operation, REQUEST, SECRET].map(encodeURIComponent).join('/')}`,
+    )
     await engineer.getByRole('radio', { name: 'Refuse' }).check({ force: true })
     await engineer.getByLabel('Reason').fill('That is our secret.')
     await engineer.getByRole('button', { name: 'Refuse this field' }).click()
@@ -150,7 +183,9 @@ test('from a partner’s question to the value on its page, and back', async ({ 
   })
 
   await test.step('a consent can be taken back', async () => {
-    await engineer.goto(`${connector.url.replace(/\/$/, '')}/#/fields/${[network, operation, REQUEST, COUNT].map(encodeURIComponent).join('/')}`)
+    await engineer.goto(
+      `${connector.url.replace(/\/$/, '')}/#/fields/${[network, operation, REQUEST, COUNT].map(encodeURIComponent).join('/')}`,
+    )
     await engineer.getByRole('button', { name: 'Leave open' }).click()
     await expect(engineer.getByText('Nothing leaves.')).toBeVisible()
     await expect(partner.locator(`[data-field="${COUNT}"]`)).toContainText('Pending')
@@ -173,8 +208,14 @@ test('both pages work by keyboard alone', async ({ browser }) => {
   await expect(partner.getByRole('link', { name: 'Skip to content' })).toBeFocused()
   await partner.keyboard.press('Enter')
   await expect(partner.locator('main h1')).toBeFocused()
-  const { items } = await api<{ items: { operationNetworkId: string }[] }>(partner.request, platform, '/operation-networks')
-  await partner.goto(`${platform.url.replace(/\/$/, '')}/#/networks/${encodeURIComponent(items[0]?.operationNetworkId ?? '')}`)
+  const { items } = await api<{ items: { operationNetworkId: string }[] }>(
+    partner.request,
+    platform,
+    '/operation-networks',
+  )
+  await partner.goto(
+    `${platform.url.replace(/\/$/, '')}/#/networks/${encodeURIComponent(items[0]?.operationNetworkId ?? '')}`,
+  )
   const first = partner.locator('[data-operation]').first()
   await first.focus()
   await partner.keyboard.press('ArrowRight')
@@ -196,6 +237,8 @@ test('both pages work by keyboard alone', async ({ browser }) => {
 
 /** The number under the field's name in the message. */
 function shownIn(message: string | null): number {
-  const value = new RegExp(`"${COUNT}":\\s*(?:\\{[^}]*"Body":\\s*)?"?(\\d+)`).exec(message ?? '')?.[1]
+  const value = new RegExp(`"${COUNT}":\\s*(?:\\{[^}]*"Body":\\s*)?"?(\\d+)`).exec(
+    message ?? '',
+  )?.[1]
   return value === undefined ? Number.NaN : Number(value)
 }

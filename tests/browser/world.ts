@@ -1,4 +1,11 @@
-import { expect, type APIRequestContext, type Browser, type BrowserContext, type BrowserContextOptions, type Page } from '@playwright/test'
+import {
+  expect,
+  type APIRequestContext,
+  type Browser,
+  type BrowserContext,
+  type BrowserContextOptions,
+  type Page,
+} from '@playwright/test'
 
 /** A daemon with its page, and who signs in there. */
 export interface Site {
@@ -10,7 +17,8 @@ export interface Site {
 
 function variable(name: string, otherwise?: string): string {
   const value = process.env[name] ?? otherwise
-  if (value === undefined) throw new Error(`Set ${name}: the browser tests drive daemons that run already.`)
+  if (value === undefined)
+    throw new Error(`Set ${name}: the browser tests drive daemons that run already.`)
   return value
 }
 
@@ -42,9 +50,16 @@ export async function signIn(page: Page, site: Site): Promise<void> {
 const sessions = new Map<string, Awaited<ReturnType<BrowserContext['storageState']>>>()
 
 /** A browser that is signed in already: each site is signed in to once, as attempts to sign in are throttled. */
-export async function signedIn(browser: Browser, site: Site, options: BrowserContextOptions = {}): Promise<Page> {
+export async function signedIn(
+  browser: Browser,
+  site: Site,
+  options: BrowserContextOptions = {},
+): Promise<Page> {
   const known = sessions.get(site.url)
-  const context = await browser.newContext({ ...options, ...(known === undefined ? {} : { storageState: known }) })
+  const context = await browser.newContext({
+    ...options,
+    ...(known === undefined ? {} : { storageState: known }),
+  })
   const page = await context.newPage()
   if (known === undefined) {
     await signIn(page, site)
@@ -64,10 +79,23 @@ export async function api<T>(request: APIRequestContext, site: Site, path: strin
 }
 
 /** Changes something through the API with the page's own session. */
-export async function change(page: Page, site: Site, method: 'POST' | 'PUT' | 'DELETE', path: string, data?: unknown): Promise<void> {
+export async function change(
+  page: Page,
+  site: Site,
+  method: 'POST' | 'PUT' | 'DELETE',
+  path: string,
+  data?: unknown,
+): Promise<void> {
   const { csrfToken } = await api<{ csrfToken: string }>(page.request, site, '/session')
-  const response = await page.request.fetch(`${site.url.replace(/\/$/, '')}/api/v1${path}`, { method, headers: { 'x-csrf-token': csrfToken }, ...(data === undefined ? {} : { data }) })
-  expect(response.ok(), `${method} ${path} gave ${response.status()}: ${await response.text()}`).toBe(true)
+  const response = await page.request.fetch(`${site.url.replace(/\/$/, '')}/api/v1${path}`, {
+    method,
+    headers: { 'x-csrf-token': csrfToken },
+    ...(data === undefined ? {} : { data }),
+  })
+  expect(
+    response.ok(),
+    `${method} ${path} gave ${response.status()}: ${await response.text()}`,
+  ).toBe(true)
 }
 
 interface Items<T> {
@@ -90,30 +118,58 @@ async function offers(request: APIRequestContext, site: Site, path: string): Pro
 export async function places(page: Page, site: Site): Promise<Place[]> {
   const hash = (...parts: string[]): string => `#/${parts.map(encodeURIComponent).join('/')}`
   if (site.app === 'partner') {
-    const networks = await api<Items<{ operationNetworkId: string }>>(page.request, site, '/operation-networks')
+    const networks = await api<Items<{ operationNetworkId: string }>>(
+      page.request,
+      site,
+      '/operation-networks',
+    )
     const factories = await api<Items<{ factoryId: string }>>(page.request, site, '/factories')
     const network = networks.items[0]?.operationNetworkId
     const factory = factories.items[0]?.factoryId
-    const view = network === undefined ? undefined : await api<{ fields: { key: { operationId: string } }[] }>(page.request, site, `/operation-networks/${encodeURIComponent(network)}`)
+    const view =
+      network === undefined
+        ? undefined
+        : await api<{ fields: { key: { operationId: string } }[] }>(
+            page.request,
+            site,
+            `/operation-networks/${encodeURIComponent(network)}`,
+          )
     const operation = view?.fields[0]?.key.operationId
     return [
       { name: 'networks', hash: '#/' },
       ...(network === undefined ? [] : [{ name: 'network', hash: hash('networks', network) }]),
-      ...(network === undefined || operation === undefined ? [] : [{ name: 'operation', hash: hash('networks', network, operation) }]),
+      ...(network === undefined || operation === undefined
+        ? []
+        : [{ name: 'operation', hash: hash('networks', network, operation) }]),
       { name: 'factories', hash: '#/factories' },
       ...(factory === undefined
         ? []
         : [
             { name: 'factory', hash: hash('factories', factory) },
-            { name: 'enrolment', hash: hash('factories', factory), act: (shown: Page) => press(shown, /^(create an enrolment token|aufnahmeschlüssel erstellen)$/i) },
-            { name: 'credential-revocation', hash: hash('factories', factory), act: (shown: Page) => press(shown, /^(revoke the credentials|zugangsdaten widerrufen)$/i) },
+            {
+              name: 'enrolment',
+              hash: hash('factories', factory),
+              act: (shown: Page) =>
+                press(shown, /^(create an enrolment token|aufnahmeschlüssel erstellen)$/i),
+            },
+            {
+              name: 'credential-revocation',
+              hash: hash('factories', factory),
+              act: (shown: Page) =>
+                press(shown, /^(revoke the credentials|zugangsdaten widerrufen)$/i),
+            },
           ]),
       { name: 'live', hash: '#/live' },
       { name: 'settings', hash: '#/settings' },
     ]
   }
   interface Field {
-    key: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string; fieldName: string }
+    key: {
+      operationNetworkId: string
+      operationId: string
+      dynamicDataRequestId: string
+      fieldName: string
+    }
     mappingState: string
     valueSource?: string | null
   }
@@ -121,43 +177,116 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
   const sources = await api<Items<{ sourceId: string }>>(page.request, site, '/sources')
   const fields = inbox.items.flatMap((request) => request.fields)
   const at = (name: string, field: Field | undefined): Place[] =>
-    field === undefined ? [] : [{ name, hash: hash('fields', field.key.operationNetworkId, field.key.operationId, field.key.dynamicDataRequestId, field.key.fieldName) }]
+    field === undefined
+      ? []
+      : [
+          {
+            name,
+            hash: hash(
+              'fields',
+              field.key.operationNetworkId,
+              field.key.operationId,
+              field.key.dynamicDataRequestId,
+              field.key.fieldName,
+            ),
+          },
+        ]
   const source = sources.items[0]?.sourceId
   return [
     { name: 'overview', hash: '#/' },
     { name: 'inbox', hash: '#/inbox' },
-    ...(inbox.items.some((request) => request.fields.filter((field) => field.mappingState === 'PENDING').length > 1)
-      ? [{ name: 'refusal', hash: '#/inbox', act: (shown: Page) => press(shown, /^(refuse open fields|offene felder ablehnen)$/i) }]
+    ...(inbox.items.some(
+      (request) => request.fields.filter((field) => field.mappingState === 'PENDING').length > 1,
+    )
+      ? [
+          {
+            name: 'refusal',
+            hash: '#/inbox',
+            act: (shown: Page) => press(shown, /^(refuse open fields|offene felder ablehnen)$/i),
+          },
+        ]
       : []),
-    { name: 'conversation', hash: '#/inbox', act: (shown) => press(shown, /^(remarks|bemerkungen|new remark|neue bemerkung)$/i) },
+    {
+      name: 'conversation',
+      hash: '#/inbox',
+      act: (shown) => press(shown, /^(remarks|bemerkungen|new remark|neue bemerkung)$/i),
+    },
     { name: 'revocation', hash: '#/inbox', act: (shown) => press(shown, /^(revoke|widerrufen)$/i) },
-    ...at('field-mapped', fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING')),
-    ...at('versions', fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING')).map((place) => ({
+    ...at(
+      'field-mapped',
+      fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING'),
+    ),
+    ...at(
+      'versions',
+      fields.find((field) => field.mappingState === 'MAPPED' && field.valueSource === 'MAPPING'),
+    ).map((place) => ({
       ...place,
       act: (shown: Page) => press(shown, /^(versions|versionen)$/i),
     })),
-    ...at('field-pending', fields.find((field) => field.mappingState === 'PENDING')),
-    ...at('field-manual', fields.find((field) => field.valueSource === 'MANUAL')),
-    ...at('field-external', fields.find((field) => field.valueSource === 'EXTERNAL')),
+    ...at(
+      'field-pending',
+      fields.find((field) => field.mappingState === 'PENDING'),
+    ),
+    ...at(
+      'field-manual',
+      fields.find((field) => field.valueSource === 'MANUAL'),
+    ),
+    ...at(
+      'field-external',
+      fields.find((field) => field.valueSource === 'EXTERNAL'),
+    ),
     { name: 'sources', hash: '#/sources' },
     { name: 'operator', hash: '#/operator' },
-    { name: 'operator-quantity', hash: '#/operator', act: (shown) => press(shown, /^(more|mehrere)$/i) },
-    { name: 'operator-problem', hash: '#/operator', act: (shown) => press(shown, /^(problem|störung)$/i) },
+    {
+      name: 'operator-quantity',
+      hash: '#/operator',
+      act: (shown) => press(shown, /^(more|mehrere)$/i),
+    },
+    {
+      name: 'operator-problem',
+      hash: '#/operator',
+      act: (shown) => press(shown, /^(problem|störung)$/i),
+    },
     { name: 'policies', hash: '#/policies' },
-    { name: 'rule', hash: '#/policies', act: (shown) => press(shown, /^(add a rule|regel hinzufügen)$/i) },
-    { name: 'policy', hash: '#/policies', act: (shown) => press(shown, /^(add a policy|freigabe hinzufügen)$/i) },
+    {
+      name: 'rule',
+      hash: '#/policies',
+      act: (shown) => press(shown, /^(add a rule|regel hinzufügen)$/i),
+    },
+    {
+      name: 'policy',
+      hash: '#/policies',
+      act: (shown) => press(shown, /^(add a policy|freigabe hinzufügen)$/i),
+    },
     { name: 'leaks', hash: '#/leaks' },
     { name: 'mappings', hash: '#/mappings' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
-    { name: 'certificate', hash: '#/sources', act: (shown) => press(shown, /^(add a certificate|zertifikat hinzufügen)$/i) },
-    { name: 'certificate-request', hash: '#/sources', act: (shown) => press(shown, /^(request a certificate|zertifikat beantragen)$/i) },
-    { name: 'certificate-installation', hash: '#/sources', act: (shown) => press(shown, /^(install an issued certificate|ausgestelltes zertifikat installieren)$/i) },
+    {
+      name: 'certificate',
+      hash: '#/sources',
+      act: (shown) => press(shown, /^(add a certificate|zertifikat hinzufügen)$/i),
+    },
+    {
+      name: 'certificate-request',
+      hash: '#/sources',
+      act: (shown) => press(shown, /^(request a certificate|zertifikat beantragen)$/i),
+    },
+    {
+      name: 'certificate-installation',
+      hash: '#/sources',
+      act: (shown) =>
+        press(shown, /^(install an issued certificate|ausgestelltes zertifikat installieren)$/i),
+    },
     { name: 'ledger', hash: '#/ledger' },
     { name: 'ledger-filtered', hash: '#/ledger', act: filterAndVerify },
     ...((await offers(page.request, site, '/users'))
       ? [
           { name: 'users', hash: '#/users' },
-          { name: 'user', hash: '#/users', act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i) },
+          {
+            name: 'user',
+            hash: '#/users',
+            act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i),
+          },
         ]
       : []),
     { name: 'link', hash: '#/link' },
@@ -189,5 +318,7 @@ async function filterAndVerify(page: Page): Promise<void> {
   const lately = new Date(Date.now() - 7 * 24 * 3_600_000).toISOString().slice(0, 16)
   await page.getByLabel(/^(from|von)$/i).fill(lately)
   await page.getByRole('button', { name: /^(verify the chain|kette prüfen)$/i }).click()
-  await expect(page.getByRole('region', { name: /^(result of the verification|ergebnis der prüfung)$/i })).toBeVisible({ timeout: 30_000 })
+  await expect(
+    page.getByRole('region', { name: /^(result of the verification|ergebnis der prüfung)$/i }),
+  ).toBeVisible({ timeout: 30_000 })
 }

@@ -1,7 +1,13 @@
 import { expect, it } from 'vitest'
 import { tokens } from './json-tokens'
 
-it.each(['{"a":[1,-2.5e3,true,null,"x \\" y"],"b":{"c":"ü"}}', 'not JSON - "half', '', '-', '{"a" : 1}'])('never changes the text: %j', (text) => {
+it.each([
+  '{"a":[1,-2.5e3,true,null,"x \\" y"],"b":{"c":"ü"}}',
+  'not JSON - "half',
+  '',
+  '-',
+  '{"a" : 1}',
+])('never changes the text: %j', (text) => {
   expect(
     tokens(text)
       .map((token) => token.text)
@@ -10,5 +16,11 @@ it.each(['{"a":[1,-2.5e3,true,null,"x \\" y"],"b":{"c":"ü"}}', 'not JSON - "hal
 })
 
 it('tells names from values', () => {
-  expect(tokens('{"a":"b"}').map((token) => token.kind)).toEqual(['mark', 'name', 'mark', 'text', 'mark'])
+  expect(tokens('{"a":"b"}').map((token) => token.kind)).toEqual([
+    'mark',
+    'name',
+    'mark',
+    'text',
+    'mark',
+  ])
 })

@@ -3,7 +3,8 @@ export interface Token {
   text: string
 }
 
-const PATTERN = /("(?:[^"\\]|\\.)*")(\s*:)?|(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)|(true|false|null)|([^"\d-]+|-)/g
+const PATTERN =
+  /("(?:[^"\\]|\\.)*")(\s*:)?|(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)|(true|false|null)|([^"\d-]+|-)/g
 
 /** JSON text cut into coloured pieces; joined they are the text, whatever it was. */
 export function tokens(text: string): Token[] {

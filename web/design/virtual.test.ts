@@ -18,6 +18,12 @@ describe('a long list', () => {
     expect(within(layout, from, to)).toEqual({ first, end })
   })
   it('may be empty', () => {
-    expect(within(layOut(() => 10, 0), 0, 100)).toEqual({ first: 0, end: 0 })
+    expect(
+      within(
+        layOut(() => 10, 0),
+        0,
+        100,
+      ),
+    ).toEqual({ first: 0, end: 0 })
   })
 })

@@ -6,12 +6,17 @@ export interface Layout {
 
 export function layOut(heights: (index: number) => number, count: number): Layout {
   const offsets = new Float64Array(count + 1)
-  for (let index = 0; index < count; index += 1) offsets[index + 1] = (offsets[index] ?? 0) + heights(index)
+  for (let index = 0; index < count; index += 1)
+    offsets[index + 1] = (offsets[index] ?? 0) + heights(index)
   return { offsets }
 }
 
 /** Which items touch the stretch between `from` and `to`: the first one, and the one behind the last. */
-export function within({ offsets }: Layout, from: number, to: number): { first: number; end: number } {
+export function within(
+  { offsets }: Layout,
+  from: number,
+  to: number,
+): { first: number; end: number } {
   const count = offsets.length - 1
   const first = Math.max(0, Math.min(firstAbove(offsets, from) - 1, count))
   let end = first

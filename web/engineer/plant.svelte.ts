@@ -19,7 +19,9 @@ type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' 
  */
 class Plant {
   readonly status = new Resource((signal) => connector.status(signal))
-  readonly totals = new Resource<InboxTotals>(async (signal) => (await connector.inbox({ limit: 1 }, signal)).totals)
+  readonly totals = new Resource<InboxTotals>(
+    async (signal) => (await connector.inbox({ limit: 1 }, signal)).totals,
+  )
   readonly pending = $derived(this.totals.value?.pending ?? 0)
   readonly #shown = new Set<Shown>()
   readonly #news = new Map<string, Field>()
@@ -77,7 +79,8 @@ class Plant {
 
   #put(fields: readonly Field[]): void {
     const byRequest = new Map<string, Field[]>()
-    for (const field of fields) byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
+    for (const field of fields)
+      byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
     for (const shown of this.#shown) {
       if (!shown.value?.items.some(({ key }) => byRequest.has(nameOf(key)))) continue
       shown.amendByEvent((page) => ({
@@ -85,7 +88,13 @@ class Plant {
         items: page.items.map((request) => {
           const news = byRequest.get(nameOf(request.key))
           if (news === undefined) return request
-          return { ...request, fields: request.fields.map((known) => ({ ...known, ...news.find((field) => field.key.fieldName === known.key.fieldName) })) }
+          return {
+            ...request,
+            fields: request.fields.map((known) => ({
+              ...known,
+              ...news.find((field) => field.key.fieldName === known.key.fieldName),
+            })),
+          }
         }),
       }))
     }
@@ -102,11 +111,14 @@ class Plant {
     if (known === undefined) return
     // A decision has more members than the event tells: that field is read again.
     if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
-      void connector.field(field.key).then((whole) => {
-        this.put(whole)
-      }, () => {
-        this.refreshSoon()
-      })
+      void connector.field(field.key).then(
+        (whole) => {
+          this.put(whole)
+        },
+        () => {
+          this.refreshSoon()
+        },
+      )
       return
     }
     this.#news.set(Object.values(field.key).join('/'), field)
@@ -128,5 +140,9 @@ export function nameOf(key: RequestKey): string {
 }
 
 export function sameRequest(a: RequestKey, b: RequestKey): boolean {
-  return a.operationNetworkId === b.operationNetworkId && a.operationId === b.operationId && a.dynamicDataRequestId === b.dynamicDataRequestId
+  return (
+    a.operationNetworkId === b.operationNetworkId &&
+    a.operationId === b.operationId &&
+    a.dynamicDataRequestId === b.dynamicDataRequestId
+  )
 }

@@ -28,6 +28,8 @@ describe('what a partner is told of a precision', () => {
   })
   it('is taken from the connector where this page does not know all of it', () => {
     expect(statementText(undefined, 'Every change, as it is.')).toBe('Every change, as it is.')
-    expect(statementText([{ code: 'WITHHELD' }, { code: 'SHUFFLED' } as never], 'Shuffled.')).toBe('Shuffled.')
+    expect(statementText([{ code: 'WITHHELD' }, { code: 'SHUFFLED' } as never], 'Shuffled.')).toBe(
+      'Shuffled.',
+    )
   })
 })

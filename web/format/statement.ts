@@ -16,13 +16,22 @@ export type StatementPart =
 
 const CATALOGUES = { de, en }
 const DAYS = ['MONDAY', 'TUESDAY', 'WEDNESDAY', 'THURSDAY', 'FRIDAY', 'SATURDAY', 'SUNDAY']
-const SIZES = [['d', 86_400_000], ['h', 3_600_000], ['min', 60_000], ['s', 1_000], ['ms', 1]] as const
+const SIZES = [
+  ['d', 86_400_000],
+  ['h', 3_600_000],
+  ['min', 60_000],
+  ['s', 1_000],
+  ['ms', 1],
+] as const
 
 /**
  * A precision in the reader's words. What the connector says in English is taken where it has no parts, or one that this
  * page does not know.
  */
-export function statementText(parts: readonly StatementPart[] | undefined, english: string): string {
+export function statementText(
+  parts: readonly StatementPart[] | undefined,
+  english: string,
+): string {
   return sentence(parts ?? [], language.code) ?? english
 }
 
@@ -37,7 +46,8 @@ export function sentence(parts: readonly StatementPart[], code: LanguageCode): s
 function partText(part: StatementPart, code: LanguageCode): string | undefined {
   const { statement, span } = CATALOGUES[code]
   // Digits in groups would be taken for decimals in the other language.
-  const number = (value: number): string => new Intl.NumberFormat(code, { maximumSignificantDigits: 15, useGrouping: false }).format(value)
+  const number = (value: number): string =>
+    new Intl.NumberFormat(code, { maximumSignificantDigits: 15, useGrouping: false }).format(value)
   const period = (ms: number): string => {
     const [name, size] = SIZES.find(([, each]) => ms % each === 0) ?? ['ms', 1]
     return `${number(ms / size)} ${span[name]}`
@@ -65,7 +75,11 @@ function partText(part: StatementPart, code: LanguageCode): string | undefined {
     case 'DELAYED':
       return statement.delayed(period(part.periodMs))
     case 'HOURS':
-      return statement.hours(part.hours.days.map((day) => weekday(DAYS.indexOf(day), 'short', code)).join(', '), part.hours.from, part.hours.until)
+      return statement.hours(
+        part.hours.days.map((day) => weekday(DAYS.indexOf(day), 'short', code)).join(', '),
+        part.hours.from,
+        part.hours.until,
+      )
     case 'WITHHELD':
       return statement.withheld
     default:

@@ -34,7 +34,8 @@ export function statusName(status: number | string | null | undefined): string {
 /** Good, uncertain or bad. */
 export function severity(status: number | string | null | undefined): Severity {
   if (status === null || status === undefined) return 'good'
-  if (typeof status === 'number') return (['good', 'uncertain', 'bad', 'bad'] as const)[status >>> 30] ?? 'bad'
+  if (typeof status === 'number')
+    return (['good', 'uncertain', 'bad', 'bad'] as const)[status >>> 30] ?? 'bad'
   if (status.startsWith('Uncertain')) return 'uncertain'
   return status.startsWith('Bad') ? 'bad' : 'good'
 }

@@ -54,5 +54,10 @@ describe('status codes', () => {
 })
 
 it('bytes are told in their unit', () => {
-  expect([0, 1023, 18_234, 3 * 1024 ** 3].map(bytesText)).toEqual(['0 B', '1,023 B', '17.8 KiB', '3 GiB'])
+  expect([0, 1023, 18_234, 3 * 1024 ** 3].map(bytesText)).toEqual([
+    '0 B',
+    '1,023 B',
+    '17.8 KiB',
+    '3 GiB',
+  ])
 })

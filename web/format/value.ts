@@ -21,7 +21,8 @@ export function numberText(value: number): string {
 export function valueNumber(value: unknown): number | undefined {
   if (typeof value === 'number') return value
   if (typeof value === 'boolean') return value ? 1 : 0
-  if (typeof value === 'string' && /^-?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value)) return Number(value)
+  if (typeof value === 'string' && /^-?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value))
+    return Number(value)
   const body = value === null || typeof value !== 'object' ? undefined : variantBody(value)
   return body === undefined ? undefined : valueNumber(body.value)
 }

@@ -12,8 +12,15 @@ export const de: Words = {
     refused: 'Benutzername oder Passwort stimmt nicht.',
     throttled: 'Zu viele Versuche. Warten Sie einen Moment und versuchen Sie es erneut.',
     expired: 'Ihre Sitzung ist beendet. Melden Sie sich erneut an.',
-    noCookie: 'Dieser Browser hat die Sitzung nicht behalten. Erlauben Sie Cookies für diese Adresse.',
-    role: { engineer: 'Ingenieur', operator: 'Bediener', viewer: 'Betrachter', administrator: 'Verwalter', planner: 'Planer' },
+    noCookie:
+      'Dieser Browser hat die Sitzung nicht behalten. Erlauben Sie Cookies für diese Adresse.',
+    role: {
+      engineer: 'Ingenieur',
+      operator: 'Bediener',
+      viewer: 'Betrachter',
+      administrator: 'Verwalter',
+      planner: 'Planer',
+    },
   },
   shell: {
     skip: 'Zum Inhalt springen',
@@ -31,14 +38,16 @@ export const de: Words = {
     connecting: 'Verbindung wird aufgebaut',
     interrupted: 'Aktualisierung unterbrochen',
     since: (age: string) => `seit ${age.replace(/^vor /, '')}`,
-    explainInterrupted: 'Sie sehen den zuletzt bekannten Stand. Er wird von selbst nachgeholt, sobald die Verbindung wieder steht.',
+    explainInterrupted:
+      'Sie sehen den zuletzt bekannten Stand. Er wird von selbst nachgeholt, sobald die Verbindung wieder steht.',
   },
   resource: {
     loading: 'Wird geladen …',
     retry: 'Erneut versuchen',
     stale: (age: string) => `Aktualisierung fehlgeschlagen. Stand: ${age}.`,
     offlineTitle: 'Der Server ist nicht erreichbar',
-    offline: 'Die Seite versucht es von selbst weiter. Prüfen Sie das Netzwerkkabel oder fragen Sie den Betreiber dieses Servers.',
+    offline:
+      'Die Seite versucht es von selbst weiter. Prüfen Sie das Netzwerkkabel oder fragen Sie den Betreiber dieses Servers.',
     failed: 'Das hat nicht geklappt',
     details: 'Einzelheiten',
   },
@@ -112,13 +121,20 @@ export const de: Words = {
   },
   statement: {
     unchanged: 'jede Änderung, wie sie ist',
-    aggregates: { LAST: 'letzter Wert', MAXIMUM: 'Maximum', MINIMUM: 'Minimum', SUM: 'Summe', MEAN: 'zeitlicher Mittelwert' },
+    aggregates: {
+      LAST: 'letzter Wert',
+      MAXIMUM: 'Maximum',
+      MINIMUM: 'Minimum',
+      SUM: 'Summe',
+      MEAN: 'zeitlicher Mittelwert',
+    },
     aggregated: (what: string, window: string) => `ein Wert je ${window}: ${what}`,
     rounded: (step: string) => `gerundet auf Vielfache von ${step}`,
     banded: (bounds: string[], unit: string) => `in Bändern ab ${bounds.join('; ')}${unit}`,
     digits: (n: number) => (n === 1 ? 'mit 1 gültigen Ziffer' : `mit ${n} gültigen Ziffern`),
     interval: (period: string) => `höchstens einmal je ${period}`,
-    rate: (n: number, period: string) => (n === 1 ? `höchstens 1 Wert je ${period}` : `höchstens ${n} Werte je ${period}`),
+    rate: (n: number, period: string) =>
+      n === 1 ? `höchstens 1 Wert je ${period}` : `höchstens ${n} Werte je ${period}`,
     timeStep: (step: string) => `Zeiten in Schritten von ${step}`,
     delayed: (delay: string) => `${delay} später`,
     hours: (days: string, from: string, until: string) => `nur ${days} von ${from} bis ${until}`,

@@ -11,7 +11,13 @@ export const en = {
     throttled: 'Too many attempts. Wait a moment, then try again.',
     expired: 'Your session has ended. Sign in again to go on.',
     noCookie: 'This browser did not keep the session. Allow cookies for this address.',
-    role: { engineer: 'Engineer', operator: 'Operator', viewer: 'Viewer', administrator: 'Administrator', planner: 'Planner' } as Record<string, string>,
+    role: {
+      engineer: 'Engineer',
+      operator: 'Operator',
+      viewer: 'Viewer',
+      administrator: 'Administrator',
+      planner: 'Planner',
+    } as Record<string, string>,
   },
   shell: {
     skip: 'Skip to content',
@@ -29,14 +35,16 @@ export const en = {
     connecting: 'Connecting',
     interrupted: 'Updates interrupted',
     since: (age: string) => `since ${age}`,
-    explainInterrupted: 'What you see is the last known state. It catches up by itself when the connection is back.',
+    explainInterrupted:
+      'What you see is the last known state. It catches up by itself when the connection is back.',
   },
   resource: {
     loading: 'Loading …',
     retry: 'Try again',
     stale: (age: string) => `Could not refresh. This was read ${age}.`,
     offlineTitle: 'The server cannot be reached',
-    offline: 'The page tries again by itself. Check the network cable or ask whoever runs this server.',
+    offline:
+      'The page tries again by itself. Check the network cable or ask whoever runs this server.',
     failed: 'That did not work',
     details: 'Details',
   },
@@ -51,7 +59,10 @@ export const en = {
   },
   span: { ms: 'ms', s: 's', min: 'min', h: 'h', d: 'd', everyChange: 'every change' },
   cadence: { every: (span: string) => `every ${span}`, onChange: 'on change' },
-  mappingState: { PENDING: 'Pending', MAPPED: 'Mapped', REFUSED: 'Refused' } as Record<string, string>,
+  mappingState: { PENDING: 'Pending', MAPPED: 'Mapped', REFUSED: 'Refused' } as Record<
+    string,
+    string
+  >,
   operationState: {
     NotAllowedToStart: 'Not allowed to start',
     AllowedToStart: 'Ready to start',
@@ -61,7 +72,11 @@ export const en = {
     Aborted: 'Aborted',
     unknown: 'No state reported',
   } as Record<string, string>,
-  operationType: { PRODUCTION: 'Production', INSPECTION: 'Inspection', TRANSPORTATION: 'Transport' } as Record<string, string>,
+  operationType: {
+    PRODUCTION: 'Production',
+    INSPECTION: 'Inspection',
+    TRANSPORTATION: 'Transport',
+  } as Record<string, string>,
   relation: {
     FINISH_TO_START: 'Finish to start',
     START_TO_START: 'Start to start',
@@ -111,16 +126,24 @@ export const en = {
   /** The words in which a factory tells its partners a precision. */
   statement: {
     unchanged: 'every change, as it is',
-    aggregates: { LAST: 'the last value', MAXIMUM: 'the maximum', MINIMUM: 'the minimum', SUM: 'the sum', MEAN: 'the mean over time' } as Record<string, string>,
+    aggregates: {
+      LAST: 'the last value',
+      MAXIMUM: 'the maximum',
+      MINIMUM: 'the minimum',
+      SUM: 'the sum',
+      MEAN: 'the mean over time',
+    } as Record<string, string>,
     aggregated: (what: string, window: string) => `${what} per ${window}`,
     rounded: (step: string) => `rounded to multiples of ${step}`,
     banded: (bounds: string[], unit: string) => `in bands from ${bounds.join(', ')}${unit}`,
     digits: (n: number) => (n === 1 ? 'with 1 significant digit' : `with ${n} significant digits`),
     interval: (period: string) => `at most once per ${period}`,
-    rate: (n: number, period: string) => (n === 1 ? `at most 1 value per ${period}` : `at most ${n} values per ${period}`),
+    rate: (n: number, period: string) =>
+      n === 1 ? `at most 1 value per ${period}` : `at most ${n} values per ${period}`,
     timeStep: (step: string) => `times in steps of ${step}`,
     delayed: (delay: string) => `${delay} late`,
-    hours: (days: string, from: string, until: string) => `only ${days} from ${from} until ${until}`,
+    hours: (days: string, from: string, until: string) =>
+      `only ${days} from ${from} until ${until}`,
     withheld: 'withheld in certain states',
   },
   value: { none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },

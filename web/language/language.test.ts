@@ -26,8 +26,13 @@ describe.each([
     expect(paths(german)).toEqual(paths(english))
   })
   it('has no empty text', () => {
-    const values = (node: unknown): unknown[] => (node !== null && typeof node === 'object' ? Object.values(node).flatMap(values) : [node])
-    expect([...values(english), ...values(german)].filter((text) => typeof text === 'string' && text.trim() === '')).toEqual([])
+    const values = (node: unknown): unknown[] =>
+      node !== null && typeof node === 'object' ? Object.values(node).flatMap(values) : [node]
+    expect(
+      [...values(english), ...values(german)].filter(
+        (text) => typeof text === 'string' && text.trim() === '',
+      ),
+    ).toEqual([])
   })
 })
 
@@ -39,7 +44,10 @@ it('follows the language that is chosen', () => {
 })
 
 it('says in both languages what each key of the connector’s configuration means', () => {
-  const example = readFileSync(path.resolve(import.meta.dirname, '../../factory-connector/factory-connector.example.toml'), 'utf8')
+  const example = readFileSync(
+    path.resolve(import.meta.dirname, '../../factory-connector/factory-connector.example.toml'),
+    'utf8',
+  )
   let section = ''
   const keys = example.split('\n').flatMap((line) => {
     section = /^(?:#: )?\[([\w.]+)\]$/.exec(line)?.[1] ?? section
@@ -47,5 +55,6 @@ it('says in both languages what each key of the connector’s configuration mean
     return key === undefined ? [] : [section === '' ? key : `${section}.${key}`]
   })
   expect(keys.length).toBeGreaterThan(30)
-  for (const { settings } of [engineerEn, engineerDe]) expect(keys.filter((key) => !(key in settings.meaning))).toEqual([])
+  for (const { settings } of [engineerEn, engineerDe])
+    expect(keys.filter((key) => !(key in settings.meaning))).toEqual([])
 })

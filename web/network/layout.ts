@@ -24,7 +24,11 @@ const SWEEPS = 6
  * Layers by the longest path from a start, then orders each layer by the mean position of its neighbours, back and
  * forth, which removes most crossings. Edges that would close a cycle are left out of the layering.
  */
-export function layered(ids: readonly string[], edges: readonly Edge[], sizes: LayoutSizes): Layout {
+export function layered(
+  ids: readonly string[],
+  edges: readonly Edge[],
+  sizes: LayoutSizes,
+): Layout {
   const layerOf = longestPaths(ids, edges)
   const layers: string[][] = []
   for (const id of ids) (layers[layerOf.get(id) ?? 0] ??= []).push(id)
@@ -34,7 +38,8 @@ export function layered(ids: readonly string[], edges: readonly Edge[], sizes: L
   for (let sweep = 0; sweep < SWEEPS; sweep += 1) {
     const forward = sweep % 2 === 0
     const order = forward ? layers.keys() : [...layers.keys()].reverse()
-    for (const index of order) sortByNeighbours(layers, index, forward ? before : after, forward ? -1 : 1)
+    for (const index of order)
+      sortByNeighbours(layers, index, forward ? before : after, forward ? -1 : 1)
   }
 
   const tallest = Math.max(1, ...layers.map((layer) => layer.length))
@@ -66,7 +71,9 @@ function longestPaths(ids: readonly string[], edges: readonly Edge[]): Map<strin
     const known = depth.get(id)
     if (known !== undefined) return known
     open.add(id)
-    const lengths = (after.get(id) ?? []).filter((next) => !open.has(next)).map((next) => measure(next) + 1)
+    const lengths = (after.get(id) ?? [])
+      .filter((next) => !open.has(next))
+      .map((next) => measure(next) + 1)
     open.delete(id)
     const length = Math.max(0, ...lengths)
     depth.set(id, length)
@@ -76,11 +83,16 @@ function longestPaths(ids: readonly string[], edges: readonly Edge[]): Map<strin
   const deepest = Math.max(0, ...lengths.values())
   const layers = new Map(ids.map((id) => [id, deepest - (lengths.get(id) ?? 0)]))
   // What has no predecessor stands directly before its first successor already; what has no edges at all stands first.
-  for (const id of ids) if (!edges.some((edge) => edge.from === id || edge.to === id)) layers.set(id, 0)
+  for (const id of ids)
+    if (!edges.some((edge) => edge.from === id || edge.to === id)) layers.set(id, 0)
   return layers
 }
 
-function neighbours(edges: readonly Edge[], of: keyof Edge, are: keyof Edge): Map<string, string[]> {
+function neighbours(
+  edges: readonly Edge[],
+  of: keyof Edge,
+  are: keyof Edge,
+): Map<string, string[]> {
   const map = new Map<string, string[]>()
   for (const edge of edges) {
     const list = map.get(edge[of]) ?? []
@@ -90,12 +102,19 @@ function neighbours(edges: readonly Edge[], of: keyof Edge, are: keyof Edge): Ma
   return map
 }
 
-function sortByNeighbours(layers: string[][], index: number, beside: Map<string, string[]>, towards: 1 | -1): void {
+function sortByNeighbours(
+  layers: string[][],
+  index: number,
+  beside: Map<string, string[]>,
+  towards: 1 | -1,
+): void {
   const layer = layers[index]
   const reference = layers[index + towards]
   if (layer === undefined || reference === undefined) return
   const weight = (id: string, own: number): number => {
-    const places = (beside.get(id) ?? []).map((other) => reference.indexOf(other)).filter((place) => place >= 0)
+    const places = (beside.get(id) ?? [])
+      .map((other) => reference.indexOf(other))
+      .filter((place) => place >= 0)
     return places.length === 0 ? own : places.reduce((sum, place) => sum + place, 0) / places.length
   }
   layers[index] = layer

@@ -40,13 +40,15 @@ export interface DrawnRelation {
 /** A condition in a sentence: "gap of at most 8 h". */
 export function conditionText(condition: DrawnCondition): string {
   const length = condition.duration ? isoDuration(condition.duration) : undefined
-  const what = length !== undefined ? span(length) : condition.time ? shortMoment(condition.time) : '?'
+  const what =
+    length !== undefined ? span(length) : condition.time ? shortMoment(condition.time) : '?'
   return words.condition[condition.conditionKind]?.(what) ?? condition.conditionKind
 }
 
 /** How far an operation is, 0 to 1: by its own word, else by quantities. */
 export function completion(operation: DrawnOperation): number | undefined {
-  if (operation.percentComplete !== undefined) return Math.min(1, Math.max(0, operation.percentComplete / 100))
+  if (operation.percentComplete !== undefined)
+    return Math.min(1, Math.max(0, operation.percentComplete / 100))
   if (operation.quantity === undefined || !operation.plannedQuantity) return undefined
   return Math.min(1, Math.max(0, operation.quantity / operation.plannedQuantity))
 }

@@ -19,8 +19,13 @@ describe('layered', () => {
     const all = [...boxes.values()]
     expect(all).toHaveLength(40)
     for (const [index, a] of all.entries()) {
-      expect(a.x >= 0 && a.y >= 0 && a.x + SIZES.boxWidth <= width && a.y + SIZES.boxHeight <= height).toBe(true)
-      for (const b of all.slice(index + 1)) expect(Math.abs(a.x - b.x) >= SIZES.boxWidth || Math.abs(a.y - b.y) >= SIZES.boxHeight).toBe(true)
+      expect(
+        a.x >= 0 && a.y >= 0 && a.x + SIZES.boxWidth <= width && a.y + SIZES.boxHeight <= height,
+      ).toBe(true)
+      for (const b of all.slice(index + 1))
+        expect(
+          Math.abs(a.x - b.x) >= SIZES.boxWidth || Math.abs(a.y - b.y) >= SIZES.boxHeight,
+        ).toBe(true)
     }
   })
   it('removes a crossing', () => {
@@ -33,7 +38,14 @@ describe('layered', () => {
   })
 })
 
-const operation = (more: Partial<DrawnOperation>): DrawnOperation => ({ operationId: 'o', name: 'o', operationType: 'PRODUCTION', isStub: false, fields: { mapped: 0, pending: 0, refused: 0 }, ...more })
+const operation = (more: Partial<DrawnOperation>): DrawnOperation => ({
+  operationId: 'o',
+  name: 'o',
+  operationType: 'PRODUCTION',
+  isStub: false,
+  fields: { mapped: 0, pending: 0, refused: 0 },
+  ...more,
+})
 
 describe('completion', () => {
   it.each([
@@ -48,7 +60,10 @@ describe('completion', () => {
 })
 
 describe('timescale', () => {
-  const plan = operation({ plannedStart: '2026-11-21T06:00:00Z', plannedEnd: '2026-11-22T16:00:00Z' })
+  const plan = operation({
+    plannedStart: '2026-11-21T06:00:00Z',
+    plannedEnd: '2026-11-22T16:00:00Z',
+  })
   it('holds everything that is drawn, the present included', () => {
     const now = Date.parse('2026-11-22T20:00:00Z')
     const scale = timescale([plan], now)
@@ -68,5 +83,7 @@ describe('timescale', () => {
 })
 
 it('conditions are sentences', () => {
-  expect(conditionText({ conditionId: 'c', conditionKind: 'MAXIMUM_GAP', duration: 'PT8H' })).toBe('gap of at most 8 h')
+  expect(conditionText({ conditionId: 'c', conditionKind: 'MAXIMUM_GAP', duration: 'PT8H' })).toBe(
+    'gap of at most 8 h',
+  )
 })

@@ -14,13 +14,38 @@ export interface Timescale {
 const MINUTE = 60_000
 const HOUR = 60 * MINUTE
 const DAY = 24 * HOUR
-const STEPS = [MINUTE, 5 * MINUTE, 15 * MINUTE, 30 * MINUTE, HOUR, 3 * HOUR, 6 * HOUR, 12 * HOUR, DAY, 2 * DAY, 7 * DAY, 14 * DAY, 30 * DAY, 91 * DAY, 365 * DAY]
+const STEPS = [
+  MINUTE,
+  5 * MINUTE,
+  15 * MINUTE,
+  30 * MINUTE,
+  HOUR,
+  3 * HOUR,
+  6 * HOUR,
+  12 * HOUR,
+  DAY,
+  2 * DAY,
+  7 * DAY,
+  14 * DAY,
+  30 * DAY,
+  91 * DAY,
+  365 * DAY,
+]
 const TICKS_MAX = 5
 
 /** A scale on which all planned and actual times and the present have a place; `undefined` without any. */
-export function timescale(operations: readonly DrawnOperation[], now: number): Timescale | undefined {
+export function timescale(
+  operations: readonly DrawnOperation[],
+  now: number,
+): Timescale | undefined {
   const moments = operations
-    .flatMap((operation) => [operation.plannedStart, operation.plannedEnd, operation.actualStart, operation.actualEnd, operation.expectedEnd])
+    .flatMap((operation) => [
+      operation.plannedStart,
+      operation.plannedEnd,
+      operation.actualStart,
+      operation.actualEnd,
+      operation.expectedEnd,
+    ])
     .filter((moment) => moment !== undefined)
     .map((moment) => Date.parse(moment))
     .filter((moment) => !Number.isNaN(moment))
@@ -39,6 +64,7 @@ export function timescale(operations: readonly DrawnOperation[], now: number): T
   const step = STEPS.find((size) => (end - start) / size <= TICKS_MAX) ?? (end - start) / TICKS_MAX
   const offset = new Date(start).getTimezoneOffset() * MINUTE
   const ticks: number[] = []
-  for (let tick = Math.ceil((start - offset) / step) * step + offset; tick <= end; tick += step) ticks.push(tick)
+  for (let tick = Math.ceil((start - offset) / step) * step + offset; tick <= end; tick += step)
+    ticks.push(tick)
   return { start, end, ticks, step, at: (moment) => (moment - start) / (end - start) }
 }

@@ -11,8 +11,21 @@ import { precisionText } from './operation/precision'
 import { cadenceMs } from './requests/cadence'
 import { RequestDraft } from './requests/request-draft.svelte'
 
-const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'made' }
-const state = (more: Partial<FieldState> = {}): FieldState => ({ key, factoryId: 'F', mappingState: 'MAPPED', value: '3', epoch: 1, sequence: 5, ...more })
+const key = {
+  operationNetworkId: 'n',
+  operationId: 'o',
+  dynamicDataRequestId: 'r',
+  fieldName: 'made',
+}
+const state = (more: Partial<FieldState> = {}): FieldState => ({
+  key,
+  factoryId: 'F',
+  mappingState: 'MAPPED',
+  value: '3',
+  epoch: 1,
+  sequence: 5,
+  ...more,
+})
 const view = (fields: FieldState[] = [state()]): NetworkView => ({
   collaborationId: 'c',
   revision: 1,
@@ -30,7 +43,19 @@ const view = (fields: FieldState[] = [state()]): NetworkView => ({
         operationType: 'PRODUCTION',
         plannedQuantity: 12,
         dynamicDataRequestList: [
-          { dynamicDataRequestId: 'r', requesterId: 'a', recipientList: ['a'], purpose: 'p', reportDataFormat: { reportName: 'R', reportFieldList: [{ name: 'made', type: 9 }, { name: 'begun', type: 13, semantic: 'ACTUAL_START' }] } },
+          {
+            dynamicDataRequestId: 'r',
+            requesterId: 'a',
+            recipientList: ['a'],
+            purpose: 'p',
+            reportDataFormat: {
+              reportName: 'R',
+              reportFieldList: [
+                { name: 'made', type: 9 },
+                { name: 'begun', type: 13, semantic: 'ACTUAL_START' },
+              ],
+            },
+          },
         ],
       },
     ],
@@ -47,7 +72,11 @@ describe('live values', () => {
   it('take the place of older ones at once', async () => {
     const resource = await loaded(view())
     takeEvent(resource, 'n', { ...key, fields: [state({ value: '4', sequence: 6 })] })
-    expect(resource.value?.fields[0]).toMatchObject({ value: '4', sequence: 6, mappingState: 'MAPPED' })
+    expect(resource.value?.fields[0]).toMatchObject({
+      value: '4',
+      sequence: 6,
+      mappingState: 'MAPPED',
+    })
   })
   it('do not take the place of newer ones, except after a new start', async () => {
     const resource = await loaded(view())
@@ -58,7 +87,9 @@ describe('live values', () => {
   })
   it('of other networks are left alone', async () => {
     const resource = await loaded(view())
-    takeEvent(resource, 'n', { fields: [state({ key: { ...key, operationNetworkId: 'other' }, value: '9', sequence: 9 })] })
+    takeEvent(resource, 'n', {
+      fields: [state({ key: { ...key, operationNetworkId: 'other' }, value: '9', sequence: 9 })],
+    })
     expect(resource.value?.fields[0]?.value).toBe('3')
   })
   it('that cannot be placed make the page read again', async () => {
@@ -69,13 +100,29 @@ describe('live values', () => {
   })
   it('bring progress', async () => {
     const resource = await loaded(view())
-    takeProgress(resource, 'n', { operationNetworkId: 'n', operationId: 'o', state: 'Running', quantity: 4, isStateInferred: false })
-    expect(drawnOperations(resource.value ?? view())[0]).toMatchObject({ state: 'Running', quantity: 4, plannedQuantity: 12 })
+    takeProgress(resource, 'n', {
+      operationNetworkId: 'n',
+      operationId: 'o',
+      state: 'Running',
+      quantity: 4,
+      isStateInferred: false,
+    })
+    expect(drawnOperations(resource.value ?? view())[0]).toMatchObject({
+      state: 'Running',
+      quantity: 4,
+      plannedQuantity: 12,
+    })
   })
   it('go on with the curve', async () => {
     const points = await loaded<Point[]>([{ at: '2026-11-21T10:00:00Z', fields: { made: '3' } }])
-    takeReport(points, key, { fields: [state({ value: '4', reportTimestamp: '2026-11-21T10:00:05Z' })] })
-    takeReport(points, { ...key, dynamicDataRequestId: 'other' }, { fields: [state({ value: '5', reportTimestamp: '2026-11-21T10:00:06Z' })] })
+    takeReport(points, key, {
+      fields: [state({ value: '4', reportTimestamp: '2026-11-21T10:00:05Z' })],
+    })
+    takeReport(
+      points,
+      { ...key, dynamicDataRequestId: 'other' },
+      { fields: [state({ value: '5', reportTimestamp: '2026-11-21T10:00:06Z' })] },
+    )
     expect(series(points.value ?? [], 'made').map((point) => point.value)).toEqual([3, 4])
   })
 })
@@ -102,7 +149,10 @@ it.each([
 describe('a request', () => {
   it('is proposed with a free id and what others ask', () => {
     const known = view()
-    const draft = new RequestDraft(known, known.network.operationList[0] ?? { operationId: 'o', operationType: 'PRODUCTION' })
+    const draft = new RequestDraft(
+      known,
+      known.network.operationList[0] ?? { operationId: 'o', operationType: 'PRODUCTION' },
+    )
     draft.purpose = ' Plan '
     draft.addField()
     Object.assign(draft.fields[1] ?? {}, { name: 'note', type: 'String' })
@@ -116,7 +166,12 @@ describe('a request', () => {
       reportDataFormat: {
         reportName: 'ProgressReport',
         reportFieldList: [
-          { name: 'producedQuantity', type: 'UInt32', unit: 'PIECE', semantic: 'PRODUCED_QUANTITY' },
+          {
+            name: 'producedQuantity',
+            type: 'UInt32',
+            unit: 'PIECE',
+            semantic: 'PRODUCED_QUANTITY',
+          },
           { name: 'note', type: 'String' },
         ],
       },
@@ -129,22 +184,49 @@ describe('a request', () => {
 })
 
 it('events are told on one line', () => {
-  expect(saying({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({ where: 'F / n / o / r / made', what: 'Refused · Secret.' })
+  expect(saying({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({
+    where: 'F / n / o / r / made',
+    what: 'Refused · Secret.',
+  })
   const { fieldName: _, ...request } = key
-  expect(saying({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({ where: 'F / n / o / r', what: 'made 4' })
+  expect(saying({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({
+    where: 'F / n / o / r',
+    what: 'made 4',
+  })
 })
 
 describe('a precision', () => {
   it.each([
     [null, 'Jede Änderung, wie sie ist.'],
     [{ description: 'Every change, as it is.' }, 'Jede Änderung, wie sie ist.'],
-    [{ description: 'Rounded to multiples of 10 PIECE; at most once per 1 min.', roundingStep: 10, minimumIntervalMs: 60_000 }, 'Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.'],
     [
-      { description: 'The mean over time per 1 h; with 2 significant digits; at most 1 value per 2 h; times in steps of 15 min; 1500 ms late.', aggregate: { function: 'the mean over time', windowMs: 3_600_000 }, significantDigits: 2, rateLimitList: [{ values: 1, periodMs: 7_200_000 }], timeStepMs: 900_000, delayMs: 1_500 },
+      {
+        description: 'Rounded to multiples of 10 PIECE; at most once per 1 min.',
+        roundingStep: 10,
+        minimumIntervalMs: 60_000,
+      },
+      'Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.',
+    ],
+    [
+      {
+        description:
+          'The mean over time per 1 h; with 2 significant digits; at most 1 value per 2 h; times in steps of 15 min; 1500 ms late.',
+        aggregate: { function: 'the mean over time', windowMs: 3_600_000 },
+        significantDigits: 2,
+        rateLimitList: [{ values: 1, periodMs: 7_200_000 }],
+        timeStepMs: 900_000,
+        delayMs: 1_500,
+      },
       'Ein Wert je 1 h: zeitlicher Mittelwert; mit 2 gültigen Ziffern; höchstens 1 Wert je 2 h; Zeiten in Schritten von 15 min; 1500 ms später.',
     ],
     [
-      { description: 'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states.', bandList: [-5, 0.5], hoursList: [{ dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00' }], isWithheldInStates: true },
+      {
+        description:
+          'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states.',
+        bandList: [-5, 0.5],
+        hoursList: [{ dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00' }],
+        isWithheldInStates: true,
+      },
       'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten.',
     ],
   ])('%j is said in the language of the reader', (told, text) => {
@@ -152,9 +234,15 @@ describe('a precision', () => {
     expect(precisionText(told, 'PIECE')).toBe(text)
   })
   it.each([
-    { description: 'Rounded to multiples of 10 PIECE; withheld in certain states.', roundingStep: 10 },
+    {
+      description: 'Rounded to multiples of 10 PIECE; withheld in certain states.',
+      roundingStep: 10,
+    },
     { description: 'Rounded to 10 pieces, by day only.', roundingStep: 10 },
-    { description: 'The median per 1 h.', aggregate: { function: 'the median', windowMs: 3_600_000 } },
+    {
+      description: 'The median per 1 h.',
+      aggregate: { function: 'the median', windowMs: 3_600_000 },
+    },
   ])('%j stays as it came: its members do not say all of it', (told) => {
     language.choose('de')
     expect(precisionText(told, 'PIECE')).toBe(told.description)

@@ -27,7 +27,11 @@ describe('signing in', () => {
     expect(screen.getByLabelText<HTMLInputElement>('Password').value).toBe('')
   })
   it('enters', async () => {
-    vi.stubGlobal('fetch', () => Promise.resolve(new Response(JSON.stringify({ userName: 'engineer', role: 'ENGINEER', csrfToken: 't' }))))
+    vi.stubGlobal('fetch', () =>
+      Promise.resolve(
+        new Response(JSON.stringify({ userName: 'engineer', role: 'ENGINEER', csrfToken: 't' })),
+      ),
+    )
     render(SignIn, { subtitle: 'Test', expired: true })
     expect(screen.getByRole('status').textContent).toContain('session has ended')
     await fill()
@@ -44,7 +48,9 @@ describe('signing in', () => {
 describe('a value', () => {
   it('says in words what is wrong with it', () => {
     const { container } = render(Value, { value: 5, status: 0x408f0000, unit: 'KWT' })
-    expect(container.textContent.replace(/\s+/g, ' ').trim()).toBe('5 KWT Source lost, last value kept')
+    expect(container.textContent.replace(/\s+/g, ' ').trim()).toBe(
+      '5 KWT Source lost, last value kept',
+    )
   })
   it('that is missing has no unit', () => {
     const { container } = render(Value, { value: null, status: 0, unit: 'KWT' })

@@ -4,7 +4,10 @@ import { Problem } from './problem'
 const TIMEOUT_MS = 15_000
 
 /** Set by the session: the token that changes need, and what to do when the server no longer knows us. */
-export const credentials: { csrfToken: string | undefined; onExpired: () => void } = { csrfToken: undefined, onExpired: () => undefined }
+export const credentials: { csrfToken: string | undefined; onExpired: () => void } = {
+  csrfToken: undefined,
+  onExpired: () => undefined,
+}
 
 interface Options {
   body?: unknown
@@ -30,9 +33,11 @@ export function address(path: string): string {
 /** One request to the API of the daemon that served this page. Throws {@link Problem}. */
 export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
   const headers: Record<string, string> = { accept: 'application/json' }
-  if (options.body !== undefined || options.text !== undefined) headers['content-type'] = options.contentType ?? 'application/json'
+  if (options.body !== undefined || options.text !== undefined)
+    headers['content-type'] = options.contentType ?? 'application/json'
   if (options.ifMatch !== undefined) headers['if-match'] = `"${options.ifMatch}"`
-  if (method !== 'GET' && credentials.csrfToken !== undefined) headers['x-csrf-token'] = credentials.csrfToken
+  if (method !== 'GET' && credentials.csrfToken !== undefined)
+    headers['x-csrf-token'] = credentials.csrfToken
 
   const timeout = AbortSignal.timeout(options.timeoutMs ?? TIMEOUT_MS)
   const response = await fetch(address(path), {
@@ -41,7 +46,11 @@ export async function request<T>(method: Method, path: string, options: Options 
     credentials: 'same-origin',
     cache: 'no-store',
     signal: options.signal === undefined ? timeout : AbortSignal.any([options.signal, timeout]),
-    ...(options.text !== undefined ? { body: options.text } : options.body === undefined ? {} : { body: JSON.stringify(options.body) }),
+    ...(options.text !== undefined
+      ? { body: options.text }
+      : options.body === undefined
+        ? {}
+        : { body: JSON.stringify(options.body) }),
   }).catch((failure: unknown) => {
     if (failure instanceof DOMException && failure.name === 'AbortError') throw failure
     throw Problem.from(failure)
@@ -51,20 +60,25 @@ export async function request<T>(method: Method, path: string, options: Options 
     if (response.status === 401 && options.signingIn !== true) credentials.onExpired()
     throw await Problem.of(response)
   }
-  if (response.status === 204 || response.headers.get('content-length') === '0') return undefined as T
+  if (response.status === 204 || response.headers.get('content-length') === '0')
+    return undefined as T
   return (await response.json()) as T
 }
 
 /** Fetches a file of the API and hands it to the browser to keep, under the name that the server gives it. */
 export async function download(path: string): Promise<void> {
-  const response = await fetch(address(path), { credentials: 'same-origin', cache: 'no-store' }).catch((failure: unknown) => {
+  const response = await fetch(address(path), {
+    credentials: 'same-origin',
+    cache: 'no-store',
+  }).catch((failure: unknown) => {
     throw Problem.from(failure)
   })
   if (!response.ok) {
     if (response.status === 401) credentials.onExpired()
     throw await Problem.of(response)
   }
-  const name = /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'download'
+  const name =
+    /filename="([^"]+)"/.exec(response.headers.get('content-disposition') ?? '')?.[1] ?? 'download'
   const link = document.createElement('a')
   link.href = URL.createObjectURL(await response.blob())
   link.download = name
@@ -80,5 +94,7 @@ export function path(...parts: (string | number)[]): string {
 /** A query string without the parameters that are not set. */
 export function query(parameters: Record<string, string | number | boolean | undefined>): string {
   const set = Object.entries(parameters).filter(([, value]) => value !== undefined && value !== '')
-  return set.length === 0 ? '' : `?${set.map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`).join('&')}`
+  return set.length === 0
+    ? ''
+    : `?${set.map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`).join('&')}`
 }

@@ -127,9 +127,12 @@ export class LiveFeed {
     this.#source?.close()
     this.#source = undefined
     clearTimeout(this.#retry)
-    this.#retry = setTimeout(() => {
-      this.start()
-    }, this.#pause * (0.75 + Math.random() / 2))
+    this.#retry = setTimeout(
+      () => {
+        this.start()
+      },
+      this.#pause * (0.75 + Math.random() / 2),
+    )
     this.#pause = Math.min(this.#pause * 2, BACKOFF_MAX_MS)
   }
 }

@@ -15,11 +15,16 @@ export class PagedList<T> {
   hasMore = $state(false)
   isReading = $state(false)
 
-  readonly #load: (cursor: string | undefined, signal: AbortSignal | undefined) => Promise<PageOf<T>>
+  readonly #load: (
+    cursor: string | undefined,
+    signal: AbortSignal | undefined,
+  ) => Promise<PageOf<T>>
   #pages = 1
   #next: string | undefined
 
-  constructor(load: (cursor: string | undefined, signal: AbortSignal | undefined) => Promise<PageOf<T>>) {
+  constructor(
+    load: (cursor: string | undefined, signal: AbortSignal | undefined) => Promise<PageOf<T>>,
+  ) {
     this.#load = load
   }
 
@@ -66,7 +71,9 @@ export class PagedList<T> {
 }
 
 /** A paged list of a component: read when it appears, abandoned when it goes. */
-export function paged<T>(load: (cursor: string | undefined, signal: AbortSignal | undefined) => Promise<PageOf<T>>): PagedList<T> {
+export function paged<T>(
+  load: (cursor: string | undefined, signal: AbortSignal | undefined) => Promise<PageOf<T>>,
+): PagedList<T> {
   const current = new PagedList<T>(load)
   $effect(() => {
     void current.list.refresh()

@@ -28,7 +28,8 @@ export class Problem extends Error {
   /** Reads the problem out of a response that is not ok. */
   static async of(response: Response): Promise<Problem> {
     const body: unknown = await response.json().catch(() => undefined)
-    const members = body !== null && typeof body === 'object' ? (body as Record<string, unknown>) : {}
+    const members =
+      body !== null && typeof body === 'object' ? (body as Record<string, unknown>) : {}
     return new Problem({
       title: text(members['title']) ?? (response.statusText || `HTTP ${response.status}`),
       status: response.status,
@@ -46,11 +47,17 @@ export class Problem extends Error {
 }
 
 function faults(members: Record<string, unknown>): ProblemDocument['faults'] {
-  const list = members['faultList'] ?? members['faults'] ?? members['errors'] ?? members['diagnostics']
+  const list =
+    members['faultList'] ?? members['faults'] ?? members['errors'] ?? members['diagnostics']
   if (!Array.isArray(list)) return []
   return list.map((entry: unknown) => {
-    const fault = (entry !== null && typeof entry === 'object' ? entry : { message: entry }) as Record<string, unknown>
-    return { pointer: text(fault['pointer']) ?? text(fault['field']) ?? '', message: text(fault['message']) ?? text(fault['detail']) ?? JSON.stringify(entry) }
+    const fault = (
+      entry !== null && typeof entry === 'object' ? entry : { message: entry }
+    ) as Record<string, unknown>
+    return {
+      pointer: text(fault['pointer']) ?? text(fault['field']) ?? '',
+      message: text(fault['message']) ?? text(fault['detail']) ?? JSON.stringify(entry),
+    }
   })
 }
 

@@ -8,7 +8,11 @@ export interface SignedIn {
   csrfToken: string
 }
 
-type State = { is: 'asking' } | { is: 'signedOut'; expired: boolean } | { is: 'signedIn'; who: SignedIn } | { is: 'unreachable'; problem: Problem }
+type State =
+  | { is: 'asking' }
+  | { is: 'signedOut'; expired: boolean }
+  | { is: 'signedIn'; who: SignedIn }
+  | { is: 'unreachable'; problem: Problem }
 
 /** Who was signed in last in this browser: enough to let that person's page open while the server is out of reach. */
 export interface Known {
@@ -42,13 +46,19 @@ class Session {
       this.#enter(await request<SignedIn>('GET', '/session', { signingIn: true }))
     } catch (failure) {
       const problem = Problem.from(failure)
-      if (problem.status === 401 || problem.status === 403 || problem.status === 404) this.#leave(false)
+      if (problem.status === 401 || problem.status === 403 || problem.status === 404)
+        this.#leave(false)
       else this.state = { is: 'unreachable', problem }
     }
   }
 
   async signIn(userName: string, password: string): Promise<void> {
-    this.#enter(await request<SignedIn>('POST', '/session', { body: { userName, password }, signingIn: true }))
+    this.#enter(
+      await request<SignedIn>('POST', '/session', {
+        body: { userName, password },
+        signingIn: true,
+      }),
+    )
   }
 
   async signOut(): Promise<void> {
@@ -72,7 +82,9 @@ class Session {
 function remembered(): Known | undefined {
   try {
     const kept: unknown = JSON.parse(localStorage.getItem(KEPT_AS) ?? 'null')
-    return kept !== null && typeof kept === 'object' && 'userName' in kept && 'role' in kept ? { userName: String(kept.userName), role: String(kept.role) } : undefined
+    return kept !== null && typeof kept === 'object' && 'userName' in kept && 'role' in kept
+      ? { userName: String(kept.userName), role: String(kept.role) }
+      : undefined
   } catch {
     return undefined
   }

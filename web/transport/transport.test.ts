@@ -5,7 +5,8 @@ import { PagedList } from './paged.svelte'
 import { Problem } from './problem'
 import { Resource } from './resource.svelte'
 
-const answer = (status: number, body: unknown): Response => new Response(JSON.stringify(body), { status })
+const answer = (status: number, body: unknown): Response =>
+  new Response(JSON.stringify(body), { status })
 
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -20,18 +21,34 @@ describe('requests', () => {
     credentials.csrfToken = 'secret'
     await request('GET', '/a')
     await request('PUT', '/a', { body: 1 })
-    const sent = fetched.mock.calls.map(([, options]) => (options?.headers as Record<string, string>)['x-csrf-token'])
+    const sent = fetched.mock.calls.map(
+      ([, options]) => (options?.headers as Record<string, string>)['x-csrf-token'],
+    )
     expect(sent).toEqual([undefined, 'secret'])
   })
   it('become problems with the server’s words and faults', async () => {
-    vi.stubGlobal('fetch', () => Promise.resolve(answer(422, { title: 'Unprocessable', detail: 'Two faults.', faults: [{ pointer: '/a', code: 'X', message: 'Wrong.' }] })))
+    vi.stubGlobal('fetch', () =>
+      Promise.resolve(
+        answer(422, {
+          title: 'Unprocessable',
+          detail: 'Two faults.',
+          faults: [{ pointer: '/a', code: 'X', message: 'Wrong.' }],
+        }),
+      ),
+    )
     const problem = await request('POST', '/a', { body: {} }).catch((failure: unknown) => failure)
     expect(problem).toBeInstanceOf(Problem)
-    expect(problem).toMatchObject({ status: 422, message: 'Two faults.', document: { faults: [{ pointer: '/a', message: 'Wrong.' }] } })
+    expect(problem).toMatchObject({
+      status: 422,
+      message: 'Two faults.',
+      document: { faults: [{ pointer: '/a', message: 'Wrong.' }] },
+    })
   })
   it('that do not arrive are told apart', async () => {
     vi.stubGlobal('fetch', () => Promise.reject(new TypeError('Failed to fetch')))
-    expect(await request('GET', '/a').catch((failure: unknown) => (failure as Problem).unreachable)).toBe(true)
+    expect(
+      await request('GET', '/a').catch((failure: unknown) => (failure as Problem).unreachable),
+    ).toBe(true)
   })
   it('end the session when the server no longer knows it', async () => {
     vi.stubGlobal('fetch', () => Promise.resolve(answer(401, {})))
@@ -51,7 +68,8 @@ describe('a resource', () => {
   it('does not lose what events told while it was being read', async () => {
     let answer: (value: number[]) => void = () => undefined
     const resource = new Resource(() => new Promise<number[]>((resolve) => (answer = resolve)))
-    const add = (number: number) => (known: number[]) => (known.includes(number) ? known : [...known, number])
+    const add = (number: number) => (known: number[]) =>
+      known.includes(number) ? known : [...known, number]
     const first = resource.refresh()
     resource.amendByEvent(add(2))
     answer([1])
@@ -67,7 +85,11 @@ describe('a resource', () => {
 
   it('keeps its last value when a refresh fails, and recovers', async () => {
     let works = true
-    const resource = new Resource(() => (works ? Promise.resolve('fine') : Promise.reject(new Problem({ title: 'x', status: 500, faults: [] }))))
+    const resource = new Resource(() =>
+      works
+        ? Promise.resolve('fine')
+        : Promise.reject(new Problem({ title: 'x', status: 500, faults: [] })),
+    )
     await resource.refresh()
     works = false
     await resource.refresh()
@@ -109,7 +131,10 @@ describe('a list in pages', () => {
   const numbers = Array.from({ length: 5 }, (_, number) => number)
   const pageOf = (cursor: string | undefined): { items: number[]; nextCursor: string | null } => {
     const from = Number(cursor ?? 0)
-    return { items: numbers.slice(from, from + 2), nextCursor: from + 2 < numbers.length ? String(from + 2) : null }
+    return {
+      items: numbers.slice(from, from + 2),
+      nextCursor: from + 2 < numbers.length ? String(from + 2) : null,
+    }
   }
   it('is read as far as somebody asks, and again that far', async () => {
     const load = vi.fn((cursor: string | undefined) => Promise.resolve(pageOf(cursor)))
@@ -126,7 +151,9 @@ describe('a list in pages', () => {
   })
   it('keeps what it has where no more comes, and tries again', async () => {
     let works = true
-    const paged = new PagedList((cursor) => (works ? Promise.resolve(pageOf(cursor)) : Promise.reject(new TypeError('offline'))))
+    const paged = new PagedList((cursor) =>
+      works ? Promise.resolve(pageOf(cursor)) : Promise.reject(new TypeError('offline')),
+    )
     await paged.list.refresh()
     works = false
     await paged.more()
@@ -137,7 +164,14 @@ describe('a list in pages', () => {
   })
   it('has no page twice, when it is read again meanwhile', async () => {
     const waiting: (() => void)[] = []
-    const paged = new PagedList((cursor) => new Promise<{ items: number[]; nextCursor: string | null }>((resolve) => waiting.push(() => { resolve(pageOf(cursor)) })))
+    const paged = new PagedList(
+      (cursor) =>
+        new Promise<{ items: number[]; nextCursor: string | null }>((resolve) =>
+          waiting.push(() => {
+            resolve(pageOf(cursor))
+          }),
+        ),
+    )
     const settle = async (): Promise<void> => {
       while (waiting.length > 0) {
         waiting.shift()?.()

@@ -11,7 +11,13 @@ export function statusOf({ link, ...others }: StatusAnswer): Status {
 export type LedgerAnswer = Page<LedgerEntry> & { recipients: string[] }
 
 /** Members of a report that say where it belongs; all others are fields and their units. */
-const HEADER = ['reportName', 'dynamicDataRequestId', 'operationId', 'operationNetworkId', 'shopfloorTimestamp']
+const HEADER = [
+  'reportName',
+  'dynamicDataRequestId',
+  'operationId',
+  'operationNetworkId',
+  'shopfloorTimestamp',
+]
 
 /** Entries with the payload of their report taken apart: where it belongs, and the fields with their values. */
 export function ledgerOf(answer: LedgerAnswer): LedgerAnswer {
@@ -20,7 +26,8 @@ export function ledgerOf(answer: LedgerAnswer): LedgerAnswer {
 
 function entryOf(entry: LedgerEntry): LedgerEntry {
   const payload = entry.value ?? {}
-  const isField = (name: string): boolean => !HEADER.includes(name) && !(name.endsWith('Unit') && name.slice(0, -4) in payload)
+  const isField = (name: string): boolean =>
+    !HEADER.includes(name) && !(name.endsWith('Unit') && name.slice(0, -4) in payload)
   const said = (name: string): string | null => {
     const value = bare(payload[name])
     return typeof value === 'string' ? value : null
@@ -31,7 +38,10 @@ function entryOf(entry: LedgerEntry): LedgerEntry {
     operationNetworkId: entry.operationNetworkId ?? said('operationNetworkId'),
     operationId: entry.operationId ?? said('operationId'),
     dynamicDataRequestId: entry.dynamicDataRequestId ?? said('dynamicDataRequestId'),
-    value: fields.length === 0 ? null : Object.fromEntries(fields.map(([name, value]) => [name, bare(value)])),
+    value:
+      fields.length === 0
+        ? null
+        : Object.fromEntries(fields.map(([name, value]) => [name, bare(value)])),
   }
 }
 

@@ -23,7 +23,13 @@ export interface Suggestion {
 export interface Suggestions {
   items: Suggestion[]
   /** How far each server was listed. */
-  sources: { sourceId: string; variables: number; isComplete: boolean; listedAt?: string | null; problem?: string | null }[]
+  sources: {
+    sourceId: string
+    variables: number
+    isComplete: boolean
+    listedAt?: string | null
+    problem?: string | null
+  }[]
 }
 
 /** One difference between two mappings, as a JSON pointer with what was and what is there. */

@@ -13,13 +13,20 @@ export interface NamedPolicy {
   disclosure: Disclosure
   isRetired: boolean
 }
-export type PolicyView = NamedPolicy & Versioned & { statement: string; fieldCount: number; recipients: string[] }
+export type PolicyView = NamedPolicy &
+  Versioned & { statement: string; fieldCount: number; recipients: string[] }
 
 export type RuleAction = 'ACCEPT' | 'REFUSE' | 'PREFILL'
 export interface Rule {
   name: string
   isEnabled: boolean
-  when: { partners: string[]; dataTypes: string[]; semantics: string[]; units: string[]; namePattern?: string }
+  when: {
+    partners: string[]
+    dataTypes: string[]
+    semantics: string[]
+    units: string[]
+    namePattern?: string
+  }
   action: RuleAction
   valueSource?: ValueSource
   disclosure: Disclosure
@@ -31,7 +38,12 @@ export type RuleView = Rule & Versioned
 export interface RulePreview {
   count: number
   wouldDecideCount: number
-  items: { key: FieldKey; mappingState: MappingState; wouldDecide: boolean; offer: { action: RuleAction; statement: string } }[]
+  items: {
+    key: FieldKey
+    mappingState: MappingState
+    wouldDecide: boolean
+    offer: { action: RuleAction; statement: string }
+  }[]
 }
 
 export interface RuleDecision {

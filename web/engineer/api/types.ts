@@ -40,8 +40,13 @@ export type Disclosure = Partial<Schemas['DisclosurePolicy']> & {
 /** A part of a precision as the partner is told it: a code with its parameters. */
 export type StatementPart = Schemas['StatementPart']
 export type WorkingHours = Schemas['WorkingHours']
-export type DataValue = Omit<Schemas['ShownValue'], 'value' | 'status'> & { value: unknown; status?: string | number | null }
-export type MappingInput = Omit<Schemas['MappingInput'], 'valueType'> & { valueType?: string | null }
+export type DataValue = Omit<Schemas['ShownValue'], 'value' | 'status'> & {
+  value: unknown
+  status?: string | number | null
+}
+export type MappingInput = Omit<Schemas['MappingInput'], 'valueType'> & {
+  valueType?: string | null
+}
 
 /** A function of a mapping: the editor shows any of them by its catalogue. */
 export interface Step {
@@ -54,7 +59,19 @@ export interface Mapping {
   steps: Step[]
 }
 
-export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSource' | 'mapping' | 'value' | 'disclosure' | 'effectiveDisclosure' | 'grounds' | 'offer' | 'disclosureParts'> & {
+export type Field = Omit<
+  Schemas['FieldView'],
+  | 'key'
+  | 'mappingState'
+  | 'valueSource'
+  | 'mapping'
+  | 'value'
+  | 'disclosure'
+  | 'effectiveDisclosure'
+  | 'grounds'
+  | 'offer'
+  | 'disclosureParts'
+> & {
   key: FieldKey
   mappingState: MappingState
   valueSource?: ValueSource | null
@@ -65,7 +82,15 @@ export type Field = Omit<Schemas['FieldView'], 'key' | 'mappingState' | 'valueSo
   effectiveDisclosure?: Disclosure | null
   grounds?: { policyId?: string | null; rules?: { id: string; version: number }[] } | null
   /** What standing rules offer for an undecided field. */
-  offer?: { action: string; rules: { id: string; version: number; name: string }[]; disclosure: Disclosure; statement: string; valueSource?: ValueSource | null; mapping?: Mapping | null; reason?: string | null } | null
+  offer?: {
+    action: string
+    rules: { id: string; version: number; name: string }[]
+    disclosure: Disclosure
+    statement: string
+    valueSource?: ValueSource | null
+    mapping?: Mapping | null
+    reason?: string | null
+  } | null
   isWithheld?: boolean
   disclosureParts?: StatementPart[]
 }
@@ -78,7 +103,14 @@ export interface Operation {
   plannedEnd?: string | null
 }
 
-export type InboxRequest = Omit<Schemas['RequestView'], 'key' | 'operation' | 'fields'> & { key: RequestKey; operation: Operation; fields: Field[]; openSince?: string | null; isOverdue?: boolean; hasEnded?: boolean }
+export type InboxRequest = Omit<Schemas['RequestView'], 'key' | 'operation' | 'fields'> & {
+  key: RequestKey
+  operation: Operation
+  fields: Field[]
+  openSince?: string | null
+  isOverdue?: boolean
+  hasEnded?: boolean
+}
 
 /** Which requests, and which page of them. */
 export interface InboxQuery {
@@ -104,7 +136,10 @@ export interface Decision {
 
 export type Diagnostic = Schemas['MappingDiagnostic']
 export type PreviewStep = Omit<Schemas['StepView'], 'value'> & { value?: DataValue | null }
-export type Preview = Omit<Schemas['Preview'], 'inputs' | 'steps' | 'candidate' | 'disclosed' | 'effects' | 'warnings' | 'statementParts'> & {
+export type Preview = Omit<
+  Schemas['Preview'],
+  'inputs' | 'steps' | 'candidate' | 'disclosed' | 'effects' | 'warnings' | 'statementParts'
+> & {
   inputs: (DataValue & { name: string })[]
   steps: PreviewStep[]
   candidate?: DataValue | null
@@ -171,7 +206,10 @@ export interface Found {
 }
 export type SecurityChoice = Schemas['SecurityChoice']
 
-export type Identity = { kind: 'anonymous' } | { kind: 'userName'; userName: string; password?: string } | { kind: 'certificate'; certificatePath: string; privateKeyPath: string }
+export type Identity =
+  | { kind: 'anonymous' }
+  | { kind: 'userName'; userName: string; password?: string }
+  | { kind: 'certificate'; certificatePath: string; privateKeyPath: string }
 
 export type SourceConfig = Omit<Schemas['SourceConfig'], 'identity'> & { identity?: Identity }
 export type Source = SourceStatus & SourceConfig
@@ -192,7 +230,10 @@ export interface NewClientCertificate {
   content: string
 }
 
-export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipientId' | 'kind' | 'hash' | 'leftInMessage' | 'sentAt' | 'deliveredAt'> & {
+export type LedgerEntry = Pick<
+  Schemas['EntryView'],
+  'sequence' | 'at' | 'recipientId' | 'kind' | 'hash' | 'leftInMessage' | 'sentAt' | 'deliveredAt'
+> & {
   /** What the partner was told of each field's precision. */
   precision?: Record<string, string>
   precisionParts?: Record<string, StatementPart[]>
@@ -215,10 +256,16 @@ export type LedgerEntry = Pick<Schemas['EntryView'], 'sequence' | 'at' | 'recipi
 }
 
 /** What one partner learns in sum, and what it can conclude. */
-export type PartnerLeaks = Omit<Schemas['PartnerLeaks'], 'fields' | 'warnings'> & { fields: FieldLeak[]; warnings: LeakWarning[] }
+export type PartnerLeaks = Omit<Schemas['PartnerLeaks'], 'fields' | 'warnings'> & {
+  fields: FieldLeak[]
+  warnings: LeakWarning[]
+}
 /** The same in short. */
 export type PartnerSummary = Schemas['PartnerSummary']
-export type FieldLeak = Omit<Schemas['FieldLeak'], 'key' | 'statementParts'> & { key: FieldKey; statementParts?: StatementPart[] }
+export type FieldLeak = Omit<Schemas['FieldLeak'], 'key' | 'statementParts'> & {
+  key: FieldKey
+  statementParts?: StatementPart[]
+}
 export type LeakWarning = Omit<Schemas['LeakWarning'], 'fields'> & { fields: FieldKey[] }
 
 export type Setting = Schemas['Setting']
@@ -231,11 +278,19 @@ export type NetworkSummary = Schemas['NetworkSummary']
 
 /** An operation of today as people at the machine see it. */
 export type OperatorOperation = Omit<Schemas['OperatorOperation'], 'standing' | 'fields'> & {
-  standing: Omit<Schemas['Standing'], 'problem'> & { problem?: { text: string; since: string; toldBy: string } | null }
+  standing: Omit<Schemas['Standing'], 'problem'> & {
+    problem?: { text: string; since: string; toldBy: string } | null
+  }
   fields: OperatorField[]
 }
-export type OperatorField = Omit<Schemas['OperatorField'], 'key' | 'entered' | 'value'> & { key: FieldKey; entered?: unknown; value?: DataValue | null }
-export type EntryOutcome = Omit<Schemas['EntryResult'], 'fields' | 'result'> & { result: 'TAKEN' | 'REPEATED' | 'REFUSED' }
+export type OperatorField = Omit<Schemas['OperatorField'], 'key' | 'entered' | 'value'> & {
+  key: FieldKey
+  entered?: unknown
+  value?: DataValue | null
+}
+export type EntryOutcome = Omit<Schemas['EntryResult'], 'fields' | 'result'> & {
+  result: 'TAKEN' | 'REPEATED' | 'REFUSED'
+}
 
 /** Receipt of an ended consent. */
 export interface Revocation {

@@ -8,7 +8,8 @@ class Talks {
   /** Listens. Returns how to stop. */
   open(): () => void {
     return feed.on('comment', (event) => {
-      if (event !== null && typeof event === 'object' && 'operationNetworkId' in event) this.#unread.add(String(event.operationNetworkId))
+      if (event !== null && typeof event === 'object' && 'operationNetworkId' in event)
+        this.#unread.add(String(event.operationNetworkId))
     })
   }
 

@@ -4,10 +4,32 @@ import { Draft, tidy } from './draft.svelte'
 import { enteredValue } from './entered-value'
 import { fromLines, toLines } from './line-table'
 import { stepOf } from './preview.svelte'
-import { newStep, parseLiteral, STEP_KINDS, stepKind, withParameter, writeLiteral } from './step-catalogue'
+import {
+  newStep,
+  parseLiteral,
+  STEP_KINDS,
+  stepKind,
+  withParameter,
+  writeLiteral,
+} from './step-catalogue'
 
-const key = { operationNetworkId: 'n', operationId: 'o', dynamicDataRequestId: 'r', fieldName: 'power' }
-const field = (more: Partial<Field> = {}): Field => ({ key, name: 'power', type: 'Double', valueRank: -1, unit: 'KWT', mappingState: 'PENDING', hasShadow: false, isWithheld: false, ...more })
+const key = {
+  operationNetworkId: 'n',
+  operationId: 'o',
+  dynamicDataRequestId: 'r',
+  fieldName: 'power',
+}
+const field = (more: Partial<Field> = {}): Field => ({
+  key,
+  name: 'power',
+  type: 'Double',
+  valueRank: -1,
+  unit: 'KWT',
+  mappingState: 'PENDING',
+  hasShadow: false,
+  isWithheld: false,
+  ...more,
+})
 const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   key,
   operation: { operationId: 'o', operationType: 'PRODUCTION' },
@@ -22,7 +44,17 @@ const request = (more: Partial<InboxRequest> = {}): InboxRequest => ({
   fields: [],
   ...more,
 })
-const node = (more: Partial<BrowsedNode> = {}): BrowsedNode => ({ nodeId: 'nsu=urn:m;s=Power', browseName: '2:Power', displayName: 'Power', nodeClass: 'variable', builtInType: 'Double', unit: { displayName: 'W', code: 'WTT' }, isWritable: false, hasChildren: false, ...more })
+const node = (more: Partial<BrowsedNode> = {}): BrowsedNode => ({
+  nodeId: 'nsu=urn:m;s=Power',
+  browseName: '2:Power',
+  displayName: 'Power',
+  nodeClass: 'variable',
+  builtInType: 'Double',
+  unit: { displayName: 'W', code: 'WTT' },
+  isWritable: false,
+  hasChildren: false,
+  ...more,
+})
 
 describe('a draft', () => {
   it('starts with the period that the partner asked for', () => {
@@ -30,7 +62,15 @@ describe('a draft', () => {
     expect(new Draft(field(), request({ updateIntervalMs: null })).decision.disclosure).toEqual({})
   })
   it('keeps what was consented to', () => {
-    const draft = new Draft(field({ mappingState: 'MAPPED', valueSource: 'MAPPING', disclosure: { roundingStep: 5 }, mapping: { inputs: [], steps: [newStep('constant')] } }), request())
+    const draft = new Draft(
+      field({
+        mappingState: 'MAPPED',
+        valueSource: 'MAPPING',
+        disclosure: { roundingStep: 5 },
+        mapping: { inputs: [], steps: [newStep('constant')] },
+      }),
+      request(),
+    )
     expect(draft.decision.disclosure).toEqual({ roundingStep: 5 })
     expect(draft.isChanged).toBe(false)
     draft.disclosure.roundingStep = 10
@@ -44,7 +84,13 @@ describe('a draft', () => {
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=3', browseName: '2:3rd axis' }))
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=4', browseName: '2:Value' }))
     draft.take('s', node({ nodeId: 'nsu=urn:m;s=5', browseName: 'nsu=urn:m:cell;PartCounter' }))
-    expect(draft.inputs.map((input) => input.name)).toEqual(['power', 'power2', '_3rd_axis', 'value2', 'partCounter'])
+    expect(draft.inputs.map((input) => input.name)).toEqual([
+      'power',
+      'power2',
+      '_3rd_axis',
+      'value2',
+      'partCounter',
+    ])
   })
   it('offers the conversion that is missing', () => {
     const draft = new Draft(field(), request())
@@ -77,7 +123,9 @@ describe('a draft', () => {
 })
 
 it('a disclosure says only what it says', () => {
-  expect(tidy({ roundingStep: null, bands: [], minimumIntervalMs: 5 })).toEqual({ minimumIntervalMs: 5 })
+  expect(tidy({ roundingStep: null, bands: [], minimumIntervalMs: 5 })).toEqual({
+    minimumIntervalMs: 5,
+  })
 })
 
 describe('functions', () => {
@@ -94,8 +142,16 @@ describe('functions', () => {
       if (found === undefined) throw new Error(name)
       return found
     }
-    expect(withParameter({ function: 'counter', modulus: 10 }, parameter('counter', 'modulus'), undefined)).toEqual({ function: 'counter' })
-    expect(withParameter({ function: 'format', template: 'x' }, parameter('format', 'template'), '')).toEqual({ function: 'format', template: '' })
+    expect(
+      withParameter(
+        { function: 'counter', modulus: 10 },
+        parameter('counter', 'modulus'),
+        undefined,
+      ),
+    ).toEqual({ function: 'counter' })
+    expect(
+      withParameter({ function: 'format', template: 'x' }, parameter('format', 'template'), ''),
+    ).toEqual({ function: 'format', template: '' })
   })
 })
 
@@ -115,8 +171,20 @@ describe('literals', () => {
 
 describe('lines of a table', () => {
   it.each([
-    ['table', [{ from: 1, to: 'Running' }, { from: 'x', to: false }]],
-    ['texts', [{ value: 0, text: 'Off' }, { value: 1, text: 'On' }]],
+    [
+      'table',
+      [
+        { from: 1, to: 'Running' },
+        { from: 'x', to: false },
+      ],
+    ],
+    [
+      'texts',
+      [
+        { value: 0, text: 'Off' },
+        { value: 1, text: 'On' },
+      ],
+    ],
     ['bits', [{ bit: 3, text: 'Door open' }]],
   ] as const)('%s goes there and back', (kind, value) => {
     expect(fromLines(kind, toLines(kind, value))).toEqual(value)

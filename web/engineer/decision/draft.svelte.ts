@@ -1,4 +1,14 @@
-import type { BrowsedNode, Decision, Disclosure, Field, InboxRequest, Mapping, MappingInput, Step, ValueSource } from '../api/types'
+import type {
+  BrowsedNode,
+  Decision,
+  Disclosure,
+  Field,
+  InboxRequest,
+  Mapping,
+  MappingInput,
+  Step,
+  ValueSource,
+} from '../api/types'
 import { newStep } from './step-catalogue'
 
 /** What the engineer is about to decide on a field; nothing of it counts before consent. */
@@ -22,8 +32,14 @@ export class Draft {
     this.steps = structuredClone(mapping?.steps ?? [])
     this.policyId = field.grounds?.policyId ?? ''
     // A field that is open for the first time starts with the period that the partner asked for.
-    const asked: Disclosure = request.updateIntervalMs ? { minimumIntervalMs: request.updateIntervalMs } : {}
-    this.disclosure = structuredClone(field.mappingState === 'MAPPED' ? (field.disclosure ?? {}) : { ...asked, ...tidy(field.disclosure ?? {}), ...tidy(offer?.disclosure ?? {}) })
+    const asked: Disclosure = request.updateIntervalMs
+      ? { minimumIntervalMs: request.updateIntervalMs }
+      : {}
+    this.disclosure = structuredClone(
+      field.mappingState === 'MAPPED'
+        ? (field.disclosure ?? {})
+        : { ...asked, ...tidy(field.disclosure ?? {}), ...tidy(offer?.disclosure ?? {}) },
+    )
     this.#before = JSON.stringify(this.decision)
   }
 
@@ -33,7 +49,11 @@ export class Draft {
 
   /** Whether there is anything to consent to. */
   get isComplete(): boolean {
-    return this.source !== 'MAPPING' || this.inputs.length > 0 || this.steps.some((step) => step.function === 'constant')
+    return (
+      this.source !== 'MAPPING' ||
+      this.inputs.length > 0 ||
+      this.steps.some((step) => step.function === 'constant')
+    )
   }
 
   /** Whether it differs from what it started from. */
@@ -42,7 +62,13 @@ export class Draft {
   }
 
   get decision(): Decision {
-    return { mappingState: 'MAPPED', valueSource: this.source, ...(this.mapping === undefined ? {} : { mapping: this.mapping }), disclosure: tidy(this.disclosure), ...(this.policyId === '' ? {} : { policyId: this.policyId }) }
+    return {
+      mappingState: 'MAPPED',
+      valueSource: this.source,
+      ...(this.mapping === undefined ? {} : { mapping: this.mapping }),
+      disclosure: tidy(this.disclosure),
+      ...(this.policyId === '' ? {} : { policyId: this.policyId }),
+    }
   }
 
   /** Where the first input's type is not the one that is asked for. */
@@ -57,7 +83,8 @@ export class Draft {
   get unitDifference(): { is: string; wanted: string } | undefined {
     const is = this.inputs[0]?.unit
     const wanted = this.#wanted.unit
-    if (!is || !wanted || is === wanted || this.steps.some((step) => step.function !== 'convert')) return undefined
+    if (!is || !wanted || is === wanted || this.steps.some((step) => step.function !== 'convert'))
+      return undefined
     return { is, wanted }
   }
 
@@ -78,7 +105,11 @@ export class Draft {
 
   /** Takes a whole mapping, as a suggestion or a template makes it. Returns how to go back. */
   adopt(mapping: Mapping): () => void {
-    const [inputs, steps, source] = [$state.snapshot(this.inputs), $state.snapshot(this.steps), this.source]
+    const [inputs, steps, source] = [
+      $state.snapshot(this.inputs),
+      $state.snapshot(this.steps),
+      this.source,
+    ]
     this.source = 'MAPPING'
     this.inputs = structuredClone(mapping.inputs)
     this.steps = structuredClone(mapping.steps)
@@ -117,9 +148,15 @@ export class Draft {
   }
 
   #freeName(browseName: string): string {
-    const plain = browseName.replace(/^nsu=[^;]*;/, '').replace(/^.*[:/]/, '').replace(/[^A-Za-z0-9_]/g, '_').replace(/^(?=\d|$)/, '_').slice(0, 60)
+    const plain = browseName
+      .replace(/^nsu=[^;]*;/, '')
+      .replace(/^.*[:/]/, '')
+      .replace(/[^A-Za-z0-9_]/g, '_')
+      .replace(/^(?=\d|$)/, '_')
+      .slice(0, 60)
     const base = plain.charAt(0).toLowerCase() + plain.slice(1)
-    const isTaken = (name: string): boolean => name === 'value' || this.inputs.some((input) => input.name === name)
+    const isTaken = (name: string): boolean =>
+      name === 'value' || this.inputs.some((input) => input.name === name)
     let name = base
     for (let number = 2; isTaken(name); number += 1) name = `${base}${number}`
     return name
@@ -128,5 +165,10 @@ export class Draft {
 
 /** Without the members that say nothing. */
 export function tidy(disclosure: Disclosure): Disclosure {
-  return Object.fromEntries(Object.entries(disclosure).filter(([, value]) => value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0)))
+  return Object.fromEntries(
+    Object.entries(disclosure).filter(
+      ([, value]) =>
+        value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0),
+    ),
+  )
 }

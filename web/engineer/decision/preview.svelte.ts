@@ -27,7 +27,12 @@ export class PreviewRun {
 
   /** Follows a draft until the returned function is called. Reactive: to be called in an effect. */
   follow(key: FieldKey, draft: Draft): () => void {
-    const body = { valueSource: draft.source, mapping: draft.mapping, disclosure: tidy(draft.disclosure), ...(draft.policyId === '' ? {} : { policyId: draft.policyId }) }
+    const body = {
+      valueSource: draft.source,
+      mapping: draft.mapping,
+      disclosure: tidy(draft.disclosure),
+      ...(draft.policyId === '' ? {} : { policyId: draft.policyId }),
+    }
     const text = JSON.stringify(body)
     if (!draft.isComplete) {
       this.value = undefined

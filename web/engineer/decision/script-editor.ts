@@ -1,7 +1,18 @@
-import { autocompletion, closeBrackets, completionKeymap, type CompletionContext, type CompletionResult } from '@codemirror/autocomplete'
+import {
+  autocompletion,
+  closeBrackets,
+  completionKeymap,
+  type CompletionContext,
+  type CompletionResult,
+} from '@codemirror/autocomplete'
 import { defaultKeymap, history, historyKeymap } from '@codemirror/commands'
 import { javascript } from '@codemirror/lang-javascript'
-import { bracketMatching, HighlightStyle, indentOnInput, syntaxHighlighting } from '@codemirror/language'
+import {
+  bracketMatching,
+  HighlightStyle,
+  indentOnInput,
+  syntaxHighlighting,
+} from '@codemirror/language'
 import { lintGutter, setDiagnostics } from '@codemirror/lint'
 import { EditorState } from '@codemirror/state'
 import { EditorView, highlightActiveLine, keymap, lineNumbers } from '@codemirror/view'
@@ -29,10 +40,21 @@ const looks = EditorView.theme({
   '.cm-content': { fontFamily: 'var(--mono)', caretColor: 'var(--text)', minHeight: '6rem' },
   '.cm-cursor': { borderLeftColor: 'var(--text)' },
   '.cm-gutters': { color: 'var(--muted)', backgroundColor: 'var(--sunken)', border: 'none' },
-  '.cm-activeLine, .cm-activeLineGutter': { backgroundColor: 'color-mix(in srgb, var(--accent) 9%, transparent)' },
-  '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground': { backgroundColor: 'color-mix(in srgb, var(--accent) 28%, transparent)' },
-  '.cm-tooltip': { color: 'var(--text)', backgroundColor: 'var(--raised)', border: '1px solid var(--line)', borderRadius: '5px' },
-  '.cm-tooltip-autocomplete ul li[aria-selected]': { color: 'var(--on-accent)', backgroundColor: 'var(--accent)' },
+  '.cm-activeLine, .cm-activeLineGutter': {
+    backgroundColor: 'color-mix(in srgb, var(--accent) 9%, transparent)',
+  },
+  '&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground':
+    { backgroundColor: 'color-mix(in srgb, var(--accent) 28%, transparent)' },
+  '.cm-tooltip': {
+    color: 'var(--text)',
+    backgroundColor: 'var(--raised)',
+    border: '1px solid var(--line)',
+    borderRadius: '5px',
+  },
+  '.cm-tooltip-autocomplete ul li[aria-selected]': {
+    color: 'var(--on-accent)',
+    backgroundColor: 'var(--accent)',
+  },
   '.cm-diagnostic-error': { borderLeftColor: 'var(--bad)' },
 })
 
@@ -91,7 +113,12 @@ export class ScriptEditor {
         const line = doc.line(Math.min(diagnostic.line ?? 1, doc.lines))
         const from = Math.min(line.from + Math.max(0, (diagnostic.column ?? 1) - 1), line.to)
         const word = this.#view.state.wordAt(from)
-        return { from, to: Math.max(word?.to ?? line.to, from), severity: 'error' as const, message: diagnostic.message }
+        return {
+          from,
+          to: Math.max(word?.to ?? line.to, from),
+          severity: 'error' as const,
+          message: diagnostic.message,
+        }
       })
       .sort((a, b) => a.from - b.from)
     this.#view.dispatch(setDiagnostics(this.#view.state, marks))
@@ -117,6 +144,15 @@ const CONTEXT = [
 function complete(context: CompletionContext, inputs: readonly string[]): CompletionResult | null {
   const word = context.matchBefore(/[\w.$]+/)
   if (word === null && !context.explicit) return null
-  const ofInputs = inputs.flatMap((name) => ['value', 'status', 'sourceTimestamp'].map((member) => ({ label: `ctx.inputs.${name}.${member}`, type: 'property' })))
-  return { from: word?.from ?? context.pos, options: [...CONTEXT, ...ofInputs], validFor: /^[\w.$]*$/ }
+  const ofInputs = inputs.flatMap((name) =>
+    ['value', 'status', 'sourceTimestamp'].map((member) => ({
+      label: `ctx.inputs.${name}.${member}`,
+      type: 'property',
+    })),
+  )
+  return {
+    from: word?.from ?? context.pos,
+    options: [...CONTEXT, ...ofInputs],
+    validFor: /^[\w.$]*$/,
+  }
 }

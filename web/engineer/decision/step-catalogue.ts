@@ -29,11 +29,37 @@ export interface StepKind {
   initial: Step
 }
 
-export const BUILT_IN_TYPES = ['Boolean', 'SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32', 'Int64', 'UInt64', 'Float', 'Double', 'String', 'DateTime', 'Guid'] as const
+export const BUILT_IN_TYPES = [
+  'Boolean',
+  'SByte',
+  'Byte',
+  'Int16',
+  'UInt16',
+  'Int32',
+  'UInt32',
+  'Int64',
+  'UInt64',
+  'Float',
+  'Double',
+  'String',
+  'DateTime',
+  'Guid',
+] as const
 
-const number = (name: string, needed = false): Parameter => ({ name, kind: { is: 'number' }, needed })
-const text = (name: string, wide = false, needed = false): Parameter => ({ name, kind: { is: 'text', wide }, needed })
-const choice = (name: string, ...options: string[]): Parameter => ({ name, kind: { is: 'choice', options } })
+const number = (name: string, needed = false): Parameter => ({
+  name,
+  kind: { is: 'number' },
+  needed,
+})
+const text = (name: string, wide = false, needed = false): Parameter => ({
+  name,
+  kind: { is: 'text', wide },
+  needed,
+})
+const choice = (name: string, ...options: string[]): Parameter => ({
+  name,
+  kind: { is: 'choice', options },
+})
 const onDecrease = choice('onDecrease', 'reset', 'set', 'subtract')
 
 const NEW_SCRIPT = `(value, ctx) => {
@@ -42,25 +68,95 @@ const NEW_SCRIPT = `(value, ctx) => {
 
 /** The functions a mapping can be made of, in the order in which they are offered. */
 export const STEP_KINDS: readonly StepKind[] = [
-  kind('scale', { factor: 1, divisor: 1, offset: 0 }, number('factor'), number('divisor'), number('offset')),
+  kind(
+    'scale',
+    { factor: 1, divisor: 1, offset: 0 },
+    number('factor'),
+    number('divisor'),
+    number('offset'),
+  ),
   kind('unitConversion', {}, text('from'), text('to')),
-  kind('convert', { to: 'Int64' }, { name: 'to', kind: { is: 'type' }, needed: true }, choice('rounding', 'nearest', 'halfEven', 'down', 'up', 'towardZero', 'exact'), choice('overflow', 'fault', 'clamp')),
-  kind('counter', { start: 0 }, choice('counts', '', 'increments', 'risingEdges', 'values'), number('start'), number('modulus'), onDecrease, { name: 'resetBy', kind: { is: 'input' } }),
+  kind(
+    'convert',
+    { to: 'Int64' },
+    { name: 'to', kind: { is: 'type' }, needed: true },
+    choice('rounding', 'nearest', 'halfEven', 'down', 'up', 'towardZero', 'exact'),
+    choice('overflow', 'fault', 'clamp'),
+  ),
+  kind(
+    'counter',
+    { start: 0 },
+    choice('counts', '', 'increments', 'risingEdges', 'values'),
+    number('start'),
+    number('modulus'),
+    onDecrease,
+    { name: 'resetBy', kind: { is: 'input' } },
+  ),
   kind('increment', {}, number('modulus'), onDecrease),
-  kind('threshold', { limit: 0 }, number('limit', true), number('release'), { name: 'above', kind: { is: 'literal' } }, { name: 'below', kind: { is: 'literal' } }),
+  kind(
+    'threshold',
+    { limit: 0 },
+    number('limit', true),
+    number('release'),
+    { name: 'above', kind: { is: 'literal' } },
+    { name: 'below', kind: { is: 'literal' } },
+  ),
   kind('deadband', {}, number('absolute'), number('percent')),
   kind('debounce', { quietMs: 1000 }, number('quietMs', true)),
   kind('edge', { direction: 'rising' }, choice('direction', 'rising', 'falling', 'both')),
   kind('rate', { per: 'minute' }, choice('per', 'second', 'minute', 'hour', 'day')),
-  kind('window', { aggregate: 'mean', durationMs: 60000 }, choice('aggregate', 'minimum', 'maximum', 'mean', 'sum', 'count', 'last'), number('samples'), number('durationMs')),
-  kind('lookup', { entries: [] }, { name: 'entries', kind: { is: 'table' } }, { name: 'otherwise', kind: { is: 'literal' } }, { name: 'interpolate', kind: { is: 'flag' } }),
+  kind(
+    'window',
+    { aggregate: 'mean', durationMs: 60000 },
+    choice('aggregate', 'minimum', 'maximum', 'mean', 'sum', 'count', 'last'),
+    number('samples'),
+    number('durationMs'),
+  ),
+  kind(
+    'lookup',
+    { entries: [] },
+    { name: 'entries', kind: { is: 'table' } },
+    { name: 'otherwise', kind: { is: 'literal' } },
+    { name: 'interpolate', kind: { is: 'flag' } },
+  ),
   kind('enumeration', { texts: [] }, { name: 'texts', kind: { is: 'texts' } }, text('otherwise')),
   kind('bit', { bit: 0 }, number('bit', true)),
-  kind('bitTexts', { bits: [] }, { name: 'bits', kind: { is: 'bits' } }, text('separator'), text('none')),
+  kind(
+    'bitTexts',
+    { bits: [] },
+    { name: 'bits', kind: { is: 'bits' } },
+    text('separator'),
+    text('none'),
+  ),
   kind('format', { template: '{value}' }, text('template', true, true)),
-  kind('parse', { to: 'Double' }, { name: 'to', kind: { is: 'type' }, needed: true }, text('pattern', true), number('radix'), { name: 'decimalComma', kind: { is: 'flag' } }),
+  kind(
+    'parse',
+    { to: 'Double' },
+    { name: 'to', kind: { is: 'type' }, needed: true },
+    text('pattern', true),
+    number('radix'),
+    { name: 'decimalComma', kind: { is: 'flag' } },
+  ),
   kind('select', { path: '[0]' }, text('path', true, true)),
-  kind('merge', { rule: 'newest' }, choice('rule', 'newest', 'firstGood', 'minimum', 'maximum', 'sum', 'mean', 'all', 'any', 'join', 'array'), { name: 'inputs', kind: { is: 'inputs' } }, text('separator')),
+  kind(
+    'merge',
+    { rule: 'newest' },
+    choice(
+      'rule',
+      'newest',
+      'firstGood',
+      'minimum',
+      'maximum',
+      'sum',
+      'mean',
+      'all',
+      'any',
+      'join',
+      'array',
+    ),
+    { name: 'inputs', kind: { is: 'inputs' } },
+    text('separator'),
+  ),
   kind('constant', { value: 0 }, { name: 'value', kind: { is: 'literal' }, needed: true }),
   kind('expression', { expression: 'value' }, text('expression', true, true)),
   kind('script', { source: NEW_SCRIPT }, { name: 'source', kind: { is: 'script' }, needed: true }),
@@ -78,8 +174,13 @@ export function newStep(name: string): Step {
 /** The function with one parameter changed; an empty one is left out, as the connector then takes its default. */
 export function withParameter(step: Step, parameter: Parameter, value: unknown): Step {
   const { [parameter.name]: _, ...others } = step
-  const isEmpty = value === undefined || value === '' || (Array.isArray(value) && value.length === 0 && parameter.kind.is === 'inputs')
-  return (isEmpty && parameter.needed !== true ? others : { ...others, [parameter.name]: value ?? '' }) as Step
+  const isEmpty =
+    value === undefined ||
+    value === '' ||
+    (Array.isArray(value) && value.length === 0 && parameter.kind.is === 'inputs')
+  return (
+    isEmpty && parameter.needed !== true ? others : { ...others, [parameter.name]: value ?? '' }
+  ) as Step
 }
 
 /** A literal as it is written in a form: `true`, `12`, `0.5` and text; quotes make text of what looks otherwise. */
@@ -100,6 +201,10 @@ export function writeLiteral(value: unknown): string {
   return JSON.stringify(value)
 }
 
-function kind(name: string, initial: Record<string, unknown>, ...parameters: Parameter[]): StepKind {
+function kind(
+  name: string,
+  initial: Record<string, unknown>,
+  ...parameters: Parameter[]
+): StepKind {
   return { function: name, parameters, initial: { function: name, ...initial } }
 }

@@ -11,7 +11,12 @@ import { RequestList, requestOf } from './request-list.svelte'
 
 const REQUESTS = 2_000
 const field = (number: number, name: string, more: Partial<Field> = {}): Field => ({
-  key: { operationNetworkId: 'n', operationId: `op${number}`, dynamicDataRequestId: 'R', fieldName: name },
+  key: {
+    operationNetworkId: 'n',
+    operationId: `op${number}`,
+    dynamicDataRequestId: 'R',
+    fieldName: name,
+  },
   name,
   type: 'Double',
   valueRank: -1,
@@ -33,17 +38,34 @@ const request = (number: number, more: Partial<InboxRequest> = {}): InboxRequest
   fields: [field(number, 'power'), field(number, 'count', { mappingState: 'MAPPED' })],
   ...more,
 })
-const totals = { requests: REQUESTS, openRequests: REQUESTS, overdueRequests: 3, endedRequests: 0, pending: REQUESTS, mapped: REQUESTS, refused: 0 }
-const parameters = ({ path }: Asked): Record<string, string> => Object.fromEntries(new URLSearchParams(path.split('?')[1]))
+const totals = {
+  requests: REQUESTS,
+  openRequests: REQUESTS,
+  overdueRequests: 3,
+  endedRequests: 0,
+  pending: REQUESTS,
+  mapped: REQUESTS,
+  refused: 0,
+}
+const parameters = ({ path }: Asked): Record<string, string> =>
+  Object.fromEntries(new URLSearchParams(path.split('?')[1]))
 
 /** An inbox of many requests, searched and paged as the connector does it. */
 function inbox(asked: Asked): unknown {
   const { cursor, limit = '200', search = '' } = parameters(asked)
-  const meant = Array.from({ length: REQUESTS }, (_, number) => number).filter((number) => `lot ${number}\nop${number}`.includes(search.toLowerCase().split(' ')[0] ?? ''))
+  const meant = Array.from({ length: REQUESTS }, (_, number) => number).filter((number) =>
+    `lot ${number}\nop${number}`.includes(search.toLowerCase().split(' ')[0] ?? ''),
+  )
   const count = Number(limit)
-  const from = cursor === undefined ? 0 : meant.findIndex((number) => `behind op${number}` === cursor) + 1
+  const from =
+    cursor === undefined ? 0 : meant.findIndex((number) => `behind op${number}` === cursor) + 1
   const next = from + count < meant.length ? `behind op${meant[from + count - 1] ?? ''}` : null
-  return { items: meant.slice(from, from + count).map((number) => request(number)), nextCursor: next, count: meant.length, totals }
+  return {
+    items: meant.slice(from, from + count).map((number) => request(number)),
+    nextCursor: next,
+    count: meant.length,
+    totals,
+  }
 }
 
 beforeEach(async () => {
@@ -56,7 +78,8 @@ afterEach(() => {
 })
 
 describe('fields that are looked for', () => {
-  const names = (state: Field['mappingState'] | undefined, search: string): string[][] => matching([request(7)], state, search).map(({ fields }) => fields.map(({ name }) => name))
+  const names = (state: Field['mappingState'] | undefined, search: string): string[][] =>
+    matching([request(7)], state, search).map(({ fields }) => fields.map(({ name }) => name))
   it.each([
     [undefined, '', [['power', 'count']]],
     ['MAPPED', '', [['count']]],
@@ -76,10 +99,17 @@ describe('a list of requests', () => {
     await list.answer.refresh()
     await list.more()
     await list.more()
-    expect(list.answer.value?.items.map(({ key }) => key.operationId)).toEqual(Array.from({ length: 120 }, (_, number) => `op${number}`))
+    expect(list.answer.value?.items.map(({ key }) => key.operationId)).toEqual(
+      Array.from({ length: 120 }, (_, number) => `op${number}`),
+    )
     await list.answer.refresh()
     expect(list.answer.value?.items).toHaveLength(120)
-    expect(log.map(parameters)).toEqual([{ limit: '40' }, { cursor: 'behind op39', limit: '40' }, { cursor: 'behind op79', limit: '40' }, { limit: '120' }])
+    expect(log.map(parameters)).toEqual([
+      { limit: '40' },
+      { cursor: 'behind op39', limit: '40' },
+      { cursor: 'behind op79', limit: '40' },
+      { limit: '120' },
+    ])
   })
   it('keeps what it has, and says why no more came', async () => {
     const list = new RequestList()
@@ -90,7 +120,8 @@ describe('a list of requests', () => {
   })
   it('is not read where one request is wanted, or where that is gone', async () => {
     const log = serve({ 'GET /requests/n/op19/R': () => request(19) })
-    const wanted = (number: number): Promise<{ items: InboxRequest[] }> => requestOf(field(number, 'power').key, new AbortController().signal)
+    const wanted = (number: number): Promise<{ items: InboxRequest[] }> =>
+      requestOf(field(number, 'power').key, new AbortController().signal)
     expect((await wanted(19)).items.map(({ key }) => key.operationId)).toEqual(['op19'])
     expect((await wanted(20)).items).toEqual([])
     expect(log.map(({ path }) => path)).toEqual(['/requests/n/op19/R', '/requests/n/op20/R'])
@@ -110,11 +141,32 @@ describe('the inbox', () => {
     await userEvent.type(screen.getByLabelText('Search requests and fields'), '1987')
     expect(await screen.findByText('Lot 1987')).toBeTruthy()
     await userEvent.click(screen.getByText('Mapped 2,000'))
-    await vi.waitFor(() => expect(parameters(log.at(-1) as Asked)).toEqual({ search: '1987', state: 'MAPPED', limit: '40' }))
-    await vi.waitFor(() => expect([...container.querySelectorAll('tr[data-field]')].map((row) => row.getAttribute('data-field'))).toEqual(['count']))
+    await vi.waitFor(() =>
+      expect(parameters(log.at(-1) as Asked)).toEqual({
+        search: '1987',
+        state: 'MAPPED',
+        limit: '40',
+      }),
+    )
+    await vi.waitFor(() =>
+      expect(
+        [...container.querySelectorAll('tr[data-field]')].map((row) =>
+          row.getAttribute('data-field'),
+        ),
+      ).toEqual(['count']),
+    )
     await userEvent.click(screen.getByText('Overdue 3'))
-    await vi.waitFor(() => expect(parameters(log.at(-1) as Asked)).toEqual({ search: '1987', isOverdue: 'true', limit: '40' }))
-    expect(log.filter(({ path }) => path.includes('cursor')).length, 'pages beyond the first').toBeLessThan(3)
+    await vi.waitFor(() =>
+      expect(parameters(log.at(-1) as Asked)).toEqual({
+        search: '1987',
+        isOverdue: 'true',
+        limit: '40',
+      }),
+    )
+    expect(
+      log.filter(({ path }) => path.includes('cursor')).length,
+      'pages beyond the first',
+    ).toBeLessThan(3)
   })
 
   it('puts in place what was decided, and counts anew', async () => {

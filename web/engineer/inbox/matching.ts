@@ -10,15 +10,41 @@ export interface Match {
  * The fields that are looked for, in requests that the connector has found: it finds whole requests, by all words and by
  * the state of any field.
  */
-export function matching(requests: readonly InboxRequest[], state: MappingState | undefined, search: string): Match[] {
-  const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '')
-  return requests.map((request) => ({ request, fields: fieldsIn(request, state, words) })).filter(({ fields }) => fields.length > 0)
+export function matching(
+  requests: readonly InboxRequest[],
+  state: MappingState | undefined,
+  search: string,
+): Match[] {
+  const words = search
+    .toLowerCase()
+    .split(/\s+/)
+    .filter((word) => word !== '')
+  return requests
+    .map((request) => ({ request, fields: fieldsIn(request, state, words) }))
+    .filter(({ fields }) => fields.length > 0)
 }
 
-function fieldsIn(request: InboxRequest, state: MappingState | undefined, words: readonly string[]): Field[] {
-  const inState = request.fields.filter((field) => state === undefined || field.mappingState === state)
-  const about = [request.requesterId, request.purpose, ...Object.values(request.key), request.networkName, request.operation.name, ...request.recipientList].join('\n').toLowerCase()
+function fieldsIn(
+  request: InboxRequest,
+  state: MappingState | undefined,
+  words: readonly string[],
+): Field[] {
+  const inState = request.fields.filter(
+    (field) => state === undefined || field.mappingState === state,
+  )
+  const about = [
+    request.requesterId,
+    request.purpose,
+    ...Object.values(request.key),
+    request.networkName,
+    request.operation.name,
+    ...request.recipientList,
+  ]
+    .join('\n')
+    .toLowerCase()
   // Words that the request does not have, its fields must.
   const wanted = words.filter((word) => !about.includes(word))
-  return wanted.length === 0 ? inState : inState.filter((field) => wanted.some((word) => field.name.toLowerCase().includes(word)))
+  return wanted.length === 0
+    ? inState
+    : inState.filter((field) => wanted.some((word) => field.name.toLowerCase().includes(word)))
 }

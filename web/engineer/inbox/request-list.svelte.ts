@@ -57,12 +57,18 @@ export class RequestList {
 }
 
 /** Every request that a query means. */
-export async function everyRequest(query: InboxQuery, signal: AbortSignal): Promise<InboxRequest[]> {
+export async function everyRequest(
+  query: InboxQuery,
+  signal: AbortSignal,
+): Promise<InboxRequest[]> {
   return (await readOn(query, PAGES_MAX * PAGE_MAX, signal)).items
 }
 
 /** The request that a field belongs to: a page of one, or of none where nobody asks any more. */
-export async function requestOf(key: FieldKey, signal: AbortSignal): Promise<{ items: InboxRequest[] }> {
+export async function requestOf(
+  key: FieldKey,
+  signal: AbortSignal,
+): Promise<{ items: InboxRequest[] }> {
   try {
     return { items: [await connector.request(key, signal)] }
   } catch (failure) {
@@ -73,7 +79,18 @@ export async function requestOf(key: FieldKey, signal: AbortSignal): Promise<{ i
 
 async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Promise<InboxAnswer> {
   let answer = await connector.inbox({ ...query, limit: Math.min(count, PAGE_MAX) }, signal)
-  while (answer.nextCursor && answer.items.length < count) answer = joined(answer, await connector.inbox({ ...query, cursor: answer.nextCursor, limit: Math.min(count - answer.items.length, PAGE_MAX) }, signal))
+  while (answer.nextCursor && answer.items.length < count)
+    answer = joined(
+      answer,
+      await connector.inbox(
+        {
+          ...query,
+          cursor: answer.nextCursor,
+          limit: Math.min(count - answer.items.length, PAGE_MAX),
+        },
+        signal,
+      ),
+    )
   return answer
 }
 

@@ -8,4 +8,13 @@ import { settings } from './de/settings'
 import { sources } from './de/sources'
 import type { Texts } from './en'
 
-export const de: Texts = { ...overview, ...decision, ...mapping, ...disclosure, ...ledger, ...sources, ...operator, ...settings }
+export const de: Texts = {
+  ...overview,
+  ...decision,
+  ...mapping,
+  ...disclosure,
+  ...ledger,
+  ...sources,
+  ...operator,
+  ...settings,
+}

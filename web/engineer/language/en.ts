@@ -7,6 +7,15 @@ import { overview } from './en/overview'
 import { settings } from './en/settings'
 import { sources } from './en/sources'
 
-export const en = { ...overview, ...decision, ...mapping, ...disclosure, ...ledger, ...sources, ...operator, ...settings }
+export const en = {
+  ...overview,
+  ...decision,
+  ...mapping,
+  ...disclosure,
+  ...ledger,
+  ...sources,
+  ...operator,
+  ...settings,
+}
 
 export type Texts = typeof en

@@ -8,66 +8,147 @@ import LeaksPage from './LeaksPage.svelte'
 import { bitsReach, byWeight, precisionText, rateReach, rateText } from './measure'
 
 const leak = (fieldName: string, more: Partial<FieldLeak> = {}): FieldLeak => ({
-  key: { operationNetworkId: 'n', operationId: 'turn', dynamicDataRequestId: 'progress', fieldName },
+  key: {
+    operationNetworkId: 'n',
+    operationId: 'turn',
+    dynamicDataRequestId: 'progress',
+    fieldName,
+  },
   statement: 'Every value.',
   measured: { candidates: 100, released: 24, hours: 2 },
   timeResolutionMs: 0,
   ...more,
 })
-const budget = (more: Partial<PartnerLeaks> = {}): PartnerLeaks => ({ partner: 'acme', fields: [leak('count')], warnings: [], valuesPerHourMeasured: 12, ...more })
+const budget = (more: Partial<PartnerLeaks> = {}): PartnerLeaks => ({
+  partner: 'acme',
+  fields: [leak('count')],
+  warnings: [],
+  valuesPerHourMeasured: 12,
+  ...more,
+})
 afterEach(() => {
   vi.unstubAllGlobals()
 })
 
 describe('figures', () => {
   it('lie on scales that end', () => {
-    expect([rateReach(1 / 24), rateReach(36_000), rateReach(1e9), rateReach(0)]).toEqual([0, 1, 1, 0])
+    expect([rateReach(1 / 24), rateReach(36_000), rateReach(1e9), rateReach(0)]).toEqual([
+      0, 1, 1, 0,
+    ])
     expect(rateReach(undefined)).toBeUndefined()
     expect(rateReach(3600)).toBeGreaterThan(rateReach(60) ?? 1)
-    expect([bitsReach(0), bitsReach(32), bitsReach(64), bitsReach(null)]).toEqual([0, 0.5, 1, undefined])
+    expect([bitsReach(0), bitsReach(32), bitsReach(64), bitsReach(null)]).toEqual([
+      0,
+      0.5,
+      1,
+      undefined,
+    ])
   })
   it('are said in words that people can picture', () => {
-    expect([precisionText(Math.log2(21)), precisionText(64), precisionText(null)]).toEqual(['one of 21 values', '64 bit', 'no bound'])
-    expect([rateText(0.5), rateText(1234.567), rateText(null)]).toEqual(['0.5 per hour', '1,235 per hour', 'no limit'])
+    expect([precisionText(Math.log2(21)), precisionText(64), precisionText(null)]).toEqual([
+      'one of 21 values',
+      '64 bit',
+      'no bound',
+    ])
+    expect([rateText(0.5), rateText(1234.567), rateText(null)]).toEqual([
+      '0.5 per hour',
+      '1,235 per hour',
+      'no limit',
+    ])
     language.choose('de')
     expect([precisionText(1), rateText(1.25)]).toEqual(['einer von 2 Werten', '1,25 je Stunde'])
   })
   it('put what is warned of first, then what tells most', () => {
-    const fields = [leak('little', { valuesPerHourMax: 1, bitsPerValue: 1 }), leak('endless'), leak('warned', { valuesPerHourMax: 1, bitsPerValue: 1 })]
-    const warnings = [{ conclusion: 'UTILISATION' as const, text: '', fields: [leak('warned').key] }]
-    expect(byWeight(fields, warnings).map(({ field }) => field.key.fieldName)).toEqual(['warned', 'endless', 'little'])
+    const fields = [
+      leak('little', { valuesPerHourMax: 1, bitsPerValue: 1 }),
+      leak('endless'),
+      leak('warned', { valuesPerHourMax: 1, bitsPerValue: 1 }),
+    ]
+    const warnings = [
+      { conclusion: 'UTILISATION' as const, text: '', fields: [leak('warned').key] },
+    ]
+    expect(byWeight(fields, warnings).map(({ field }) => field.key.fieldName)).toEqual([
+      'warned',
+      'endless',
+      'little',
+    ])
   })
 })
 
 describe('the leak budget', () => {
   it('draws each field and says the same in words', async () => {
-    serve({ 'GET /leak-budgets': () => ({ items: [budget({ fields: [leak('count', { valuesPerHourMax: 60, bitsPerValue: Math.log2(101), timeResolutionMs: 300_000 })] })] }) })
+    serve({
+      'GET /leak-budgets': () => ({
+        items: [
+          budget({
+            fields: [
+              leak('count', {
+                valuesPerHourMax: 60,
+                bitsPerValue: Math.log2(101),
+                timeResolutionMs: 300_000,
+              }),
+            ],
+          }),
+        ],
+      }),
+    })
     render(LeaksPage)
-    const row = within((await screen.findByRole('link', { name: 'count' })).closest('tr') as HTMLElement)
+    const row = within(
+      (await screen.findByRole('link', { name: 'count' })).closest('tr') as HTMLElement,
+    )
     expect(row.getByRole('img', { name: 'Rate: 60 per hour, measured 12 per hour' })).toBeTruthy()
     expect(row.getByRole('img', { name: 'Precision: one of 101 values' })).toBeTruthy()
     expect(row.getByText('to within 5 min')).toBeTruthy()
   })
   it('says what can be concluded, why, and leads to the fields that allow it', async () => {
-    const warnings = [{ conclusion: 'CYCLE_TIME' as const, text: 'The server’s words', fields: [leak('count').key], neededMs: 360_000 }]
+    const warnings = [
+      {
+        conclusion: 'CYCLE_TIME' as const,
+        text: 'The server’s words',
+        fields: [leak('count').key],
+        neededMs: 360_000,
+      },
+    ]
     serve({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
     render(LeaksPage)
     expect(await screen.findByText('Cycle time of single pieces')).toBeTruthy()
     expect(screen.getByText(/From 6 min on/)).toBeTruthy()
-    expect(screen.getByRole('link', { name: 'Coarsen: count' }).getAttribute('href')).toBe('#/fields/n/turn/progress/count')
+    expect(screen.getByRole('link', { name: 'Coarsen: count' }).getAttribute('href')).toBe(
+      '#/fields/n/turn/progress/count',
+    )
     expect(screen.getByText('1 conclusion possible')).toBeTruthy()
   })
   it('says in the reader’s language what partners are told', async () => {
     language.choose('de')
-    const statementParts: StatementPart[] = [{ code: 'ROUNDED', step: 10, unit: 'PIECE' }, { code: 'INTERVAL', periodMs: 60_000 }]
-    const cycle = { conclusion: 'CYCLE_TIME' as const, text: 'Each piece …', fields: [leak('count').key], neededMs: 900_000 }
-    serve({ 'GET /leak-budgets': () => ({ items: [budget({ fields: [leak('count', { statementParts })], warnings: [cycle] })] }) })
+    const statementParts: StatementPart[] = [
+      { code: 'ROUNDED', step: 10, unit: 'PIECE' },
+      { code: 'INTERVAL', periodMs: 60_000 },
+    ]
+    const cycle = {
+      conclusion: 'CYCLE_TIME' as const,
+      text: 'Each piece …',
+      fields: [leak('count').key],
+      neededMs: 900_000,
+    }
+    serve({
+      'GET /leak-budgets': () => ({
+        items: [budget({ fields: [leak('count', { statementParts })], warnings: [cycle] })],
+      }),
+    })
     render(LeaksPage)
-    expect(await screen.findByText('Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.')).toBeTruthy()
+    expect(
+      await screen.findByText('Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.'),
+    ).toBeTruthy()
     expect(screen.getByText(/^Der Plan sagt nicht, wie lange ein Stück dauert/)).toBeTruthy()
   })
   it('takes the server’s words for a conclusion it does not know', async () => {
-    const warnings = [{ conclusion: 'SHIFT_PLAN' as never, text: 'Pauses tell the shifts.', fields: [leak('count').key] }]
+    const warnings = [
+      {
+        conclusion: 'SHIFT_PLAN' as never,
+        text: 'Pauses tell the shifts.',
+        fields: [leak('count').key],
+      },
+    ]
     serve({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
     render(LeaksPage)
     expect(await screen.findByText('Pauses tell the shifts.')).toBeTruthy()

@@ -32,7 +32,9 @@ export function rateText(perHour: number | null | undefined): string {
 /** How exact a value is: how many it is one of, or bits where that number says nothing to people. */
 export function precisionText(bits: number | null | undefined): string {
   if (bits == null) return texts.leaks.noBound
-  return bits <= BITS_PICTURED_MAX ? texts.leaks.oneOf(figure(Math.round(2 ** bits))) : texts.leaks.bits(figure(bits))
+  return bits <= BITS_PICTURED_MAX
+    ? texts.leaks.oneOf(figure(Math.round(2 ** bits)))
+    : texts.leaks.bits(figure(bits))
 }
 
 /** Three digits are plenty for a bound. */
@@ -43,12 +45,18 @@ export function figure(value: number): string {
 export const nameOf = (key: FieldKey): string => fieldAddress(key).join('/')
 
 /** Fields that a warning names come first, then those that tell most. */
-export function byWeight(fields: readonly FieldLeak[], warnings: readonly LeakWarning[]): { field: FieldLeak; isWarned: boolean }[] {
+export function byWeight(
+  fields: readonly FieldLeak[],
+  warnings: readonly LeakWarning[],
+): { field: FieldLeak; isWarned: boolean }[] {
   const warned = new Set(warnings.flatMap((warning) => warning.fields.map(nameOf)))
-  const weight = (field: FieldLeak): number => (field.valuesPerHourMax ?? RATE_MOST) * (field.bitsPerValue ?? BITS_MOST)
+  const weight = (field: FieldLeak): number =>
+    (field.valuesPerHourMax ?? RATE_MOST) * (field.bitsPerValue ?? BITS_MOST)
   return fields
     .map((field) => ({ field, isWarned: warned.has(nameOf(field.key)), weight: weight(field) }))
-    .sort((one, other) => Number(other.isWarned) - Number(one.isWarned) || other.weight - one.weight)
+    .sort(
+      (one, other) => Number(other.isWarned) - Number(one.isWarned) || other.weight - one.weight,
+    )
 }
 
 function within(share: number): number {

@@ -15,19 +15,47 @@ export interface LedgerFilter {
   fieldName?: string
 }
 
-export const ENTRY_KINDS = ['CONSENT', 'QUEUED', 'SENT', 'RECEIPTED', 'COALESCED', 'EXPIRED', 'PURGED', 'REVOKED'] as const
+export const ENTRY_KINDS = [
+  'CONSENT',
+  'QUEUED',
+  'SENT',
+  'RECEIPTED',
+  'COALESCED',
+  'EXPIRED',
+  'PURGED',
+  'REVOKED',
+] as const
 export type EntryKind = (typeof ENTRY_KINDS)[number]
 
-export type LedgerSubject = Pick<LedgerFilter, 'operationNetworkId' | 'operationId' | 'dynamicDataRequestId' | 'fieldName'>
+export type LedgerSubject = Pick<
+  LedgerFilter,
+  'operationNetworkId' | 'operationId' | 'dynamicDataRequestId' | 'fieldName'
+>
 
 /** What a filter is about, as a person reads it; nothing where it is about everything. */
-export function subjectText({ operationNetworkId, operationId, dynamicDataRequestId, fieldName }: LedgerSubject): string {
-  return [operationNetworkId, operationId, dynamicDataRequestId, fieldName].filter((part) => part !== undefined).join(' / ')
+export function subjectText({
+  operationNetworkId,
+  operationId,
+  dynamicDataRequestId,
+  fieldName,
+}: LedgerSubject): string {
+  return [operationNetworkId, operationId, dynamicDataRequestId, fieldName]
+    .filter((part) => part !== undefined)
+    .join(' / ')
 }
 
 /** The filter about something else, or about everything. */
-export function withSubject({ recipient, from, until, kind }: LedgerFilter, subject: LedgerSubject): LedgerFilter {
-  return { ...(recipient === undefined ? {} : { recipient }), ...(from === undefined ? {} : { from }), ...(until === undefined ? {} : { until }), ...(kind === undefined ? {} : { kind }), ...subject }
+export function withSubject(
+  { recipient, from, until, kind }: LedgerFilter,
+  subject: LedgerSubject,
+): LedgerFilter {
+  return {
+    ...(recipient === undefined ? {} : { recipient }),
+    ...(from === undefined ? {} : { from }),
+    ...(until === undefined ? {} : { until }),
+    ...(kind === undefined ? {} : { kind }),
+    ...subject,
+  }
 }
 
 /** Only a part of the chain is meant. */
@@ -39,7 +67,8 @@ export function isNarrow({ recipient: _, ...others }: LedgerFilter): boolean {
 export function subjectsOf(keys: readonly FieldKey[]): LedgerSubject[] {
   const subjects = new Map<string, LedgerSubject>()
   for (const { fieldName, ...request } of keys) {
-    for (const subject of [request, { ...request, fieldName }]) subjects.set(subjectText(subject), subject)
+    for (const subject of [request, { ...request, fieldName }])
+      subjects.set(subjectText(subject), subject)
   }
   return [...subjects.values()]
 }
@@ -59,7 +88,11 @@ export function withKind(filter: LedgerFilter, kind: EntryKind | ''): LedgerFilt
 }
 
 /** The filter with another time, or without one. */
-export function withTime(filter: LedgerFilter, which: 'from' | 'until', written: string): LedgerFilter {
+export function withTime(
+  filter: LedgerFilter,
+  which: 'from' | 'until',
+  written: string,
+): LedgerFilter {
   const { [which]: _, ...others } = filter
   const at = momentOf(written)
   return at === undefined ? others : { ...others, [which]: at }

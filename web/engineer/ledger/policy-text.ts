@@ -6,15 +6,33 @@ import { texts } from '../language/texts'
 /** A disclosure policy on one line, in the reader's words. */
 export function policyText(policy: Disclosure): string {
   const parts: string[] = []
-  if (policy.roundingStep != null) parts.push(`${texts.decision.roundingStep} ${numberText(policy.roundingStep)}`)
-  if (policy.bands?.length) parts.push(`${texts.decision.bands} ${policy.bands.map(numberText).join('; ')}`)
-  if (policy.minimumIntervalMs != null) parts.push(`${texts.decision.minimumInterval} ${span(policy.minimumIntervalMs)}`)
+  if (policy.roundingStep != null)
+    parts.push(`${texts.decision.roundingStep} ${numberText(policy.roundingStep)}`)
+  if (policy.bands?.length)
+    parts.push(`${texts.decision.bands} ${policy.bands.map(numberText).join('; ')}`)
+  if (policy.minimumIntervalMs != null)
+    parts.push(`${texts.decision.minimumInterval} ${span(policy.minimumIntervalMs)}`)
   if (policy.timeStepMs != null) parts.push(`${texts.decision.timeStep} ${span(policy.timeStepMs)}`)
   if (policy.delayMs != null) parts.push(`${texts.decision.delay} ${span(policy.delayMs)}`)
-  if (policy.significantDigits != null) parts.push(`${texts.policy.significantDigits} ${policy.significantDigits}`)
-  if (policy.aggregate) parts.push(`${texts.policy.aggregates[policy.aggregate.function] ?? policy.aggregate.function} ${span(policy.aggregate.windowMs)}`)
-  for (const limit of policy.rateLimits ?? []) parts.push(texts.policy.rateText(limit.values, span(limit.periodMs)))
-  for (const hours of [...(policy.workingHours ? [policy.workingHours] : []), ...(policy.furtherHours ?? [])]) parts.push(`${hours.from}–${hours.until}`)
-  for (const condition of policy.withholdWhile ?? []) parts.push(texts.policy.withholdText(condition.field ?? texts.policy.ownValue, condition.states.map(String).join(', ')))
+  if (policy.significantDigits != null)
+    parts.push(`${texts.policy.significantDigits} ${policy.significantDigits}`)
+  if (policy.aggregate)
+    parts.push(
+      `${texts.policy.aggregates[policy.aggregate.function] ?? policy.aggregate.function} ${span(policy.aggregate.windowMs)}`,
+    )
+  for (const limit of policy.rateLimits ?? [])
+    parts.push(texts.policy.rateText(limit.values, span(limit.periodMs)))
+  for (const hours of [
+    ...(policy.workingHours ? [policy.workingHours] : []),
+    ...(policy.furtherHours ?? []),
+  ])
+    parts.push(`${hours.from}–${hours.until}`)
+  for (const condition of policy.withholdWhile ?? [])
+    parts.push(
+      texts.policy.withholdText(
+        condition.field ?? texts.policy.ownValue,
+        condition.states.map(String).join(', '),
+      ),
+    )
   return parts.length === 0 ? texts.decision.everyChange : parts.join(' · ')
 }

@@ -7,7 +7,12 @@ import type { Field, MappingStatus } from '../api/types'
 import WorkPanel from './WorkPanel.svelte'
 
 const HOUR_MS = 3_600_000
-const key = { operationNetworkId: 'n', operationId: 'turn', dynamicDataRequestId: 'progress', fieldName: 'made' }
+const key = {
+  operationNetworkId: 'n',
+  operationId: 'turn',
+  dynamicDataRequestId: 'progress',
+  fieldName: 'made',
+}
 const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as Field
 const PATH = '/fields/n/turn/progress/made/mapping-status'
 const at = '2026-01-02T03:04:05Z'
@@ -81,7 +86,9 @@ describe('a mapping at work', () => {
     const log = show()
     await userEvent.click(await screen.findByRole('button', { name: 'Let it run now' }))
     await vi.waitFor(() => expect(screen.queryByText('A script rests')).toBeNull())
-    expect(log.some(({ method, path }) => method === 'POST' && path === `${PATH}/restart`)).toBe(true)
+    expect(log.some(({ method, path }) => method === 'POST' && path === `${PATH}/restart`)).toBe(
+      true,
+    )
   })
 
   it('shows nothing of a mapping that has ended', async () => {

@@ -6,33 +6,68 @@ import { texts } from '../language/texts'
 import { placeOf } from '../mapping-life/work'
 
 /** The worst first. */
-export const HEALTHS = ['RESTING', 'FAILING', 'WAITING', 'DOUBTFUL', 'CLOCK_AHEAD', 'WELL'] as const satisfies readonly MappingHealth[]
+export const HEALTHS = [
+  'RESTING',
+  'FAILING',
+  'WAITING',
+  'DOUBTFUL',
+  'CLOCK_AHEAD',
+  'WELL',
+] as const satisfies readonly MappingHealth[]
 
-const MEMBERS = { RESTING: 'resting', FAILING: 'failing', WAITING: 'waiting', DOUBTFUL: 'doubtful', CLOCK_AHEAD: 'clockAhead', WELL: 'well' } as const satisfies Record<MappingHealth, keyof HealthCounts>
-const TONES: Record<MappingHealth, Tone> = { RESTING: 'bad', FAILING: 'bad', WAITING: 'warn', DOUBTFUL: 'warn', CLOCK_AHEAD: 'warn', WELL: 'good' }
+const MEMBERS = {
+  RESTING: 'resting',
+  FAILING: 'failing',
+  WAITING: 'waiting',
+  DOUBTFUL: 'doubtful',
+  CLOCK_AHEAD: 'clockAhead',
+  WELL: 'well',
+} as const satisfies Record<MappingHealth, keyof HealthCounts>
+const TONES: Record<MappingHealth, Tone> = {
+  RESTING: 'bad',
+  FAILING: 'bad',
+  WAITING: 'warn',
+  DOUBTFUL: 'warn',
+  CLOCK_AHEAD: 'warn',
+  WELL: 'good',
+}
 
-export const countOf = (counts: HealthCounts, health: MappingHealth): number => counts[MEMBERS[health]]
+export const countOf = (counts: HealthCounts, health: MappingHealth): number =>
+  counts[MEMBERS[health]]
 export const healthTone = (health: MappingHealth): Tone => TONES[health]
 
 /** Those that yield nothing useful until somebody mends them. */
 export const brokenOf = (counts: HealthCounts): number => counts.resting + counts.failing
 
 /** What ails a mapping, in a sentence. */
-export function whyOf(health: MappingHealth, { circuit, lastFault, inputs, lastCandidate }: MappingStatus): string | undefined {
+export function whyOf(
+  health: MappingHealth,
+  { circuit, lastFault, inputs, lastCandidate }: MappingStatus,
+): string | undefined {
   const fault = lastFault ? `${lastFault.message} (${placeOf(lastFault)})` : undefined
   switch (health) {
     case 'RESTING': {
-      const rest = circuit.state === 'resting' ? texts.work.restsUntil(moment(circuit.until)) : texts.work.trying
+      const rest =
+        circuit.state === 'resting'
+          ? texts.work.restsUntil(moment(circuit.until))
+          : texts.work.trying
       return fault ? `${fault} ${rest}` : rest
     }
     case 'FAILING':
       return fault
     case 'WAITING':
-      return texts.survey.noValue(inputs.filter((input) => input.value == null).map((input) => input.name).join(', '))
+      return texts.survey.noValue(
+        inputs
+          .filter((input) => input.value == null)
+          .map((input) => input.name)
+          .join(', '),
+      )
     case 'DOUBTFUL':
       return statusText(lastCandidate?.status)
     case 'CLOCK_AHEAD':
-      return texts.work.clockAhead(span(Math.max(...inputs.map((input) => input.clockAheadMs ?? 0))))
+      return texts.work.clockAhead(
+        span(Math.max(...inputs.map((input) => input.clockAheadMs ?? 0))),
+      )
     case 'WELL':
       return undefined
   }

@@ -9,22 +9,78 @@ import SurveyPanel from './SurveyPanel.svelte'
 const HOUR_MS = 3_600_000
 const at = '2026-01-02T03:04:05Z'
 const text = (): string => document.body.textContent.replace(/\s+/g, ' ')
-const none: HealthCounts = { resting: 0, failing: 0, waiting: 0, doubtful: 0, clockAhead: 0, well: 0 }
+const none: HealthCounts = {
+  resting: 0,
+  failing: 0,
+  waiting: 0,
+  doubtful: 0,
+  clockAhead: 0,
+  well: 0,
+}
 
 function status(fieldName: string, other: Partial<MappingStatus> = {}): MappingStatus {
-  const counts = { received: 10, yielded: 9, repeated: 0, late: 0, clockSteps: 0, superseded: 0, faults: 0, spentUs: 25 }
-  const target = { operationNetworkId: 'n', operationId: 'turn', dynamicDataRequestId: 'progress', fieldName }
+  const counts = {
+    received: 10,
+    yielded: 9,
+    repeated: 0,
+    late: 0,
+    clockSteps: 0,
+    superseded: 0,
+    faults: 0,
+    spentUs: 25,
+  }
+  const target = {
+    operationNetworkId: 'n',
+    operationId: 'turn',
+    dynamicDataRequestId: 'progress',
+    fieldName,
+  }
   const inputs = [{ name: 'a', value: { value: 1, status: 0 }, receivedAt: at, clockAheadMs: 2 }]
-  return { ...counts, target, inputs, circuit: { state: 'closed' }, lastCandidate: { value: 42, status: 0 }, lastYieldedAt: at, ...other }
+  return {
+    ...counts,
+    target,
+    inputs,
+    circuit: { state: 'closed' },
+    lastCandidate: { value: 42, status: 0 },
+    lastYieldedAt: at,
+    ...other,
+  }
 }
 
 let survey: MappingSurvey
 const every: { health: MappingHealth; status: MappingStatus }[] = [
-  { health: 'RESTING', status: status('load', { circuit: { state: 'resting', until: at }, faults: 5, spentUs: 1_660_000 }) },
-  { health: 'FAILING', status: status('label', { faults: 3, lastFault: { at, message: 'out of order', step: 1, line: 2, column: 7 } }) },
-  { health: 'WAITING', status: status('sum', { inputs: [{ name: 'a', value: { value: 1, status: 0 } }, { name: 'b' }], lastCandidate: null, lastYieldedAt: null, received: 0 }) },
-  { health: 'DOUBTFUL', status: status('power', { lastCandidate: { value: 7, status: 0x40000000 } }) },
-  { health: 'CLOCK_AHEAD', status: status('speed', { inputs: [{ name: 'a', clockAheadMs: 2 * HOUR_MS }] }) },
+  {
+    health: 'RESTING',
+    status: status('load', {
+      circuit: { state: 'resting', until: at },
+      faults: 5,
+      spentUs: 1_660_000,
+    }),
+  },
+  {
+    health: 'FAILING',
+    status: status('label', {
+      faults: 3,
+      lastFault: { at, message: 'out of order', step: 1, line: 2, column: 7 },
+    }),
+  },
+  {
+    health: 'WAITING',
+    status: status('sum', {
+      inputs: [{ name: 'a', value: { value: 1, status: 0 } }, { name: 'b' }],
+      lastCandidate: null,
+      lastYieldedAt: null,
+      received: 0,
+    }),
+  },
+  {
+    health: 'DOUBTFUL',
+    status: status('power', { lastCandidate: { value: 7, status: 0x40000000 } }),
+  },
+  {
+    health: 'CLOCK_AHEAD',
+    status: status('speed', { inputs: [{ name: 'a', clockAheadMs: 2 * HOUR_MS }] }),
+  },
   { health: 'WELL', status: status('made') },
 ]
 
@@ -35,7 +91,10 @@ function show(component: typeof SurveyPanel | typeof Troubled): Asked[] {
 }
 
 beforeEach(() => {
-  survey = { counts: { resting: 1, failing: 1, waiting: 1, doubtful: 1, clockAhead: 1, well: 70 }, items: every }
+  survey = {
+    counts: { resting: 1, failing: 1, waiting: 1, doubtful: 1, clockAhead: 1, well: 70 },
+    items: every,
+  }
 })
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -44,9 +103,22 @@ afterEach(() => {
 describe('all mappings in use', () => {
   it('says of each what ails it, the worst first, and leads to its field', async () => {
     show(SurveyPanel)
-    expect((await screen.findByRole('link', { name: 'label' })).getAttribute('href')).toContain('fields/n/turn/progress/label')
+    expect((await screen.findByRole('link', { name: 'label' })).getAttribute('href')).toContain(
+      'fields/n/turn/progress/label',
+    )
     const said = text()
-    const words = ['Rests', 'did not keep to its budget', 'Fails', 'out of order (Function 2, line 2, column 7)', 'Waits', 'No value has come yet of: b.', 'Doubtful', 'Clock ahead', 'is 2 h', 'Well']
+    const words = [
+      'Rests',
+      'did not keep to its budget',
+      'Fails',
+      'out of order (Function 2, line 2, column 7)',
+      'Waits',
+      'No value has come yet of: b.',
+      'Doubtful',
+      'Clock ahead',
+      'is 2 h',
+      'Well',
+    ]
     const places = words.map((word) => said.indexOf(word, said.indexOf('How it does')))
     expect(places).toEqual([...places].sort((one, other) => one - other))
     expect(places).not.toContain(-1)
@@ -58,9 +130,13 @@ describe('all mappings in use', () => {
   it('shows those that are doing so, and offers only what there is', async () => {
     survey.counts = { ...none, failing: 1, well: 5 }
     const log = show(SurveyPanel)
-    expect((await screen.findAllByRole('radio')).map((radio) => (radio as HTMLInputElement).value)).toEqual(['ALL', 'FAILING', 'WELL'])
+    expect(
+      (await screen.findAllByRole('radio')).map((radio) => (radio as HTMLInputElement).value),
+    ).toEqual(['ALL', 'FAILING', 'WELL'])
     await userEvent.click(screen.getByRole('radio', { name: 'Fails 1' }))
-    await vi.waitFor(() => expect(log.at(-1)?.path).toBe('/mappings/survey?limit=50&health=FAILING'))
+    await vi.waitFor(() =>
+      expect(log.at(-1)?.path).toBe('/mappings/survey?limit=50&health=FAILING'),
+    )
   })
 
   it('says that nothing is mapped yet', async () => {
@@ -74,7 +150,9 @@ describe('the overview', () => {
   it('says how many mappings fail, and nothing while none does', async () => {
     show(Troubled)
     expect(await screen.findByText('2 mappings fail')).toBeTruthy()
-    expect(screen.getByRole('link', { name: 'Look at them' }).getAttribute('href')).toContain('mappings')
+    expect(screen.getByRole('link', { name: 'Look at them' }).getAttribute('href')).toContain(
+      'mappings',
+    )
   })
 
   it('is quiet while none fails', async () => {

@@ -8,7 +8,12 @@ export type Said =
   | { action: 'PROBLEM'; text: string }
   | { action: 'VALUE'; dynamicDataRequestId: string; fieldName: string; value: unknown }
 
-export type Entry = Said & { entryId: string; operationNetworkId: string; operationId: string; madeAt: string }
+export type Entry = Said & {
+  entryId: string
+  operationNetworkId: string
+  operationId: string
+  madeAt: string
+}
 
 /** An entry with who made it: on a shared tablet each person's entries are delivered under that person's own name. */
 export interface KeptEntry {
@@ -28,7 +33,11 @@ export interface Expected {
 /** The connector's word with the entries laid over it that it does not have yet, in the order in which they were made. */
 export function expected(operation: OperatorOperation, waiting: readonly Entry[]): Expected {
   const { standing } = operation
-  const own = waiting.filter((entry) => entry.operationId === operation.operationId && entry.operationNetworkId === operation.operationNetworkId)
+  const own = waiting.filter(
+    (entry) =>
+      entry.operationId === operation.operationId &&
+      entry.operationNetworkId === operation.operationNetworkId,
+  )
   const result: Expected = {
     state: standing.state ?? null,
     good: standing.goodQuantity,
@@ -64,7 +73,8 @@ const DAYS_AHEAD = 7
 
 /** From this place's midnight to the next, and a week on: `until` is where what is asked for ends, `tomorrow` where today does. */
 export function today(now = new Date()): { from: string; tomorrow: string; until: string } {
-  const midnight = (days: number): string => new Date(now.getFullYear(), now.getMonth(), now.getDate() + days).toISOString()
+  const midnight = (days: number): string =>
+    new Date(now.getFullYear(), now.getMonth(), now.getDate() + days).toISOString()
   return { from: midnight(0), tomorrow: midnight(1), until: midnight(DAYS_AHEAD) }
 }
 

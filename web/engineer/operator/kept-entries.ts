@@ -38,7 +38,11 @@ export class BrowserKeep implements Keep {
   }
 
   async entries(): Promise<KeptEntry[]> {
-    const kept = await this.#run<KeptEntry[]>(ENTRIES, 'readonly', (store) => store.getAll() as IDBRequest<KeptEntry[]>)
+    const kept = await this.#run<KeptEntry[]>(
+      ENTRIES,
+      'readonly',
+      (store) => store.getAll() as IDBRequest<KeptEntry[]>,
+    )
     return kept.toSorted((a, b) => a.entry.madeAt.localeCompare(b.entry.madeAt))
   }
 
@@ -51,7 +55,12 @@ export class BrowserKeep implements Keep {
   }
 
   async operations(): Promise<{ at: number; items: OperatorOperation[] } | undefined> {
-    return this.#run(SHOWN, 'readonly', (store) => store.get(OPERATIONS) as IDBRequest<{ at: number; items: OperatorOperation[] } | undefined>)
+    return this.#run(
+      SHOWN,
+      'readonly',
+      (store) =>
+        store.get(OPERATIONS) as IDBRequest<{ at: number; items: OperatorOperation[] } | undefined>,
+    )
   }
 
   async putOperations(at: number, items: OperatorOperation[]): Promise<void> {
@@ -59,7 +68,11 @@ export class BrowserKeep implements Keep {
   }
 
   /** One request in a transaction of its own, answered once the transaction is on the disk. */
-  async #run<T>(name: string, mode: IDBTransactionMode, work: (store: IDBObjectStore) => IDBRequest<T>): Promise<T> {
+  async #run<T>(
+    name: string,
+    mode: IDBTransactionMode,
+    work: (store: IDBObjectStore) => IDBRequest<T>,
+  ): Promise<T> {
     const database = await this.#database
     return new Promise((resolve, reject) => {
       const transaction = database.transaction(name, mode, { durability: 'strict' })

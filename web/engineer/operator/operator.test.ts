@@ -36,7 +36,8 @@ class Connector {
   isReachable = true
   taken: Entry[] = []
   send = (_: string, entries: Entry[]): Promise<EntryOutcome[]> => {
-    if (!this.isReachable) return Promise.reject(new Problem({ title: 'unreachable', status: 0, faults: [] }))
+    if (!this.isReachable)
+      return Promise.reject(new Problem({ title: 'unreachable', status: 0, faults: [] }))
     const outcomes = entries.map((entry): EntryOutcome => {
       const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
       if (!isKnown) this.taken.push(entry)
@@ -53,17 +54,53 @@ function signIn(userName: string): void {
 describe('what a card shows', () => {
   it('lays what waits over what the connector says', () => {
     const entries = [
-      { ...place, entryId: '2', madeAt: '2026-01-01T08:01:00Z', action: 'ADD', quantity: 2, piece: 'GOOD' },
+      {
+        ...place,
+        entryId: '2',
+        madeAt: '2026-01-01T08:01:00Z',
+        action: 'ADD',
+        quantity: 2,
+        piece: 'GOOD',
+      },
       { ...place, entryId: '1', madeAt: '2026-01-01T08:00:00Z', action: 'START' },
-      { ...place, entryId: '3', madeAt: '2026-01-01T08:02:00Z', action: 'ADD', quantity: -1, piece: 'GOOD' },
-      { ...place, entryId: '4', madeAt: '2026-01-01T08:03:00Z', action: 'PROBLEM', text: 'Tool broken' },
-      { ...place, operationId: 'another', entryId: '5', madeAt: '2026-01-01T08:03:00Z', action: 'DONE' },
+      {
+        ...place,
+        entryId: '3',
+        madeAt: '2026-01-01T08:02:00Z',
+        action: 'ADD',
+        quantity: -1,
+        piece: 'GOOD',
+      },
+      {
+        ...place,
+        entryId: '4',
+        madeAt: '2026-01-01T08:03:00Z',
+        action: 'PROBLEM',
+        text: 'Tool broken',
+      },
+      {
+        ...place,
+        operationId: 'another',
+        entryId: '5',
+        madeAt: '2026-01-01T08:03:00Z',
+        action: 'DONE',
+      },
     ] satisfies Entry[]
-    expect(expected(operation(), entries)).toEqual({ state: 'Interrupted', good: 6, scrap: 0, problem: 'Tool broken', waiting: 4 })
+    expect(expected(operation(), entries)).toEqual({
+      state: 'Interrupted',
+      good: 6,
+      scrap: 0,
+      problem: 'Tool broken',
+      waiting: 4,
+    })
   })
   it('covers the day of this place', () => {
     const { from, tomorrow } = today(new Date(2026, 2, 29, 13))
-    expect([new Date(from).getHours(), new Date(tomorrow).getHours(), new Date(tomorrow).getDate()]).toEqual([0, 0, 30])
+    expect([
+      new Date(from).getHours(),
+      new Date(tomorrow).getHours(),
+      new Date(tomorrow).getDate(),
+    ]).toEqual([0, 0, 30])
   })
 })
 
@@ -105,7 +142,11 @@ describe('entries on their way', () => {
     const after = open()
     await vi.advanceTimersByTimeAsync(10)
     expect(connector.taken).toEqual([entry])
-    expect([after.outbox.own.length, disk.kept.length, after.outbox.failingSince]).toEqual([0, 0, undefined])
+    expect([after.outbox.own.length, disk.kept.length, after.outbox.failingSince]).toEqual([
+      0,
+      0,
+      undefined,
+    ])
     after.close()
   })
   it('of another person wait for that person', async () => {
@@ -123,7 +164,18 @@ describe('entries on their way', () => {
     otto.close()
   })
   it('that are refused are told and leave', async () => {
-    const outbox = new Outbox(disk, () => undefined, (_, entries) => Promise.resolve(entries.map(({ entryId }) => ({ entryId, result: 'REFUSED' as const, message: 'The operation was withdrawn.' }))))
+    const outbox = new Outbox(
+      disk,
+      () => undefined,
+      (_, entries) =>
+        Promise.resolve(
+          entries.map(({ entryId }) => ({
+            entryId,
+            result: 'REFUSED' as const,
+            message: 'The operation was withdrawn.',
+          })),
+        ),
+    )
     const close = outbox.open()
     const { entryId } = outbox.say(place, { action: 'DONE' })
     await vi.advanceTimersByTimeAsync(10)

@@ -45,7 +45,12 @@ export class Outbox {
   #isSending = false
   #isOpen = false
 
-  constructor(keep: Keep, ondelivered: () => void, send: Send = async (sentAt, entries) => (await connector.operatorEntries(sentAt, entries)).items) {
+  constructor(
+    keep: Keep,
+    ondelivered: () => void,
+    send: Send = async (sentAt, entries) =>
+      (await connector.operatorEntries(sentAt, entries)).items,
+  ) {
     this.#keep = keep
     this.#ondelivered = ondelivered
     this.#send = send
@@ -135,7 +140,8 @@ export class Outbox {
     for (const outcome of outcomes) {
       const entry = batch.find((each) => each.entryId === outcome.entryId)
       if (entry === undefined) continue
-      if (outcome.result === 'REFUSED') this.refused = [...this.refused, { entry, message: outcome.message ?? '' }]
+      if (outcome.result === 'REFUSED')
+        this.refused = [...this.refused, { entry, message: outcome.message ?? '' }]
       await this.#keep.drop(outcome.entryId).catch(() => undefined)
     }
     const answered = outcomes.map((outcome) => outcome.entryId)

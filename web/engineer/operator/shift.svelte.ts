@@ -21,7 +21,12 @@ export class Shift {
   open(): () => void {
     void this.#start()
     keepPage().catch(() => undefined)
-    const stops = [this.outbox.open(), feed.keepFresh(['operator', 'inbox'], this.operations), feed.onCatchUp(() => void this.outbox.deliver()), poll(EVERY_MS, this.operations)]
+    const stops = [
+      this.outbox.open(),
+      feed.keepFresh(['operator', 'inbox'], this.operations),
+      feed.onCatchUp(() => void this.outbox.deliver()),
+      poll(EVERY_MS, this.operations),
+    ]
     return () => {
       for (const stop of stops) stop()
       this.operations.stop()

@@ -1,4 +1,15 @@
-const NUMERIC = ['SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32', 'Int64', 'UInt64', 'Float', 'Double']
+const NUMERIC = [
+  'SByte',
+  'Byte',
+  'Int16',
+  'UInt16',
+  'Int32',
+  'UInt32',
+  'Int64',
+  'UInt64',
+  'Float',
+  'Double',
+]
 
 /** Whether values of this type can be rounded. */
 export function isNumber(type: string): boolean {

@@ -13,7 +13,11 @@ describe('what is typed into a policy', () => {
   })
 })
 it('only numbers are rounded', () => {
-  expect([isNumber('UInt64'), isNumber('String'), isNumber('Boolean')]).toEqual([true, false, false])
+  expect([isNumber('UInt64'), isNumber('String'), isNumber('Boolean')]).toEqual([
+    true,
+    false,
+    false,
+  ])
 })
 it('counts the hours from UTC eastwards', () => {
   const summer = new Date('2026-07-01T12:00:00Z')

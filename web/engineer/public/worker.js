@@ -7,7 +7,12 @@ const PAGE = '/'
 const FILES_MAX = 120
 
 addEventListener('install', (event) => {
-  event.waitUntil(caches.open(CACHE).then((cache) => cache.add(PAGE)).then(() => skipWaiting()))
+  event.waitUntil(
+    caches
+      .open(CACHE)
+      .then((cache) => cache.add(PAGE))
+      .then(() => skipWaiting()),
+  )
 })
 
 addEventListener('activate', (event) => {
@@ -15,7 +20,9 @@ addEventListener('activate', (event) => {
 })
 
 addEventListener('message', (event) => {
-  const files = Array.isArray(event.data?.files) ? event.data.files.filter((file) => isFile(new URL(file, location.origin))) : []
+  const files = Array.isArray(event.data?.files)
+    ? event.data.files.filter((file) => isFile(new URL(file, location.origin)))
+    : []
   event.waitUntil(keep(files))
 })
 

@@ -16,12 +16,24 @@ export function conditionText({ when }: Pick<Rule, 'when'>): string {
 
 /** A rule to begin with: it means nothing yet and decides nothing. */
 export function newRule(): Rule {
-  return { name: '', isEnabled: false, when: { partners: [], dataTypes: [], semantics: [], units: [] }, action: 'PREFILL', disclosure: {} }
+  return {
+    name: '',
+    isEnabled: false,
+    when: { partners: [], dataTypes: [], semantics: [], units: [] },
+    action: 'PREFILL',
+    disclosure: {},
+  }
 }
 
 /** An id from a name: `Round power to 5 kW` is `round-power-to-5-kw`. */
 export function idOf(name: string, taken: readonly string[]): string {
-  const base = name.toLowerCase().normalize('NFKD').replace(/[^a-z0-9]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 50) || 'unnamed'
+  const base =
+    name
+      .toLowerCase()
+      .normalize('NFKD')
+      .replace(/[^a-z0-9]+/g, '-')
+      .replace(/^-+|-+$/g, '')
+      .slice(0, 50) || 'unnamed'
   let id = base
   for (let number = 2; taken.includes(id); number += 1) id = `${base}-${number}`
   return id

@@ -8,8 +8,25 @@ import type { Rule } from '../api/types'
 import PoliciesPage from './PoliciesPage.svelte'
 
 const versioned = { version: 3, changedBy: 'eva', changedAt: '2026-11-21T06:00:00Z' }
-const rule = { ...versioned, id: 'power', name: 'Power to Acme', isEnabled: false, when: { partners: ['acme'], dataTypes: [], semantics: [], units: [] }, action: 'PREFILL', disclosure: { roundingStep: 5 } }
-const policy = { ...versioned, id: 'coarse', name: 'Coarse', disclosure: { roundingStep: 10 }, isRetired: false, statement: '', fieldCount: 2, recipients: [] }
+const rule = {
+  ...versioned,
+  id: 'power',
+  name: 'Power to Acme',
+  isEnabled: false,
+  when: { partners: ['acme'], dataTypes: [], semantics: [], units: [] },
+  action: 'PREFILL',
+  disclosure: { roundingStep: 5 },
+}
+const policy = {
+  ...versioned,
+  id: 'coarse',
+  name: 'Coarse',
+  disclosure: { roundingStep: 10 },
+  isRetired: false,
+  statement: '',
+  fieldCount: 2,
+  recipients: [],
+}
 const nothing = { items: [] }
 
 /** Everything that the page reads, with what a test says otherwise. */
@@ -36,9 +53,19 @@ afterEach(() => {
 
 describe('policies and rules', () => {
   it('have each a word for nothing', async () => {
-    connector({ 'GET /rules': () => nothing, 'GET /policies': () => nothing, 'GET /recipients': () => nothing })
+    connector({
+      'GET /rules': () => nothing,
+      'GET /policies': () => nothing,
+      'GET /recipients': () => nothing,
+    })
     render(PoliciesPage)
-    for (const text of ['No rule yet', 'No named policy yet.', 'Nobody asks yet.', 'Rules have decided nothing yet.']) expect(await screen.findByText(text)).toBeTruthy()
+    for (const text of [
+      'No rule yet',
+      'No named policy yet.',
+      'Nobody asks yet.',
+      'Rules have decided nothing yet.',
+    ])
+      expect(await screen.findByText(text)).toBeTruthy()
   })
 
   it('a rule is enabled at once, and back', async () => {
@@ -47,14 +74,22 @@ describe('policies and rules', () => {
     await userEvent.click(await screen.findByRole('button', { name: 'Enable: Power to Acme' }))
     await vi.waitFor(() => expect(toasts.list).toHaveLength(1))
     toasts.list[0]?.action?.run()
-    await vi.waitFor(() => expect(changes(log).map(({ body }) => (body as { isEnabled: boolean }).isEnabled)).toEqual([true, false]))
+    await vi.waitFor(() =>
+      expect(changes(log).map(({ body }) => (body as { isEnabled: boolean }).isEnabled)).toEqual([
+        true,
+        false,
+      ]),
+    )
   })
 
   it('what a rule means is asked when its conditions change, not its name', async () => {
     vi.useFakeTimers({ shouldAdvanceTime: true })
     const user = userEvent.setup({ advanceTimers: (ms) => vi.advanceTimersByTime(ms) })
     const log = connector()
-    const asked = (): unknown[] => log.filter(({ path }) => path === '/rules/preview').map(({ body }) => (body as Rule).when.namePattern)
+    const asked = (): unknown[] =>
+      log
+        .filter(({ path }) => path === '/rules/preview')
+        .map(({ body }) => (body as Rule).when.namePattern)
     render(PoliciesPage)
     await user.click(await screen.findByRole('button', { name: 'Edit: Power to Acme' }))
     vi.advanceTimersByTime(1_000)
@@ -69,7 +104,11 @@ describe('policies and rules', () => {
   })
 
   it('the rarer ways to coarsen are there where they are looked for or in use', async () => {
-    connector({ 'GET /policies': () => ({ items: [policy, { ...policy, id: 'late', name: 'Late', disclosure: { delayMs: 5 } }] }) })
+    connector({
+      'GET /policies': () => ({
+        items: [policy, { ...policy, id: 'late', name: 'Late', disclosure: { delayMs: 5 } }],
+      }),
+    })
     render(PoliciesPage)
     await userEvent.click(await screen.findByRole('button', { name: 'Edit: Coarse' }))
     const dialog = within(screen.getByRole('dialog'))
@@ -85,15 +124,21 @@ describe('policies and rules', () => {
   })
 
   it('a policy is added, and stays open with the reason where it is refused', async () => {
-    const log = connector({ 'PUT /policies/fine-grained': () => problem(422, 'The rounding step is too small.') })
+    const log = connector({
+      'PUT /policies/fine-grained': () => problem(422, 'The rounding step is too small.'),
+    })
     render(PoliciesPage)
     await userEvent.click(await screen.findByRole('button', { name: 'Add a policy' }))
     const dialog = within(screen.getByRole('dialog'))
     await userEvent.type(dialog.getByLabelText('Name'), 'Fine grained')
     await userEvent.type(dialog.getByLabelText('Rounding step'), '2')
     await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
-    expect((await dialog.findByRole('alert')).textContent).toContain('The rounding step is too small.')
-    expect(changes(log).map(({ body }) => body)).toEqual([{ name: 'Fine grained', disclosure: { roundingStep: 2 }, isRetired: false }])
+    expect((await dialog.findByRole('alert')).textContent).toContain(
+      'The rounding step is too small.',
+    )
+    expect(changes(log).map(({ body }) => body)).toEqual([
+      { name: 'Fine grained', disclosure: { roundingStep: 2 }, isRetired: false },
+    ])
 
     connector({ 'PUT /policies/fine-grained': () => ({ version: 1 }) })
     await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
@@ -107,14 +152,30 @@ describe('policies and rules', () => {
     const choice = await screen.findByRole('combobox', { name: 'Named policy: acme' })
     await vi.waitFor(() => expect(within(choice).getAllByRole('option')).toHaveLength(2))
     await userEvent.selectOptions(choice, 'coarse')
-    await vi.waitFor(() => expect(toasts.list.map(({ text }) => text)).toEqual(['Changed by somebody else.']))
+    await vi.waitFor(() =>
+      expect(toasts.list.map(({ text }) => text)).toEqual(['Changed by somebody else.']),
+    )
     await vi.waitFor(() => expect(choice).toHaveProperty('value', ''))
   })
 
   it('decisions of rules are read page by page, and all of them again after one was undone', async () => {
-    const decision = (id: number): object => ({ id: String(id), field: { operationNetworkId: 'n', operationId: `op${id}`, dynamicDataRequestId: 'R', fieldName: 'power' }, action: 'ACCEPT', rules: [{ id: 'power', version: 3 }], decidedAt: '2026-11-21T06:00:00Z' })
+    const decision = (id: number): object => ({
+      id: String(id),
+      field: {
+        operationNetworkId: 'n',
+        operationId: `op${id}`,
+        dynamicDataRequestId: 'R',
+        fieldName: 'power',
+      },
+      action: 'ACCEPT',
+      rules: [{ id: 'power', version: 3 }],
+      decidedAt: '2026-11-21T06:00:00Z',
+    })
     const log = connector({
-      'GET /rule-decisions': ({ path }) => (path.includes('cursor=4') ? { items: [decision(3)] } : { items: [decision(5), decision(4)], nextCursor: '4' }),
+      'GET /rule-decisions': ({ path }) =>
+        path.includes('cursor=4')
+          ? { items: [decision(3)] }
+          : { items: [decision(5), decision(4)], nextCursor: '4' },
       'POST /rule-decisions/3/undo': () => ({}),
       'GET /inbox': () => nothing,
     })
@@ -123,8 +184,18 @@ describe('policies and rules', () => {
     const row = (await screen.findByText('op3 / power')).closest('tr') as HTMLElement
     expect(screen.queryByRole('button', { name: 'Load more' })).toBeNull()
     await userEvent.click(within(row).getByRole('button', { name: 'Undo' }))
-    const pages = (): string[] => log.map(({ path }) => path).filter((path) => path.startsWith('/rule-decisions') && !path.endsWith('undo'))
-    await vi.waitFor(() => expect(pages()).toEqual(['/rule-decisions?limit=25', '/rule-decisions?cursor=4&limit=25', '/rule-decisions?limit=25', '/rule-decisions?cursor=4&limit=25']))
+    const pages = (): string[] =>
+      log
+        .map(({ path }) => path)
+        .filter((path) => path.startsWith('/rule-decisions') && !path.endsWith('undo'))
+    await vi.waitFor(() =>
+      expect(pages()).toEqual([
+        '/rule-decisions?limit=25',
+        '/rule-decisions?cursor=4&limit=25',
+        '/rule-decisions?limit=25',
+        '/rule-decisions?cursor=4&limit=25',
+      ]),
+    )
     expect(screen.getByText('op5 / power')).toBeTruthy()
   })
 

@@ -77,7 +77,14 @@ export class AddressSpace {
     for (const [parent, { nodes, next }] of this.#children) {
       const last = nodes.at(-1)
       const isOpen = parent === ROOT || this.#open.has(parent)
-      if (isOpen && next !== undefined && last !== undefined && rows.some((row) => row.node.nodeId === last.nodeId) && !this.#loading.has(parent)) void this.#load(parent)
+      if (
+        isOpen &&
+        next !== undefined &&
+        last !== undefined &&
+        rows.some((row) => row.node.nodeId === last.nodeId) &&
+        !this.#loading.has(parent)
+      )
+        void this.#load(parent)
     }
   }
 
@@ -85,10 +92,16 @@ export class AddressSpace {
   watch(visible: () => readonly BrowsedNode[]): () => void {
     const running = new AbortController()
     const read = async (): Promise<void> => {
-      const wanted = document.hidden ? [] : visible().filter((node) => node.nodeClass === 'variable').slice(0, VALUES_READ)
+      const wanted = document.hidden
+        ? []
+        : visible()
+            .filter((node) => node.nodeClass === 'variable')
+            .slice(0, VALUES_READ)
       await Promise.all(
         wanted.map(async ({ nodeId }) => {
-          const value = await connector.value(this.#sourceId, nodeId, running.signal).catch(() => undefined)
+          const value = await connector
+            .value(this.#sourceId, nodeId, running.signal)
+            .catch(() => undefined)
           if (value !== undefined && !running.signal.aborted) this.values.set(nodeId, value)
         }),
       )
@@ -105,8 +118,15 @@ export class AddressSpace {
     this.#loading.add(parent)
     try {
       const known = this.#children.get(parent)
-      const page = await connector.nodes(this.#sourceId, parent === ROOT ? undefined : parent, known?.next)
-      this.#children.set(parent, { nodes: [...(known?.nodes ?? []), ...page.items], next: page.nextCursor ?? undefined })
+      const page = await connector.nodes(
+        this.#sourceId,
+        parent === ROOT ? undefined : parent,
+        known?.next,
+      )
+      this.#children.set(parent, {
+        nodes: [...(known?.nodes ?? []), ...page.items],
+        next: page.nextCursor ?? undefined,
+      })
       this.problem = undefined
     } catch (failure) {
       this.problem = Problem.from(failure)
@@ -119,7 +139,14 @@ export class AddressSpace {
     const children = this.#children.get(parent)
     children?.nodes.forEach((node, index) => {
       const isOpen = this.#open.has(node.nodeId)
-      rows.push({ node, depth, isOpen, isLoading: this.#loading.has(node.nodeId), position: index + 1, siblings: children.next === undefined ? children.nodes.length : -1 })
+      rows.push({
+        node,
+        depth,
+        isOpen,
+        isLoading: this.#loading.has(node.nodeId),
+        position: index + 1,
+        siblings: children.next === undefined ? children.nodes.length : -1,
+      })
       if (isOpen) this.#collect(node.nodeId, depth + 1, rows)
     })
   }

@@ -6,5 +6,7 @@ export async function fileContent(file: File): Promise<string | undefined> {
   if (file.size > FILE_BYTES_MAX) return undefined
   const bytes = new Uint8Array(await file.arrayBuffer())
   const text = new TextDecoder().decode(bytes)
-  return text.includes('-----BEGIN') ? text : btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(''))
+  return text.includes('-----BEGIN')
+    ? text
+    : btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(''))
 }

@@ -14,7 +14,9 @@ export interface ShownCertificate {
   keyBits?: number | null | undefined
   isTrusted: boolean
   /** When its bearer was turned away last, why, and what is known of it. */
-  knock?: { at: string; reason: string; address: string | null; applicationName: string | null } | undefined
+  knock?:
+    | { at: string; reason: string; address: string | null; applicationName: string | null }
+    | undefined
 }
 
 /** The certificates of servers, as the list shows them. */
@@ -24,14 +26,34 @@ export function ofServers(certificates: readonly Certificate[]): ShownCertificat
 
 /** The certificates of clients, as the list shows them. */
 export function ofClients(certificates: readonly ClientCertificate[]): ShownCertificate[] {
-  return certificates.map(({ thumbprint, subject, notBefore, notAfter, state, rejectedAt, rejectionReason, rejectedAddress, rejectedApplicationName }) => ({
-    thumbprint,
-    subject,
-    validFrom: notBefore,
-    validTo: notAfter,
-    isTrusted: state === 'TRUSTED',
-    knock: rejectedAt == null ? undefined : { at: rejectedAt, reason: rejectionReason ?? '', address: rejectedAddress ?? null, applicationName: rejectedApplicationName ?? null },
-  }))
+  return certificates.map(
+    ({
+      thumbprint,
+      subject,
+      notBefore,
+      notAfter,
+      state,
+      rejectedAt,
+      rejectionReason,
+      rejectedAddress,
+      rejectedApplicationName,
+    }) => ({
+      thumbprint,
+      subject,
+      validFrom: notBefore,
+      validTo: notAfter,
+      isTrusted: state === 'TRUSTED',
+      knock:
+        rejectedAt == null
+          ? undefined
+          : {
+              at: rejectedAt,
+              reason: rejectionReason ?? '',
+              address: rejectedAddress ?? null,
+              applicationName: rejectedApplicationName ?? null,
+            },
+    }),
+  )
 }
 
 const DAY_MS = 86_400_000
@@ -39,14 +61,21 @@ const DAY_MS = 86_400_000
 export const SOON_DAYS = 30
 
 /** Whether something is valid at a time, and how much longer, where it says when it is. */
-export function validity({ validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>, now: number, soonDays = SOON_DAYS): 'early' | 'valid' | 'soon' | 'over' {
+export function validity(
+  { validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>,
+  now: number,
+  soonDays = SOON_DAYS,
+): 'early' | 'valid' | 'soon' | 'over' {
   if (validTo != null && Date.parse(validTo) < now) return 'over'
   if (validFrom != null && Date.parse(validFrom) > now) return 'early'
   return validTo != null && Date.parse(validTo) < now + soonDays * DAY_MS ? 'soon' : 'valid'
 }
 
 /** The certificate that a source waits for: its problem names the thumbprint. */
-export function awaited(source: Pick<SourceStatus, 'problem'>, certificates: readonly ShownCertificate[]): ShownCertificate | undefined {
+export function awaited(
+  source: Pick<SourceStatus, 'problem'>,
+  certificates: readonly ShownCertificate[],
+): ShownCertificate | undefined {
   if (source.problem?.kind !== 'serverCertificateUntrusted') return undefined
   const said = source.problem.message.toLowerCase()
   return certificates.find((certificate) => said.includes(certificate.thumbprint.toLowerCase()))
@@ -54,11 +83,20 @@ export function awaited(source: Pick<SourceStatus, 'problem'>, certificates: rea
 
 /** A thumbprint as it is compared by eye: in groups of four. */
 export function grouped(thumbprint: string): string {
-  return thumbprint.toUpperCase().match(/.{1,4}/g)?.join(' ') ?? thumbprint
+  return (
+    thumbprint
+      .toUpperCase()
+      .match(/.{1,4}/g)
+      ?.join(' ') ?? thumbprint
+  )
 }
 
 /** Trusts a certificate or no longer, and offers the way back. */
-export async function setTrust(change: (isTrusted: boolean) => Promise<unknown>, isTrusted: boolean, list: Pick<Resource<ShownCertificate[]>, 'refresh'>): Promise<void> {
+export async function setTrust(
+  change: (isTrusted: boolean) => Promise<unknown>,
+  isTrusted: boolean,
+  list: Pick<Resource<ShownCertificate[]>, 'refresh'>,
+): Promise<void> {
   try {
     await change(isTrusted)
     toasts.show('good', isTrusted ? texts.certificates.trusted : texts.certificates.rejected, {
@@ -72,6 +110,10 @@ export async function setTrust(change: (isTrusted: boolean) => Promise<unknown>,
 }
 
 /** The same for a server's certificate. */
-export function trustServer(certificate: ShownCertificate, isTrusted: boolean, list: Pick<Resource<ShownCertificate[]>, 'refresh'>): Promise<void> {
+export function trustServer(
+  certificate: ShownCertificate,
+  isTrusted: boolean,
+  list: Pick<Resource<ShownCertificate[]>, 'refresh'>,
+): Promise<void> {
   return setTrust((wanted) => connector.trust(certificate.thumbprint, wanted), isTrusted, list)
 }

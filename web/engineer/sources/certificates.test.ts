@@ -16,7 +16,9 @@ let lists: ClientRevocationList[]
 /** A trust list as the twin keeps it. */
 function twin(): Asked[] {
   const trust = ({ path, body }: Asked): unknown => {
-    const state = (body as { isTrusted: boolean }).isTrusted ? ('TRUSTED' as const) : ('REJECTED' as const)
+    const state = (body as { isTrusted: boolean }).isTrusted
+      ? ('TRUSTED' as const)
+      : ('REJECTED' as const)
     known = known.map((each) => (path.endsWith(each.thumbprint) ? { ...each, state } : each))
     return known[0]
   }
@@ -36,12 +38,14 @@ function twin(): Asked[] {
     'POST /client-certificates': () => new Response(null, { status: 204 }),
   })
 }
-const changes = (log: Asked[]): unknown[] => log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
+const changes = (log: Asked[]): unknown[] =>
+  log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
 const inDays = (days: number): string => new Date(clock.now + days * 86_400_000).toISOString()
 const signIn = (role: string): void => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
 }
-const row = (subject: string): string => screen.getByText(subject).closest('tr')?.textContent.replace(/\s+/g, ' ') ?? ''
+const row = (subject: string): string =>
+  screen.getByText(subject).closest('tr')?.textContent.replace(/\s+/g, ' ') ?? ''
 async function openDialog(): Promise<ReturnType<typeof within>> {
   await userEvent.click(await screen.findByRole('button', { name: 'Add a certificate' }))
   return within(screen.getByRole('dialog'))
@@ -62,16 +66,59 @@ beforeEach(() => {
       rejectedAddress: '10.0.0.7',
       rejectedApplicationName: 'Line planner',
     },
-    { thumbprint: 'ef56', subject: 'CN=Old', notBefore: inDays(-300), notAfter: inDays(-1), state: 'TRUSTED', rejectedAt: inDays(-0.5), rejectionReason: 'OUT_OF_TIME' },
-    { thumbprint: '0789', subject: 'CN=Early', notBefore: inDays(2), notAfter: inDays(300), state: 'TRUSTED' },
-    { thumbprint: '0abc', subject: 'CN=Ending', notBefore: inDays(-300), notAfter: inDays(10), state: 'TRUSTED' },
+    {
+      thumbprint: 'ef56',
+      subject: 'CN=Old',
+      notBefore: inDays(-300),
+      notAfter: inDays(-1),
+      state: 'TRUSTED',
+      rejectedAt: inDays(-0.5),
+      rejectionReason: 'OUT_OF_TIME',
+    },
+    {
+      thumbprint: '0789',
+      subject: 'CN=Early',
+      notBefore: inDays(2),
+      notAfter: inDays(300),
+      state: 'TRUSTED',
+    },
+    {
+      thumbprint: '0abc',
+      subject: 'CN=Ending',
+      notBefore: inDays(-300),
+      notAfter: inDays(10),
+      state: 'TRUSTED',
+    },
   ]
   const authority = { issuer: 'CN=Root', notBefore: inDays(-300), notAfter: inDays(300) }
   authorities = [
-    { ...authority, thumbprint: 'ca01', subject: 'CN=Root', isTrusted: true, revocationList: 'OUTDATED', nextUpdate: inDays(-1) },
-    { ...authority, thumbprint: 'ca02', subject: 'CN=Between', isTrusted: false, revocationList: 'CURRENT', nextUpdate: inDays(1) },
+    {
+      ...authority,
+      thumbprint: 'ca01',
+      subject: 'CN=Root',
+      isTrusted: true,
+      revocationList: 'OUTDATED',
+      nextUpdate: inDays(-1),
+    },
+    {
+      ...authority,
+      thumbprint: 'ca02',
+      subject: 'CN=Between',
+      isTrusted: false,
+      revocationList: 'CURRENT',
+      nextUpdate: inDays(1),
+    },
   ]
-  lists = [{ revocationListId: 'crl01', issuer: 'CN=Between', thisUpdate: inDays(-6), nextUpdate: inDays(1), revokedCount: 3, isSignedByKnownAuthority: false }]
+  lists = [
+    {
+      revocationListId: 'crl01',
+      issuer: 'CN=Between',
+      thisUpdate: inDays(-6),
+      nextUpdate: inDays(1),
+      revokedCount: 3,
+      isSignedByKnownAuthority: false,
+    },
+  ]
 })
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -82,7 +129,9 @@ describe('certificates of OPC UA clients', () => {
     twin()
     render(ClientCertificates)
     await screen.findByText('CN=Planner')
-    expect(row('CN=Planner')).toMatch(/AB12 CD34.* to .*24 h ago Line planner, from 10\.0\.0\.7.*Waits for you/)
+    expect(row('CN=Planner')).toMatch(
+      /AB12 CD34.* to .*24 h ago Line planner, from 10\.0\.0\.7.*Waits for you/,
+    )
     expect(row('CN=Planner')).not.toMatch(/Expired|Not valid yet|Ends soon|not trusted/)
     expect(row('CN=Old')).toMatch(/Expired.*12 h ago.*It is not valid at this time\..*Trusted/)
     expect(row('CN=Early')).toMatch(/Not valid yet/)
@@ -93,20 +142,35 @@ describe('certificates of OPC UA clients', () => {
     twin()
     render(ClientCertificates)
     await screen.findByText('Trusted with all its clients')
-    const panel = (name: string): string => screen.getByRole('region', { name }).textContent.replace(/\s+/g, ' ')
-    expect(panel('Authorities of OPC UA clients')).toMatch(/CN=Root.*Outdated Its clients stay outside.*CN=Between In between.*issued by CN=Root.*Current/)
-    expect(panel('Revocation lists')).toMatch(/CN=Between Signed by nobody known here.*3.*Ends soon/)
+    const panel = (name: string): string =>
+      screen.getByRole('region', { name }).textContent.replace(/\s+/g, ' ')
+    expect(panel('Authorities of OPC UA clients')).toMatch(
+      /CN=Root.*Outdated Its clients stay outside.*CN=Between In between.*issued by CN=Root.*Current/,
+    )
+    expect(panel('Revocation lists')).toMatch(
+      /CN=Between Signed by nobody known here.*3.*Ends soon/,
+    )
   })
 
   it('have authorities and lists that can be removed, after a question', async () => {
     const log = twin()
     render(ClientCertificates)
-    for (const [button, told] of [['Remove: CN=Root', 'Authority removed.'], ['Remove: CN=Between', 'Revocation list removed.']] as const) {
-      await userEvent.click((await screen.findAllByRole('button', { name: button })).at(-1) as HTMLElement)
-      await userEvent.click(within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }))
+    for (const [button, told] of [
+      ['Remove: CN=Root', 'Authority removed.'],
+      ['Remove: CN=Between', 'Revocation list removed.'],
+    ] as const) {
+      await userEvent.click(
+        (await screen.findAllByRole('button', { name: button })).at(-1) as HTMLElement,
+      )
+      await userEvent.click(
+        within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }),
+      )
       await vi.waitFor(() => expect(toasts.list.at(-1)?.text).toBe(told))
     }
-    expect(log.filter(({ method }) => method === 'DELETE').map(({ path }) => path)).toEqual(['/client-authorities/ca01', '/client-revocation-lists/crl01'])
+    expect(log.filter(({ method }) => method === 'DELETE').map(({ path }) => path)).toEqual([
+      '/client-authorities/ca01',
+      '/client-revocation-lists/crl01',
+    ])
     expect(await screen.findByText('No revocation list.')).toBeTruthy()
   })
 
@@ -133,31 +197,60 @@ describe('certificates of OPC UA clients', () => {
     render(ClientCertificates)
     let dialog = await openDialog()
     await userEvent.selectOptions(dialog.getByLabelText('Kind'), 'REVOCATION_LIST')
-    await userEvent.upload(dialog.getByLabelText('From a file'), new File([new Uint8Array([0x30, 3, 2, 1, 1])], 'plant.crl'))
-    await vi.waitFor(() => expect(dialog.getByLabelText('Content')).toHaveProperty('value', 'MAMCAQE='))
+    await userEvent.upload(
+      dialog.getByLabelText('From a file'),
+      new File([new Uint8Array([0x30, 3, 2, 1, 1])], 'plant.crl'),
+    )
+    await vi.waitFor(() =>
+      expect(dialog.getByLabelText('Content')).toHaveProperty('value', 'MAMCAQE='),
+    )
     await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
-    await vi.waitFor(() => expect(toasts.list.map(({ text }) => text)).toEqual(['Certificate added.']))
+    await vi.waitFor(() =>
+      expect(toasts.list.map(({ text }) => text)).toEqual(['Certificate added.']),
+    )
 
     dialog = await openDialog()
     const pem = '-----BEGIN CERTIFICATE-----\nMAMCAQE=\n-----END CERTIFICATE-----'
     await userEvent.selectOptions(dialog.getByLabelText('Kind'), 'ISSUER')
-    await userEvent.upload(dialog.getByLabelText('From a file'), new File([`${pem}\n`], 'between.pem'))
-    await vi.waitFor(() => expect(dialog.getByLabelText('Content')).toHaveProperty('value', `${pem}\n`))
+    await userEvent.upload(
+      dialog.getByLabelText('From a file'),
+      new File([`${pem}\n`], 'between.pem'),
+    )
+    await vi.waitFor(() =>
+      expect(dialog.getByLabelText('Content')).toHaveProperty('value', `${pem}\n`),
+    )
     await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
-    await vi.waitFor(() => expect(changes(log)).toEqual([{ kind: 'REVOCATION_LIST', content: 'MAMCAQE=' }, { kind: 'ISSUER', content: pem }]))
+    await vi.waitFor(() =>
+      expect(changes(log)).toEqual([
+        { kind: 'REVOCATION_LIST', content: 'MAMCAQE=' },
+        { kind: 'ISSUER', content: pem },
+      ]),
+    )
   })
 
   it('are refused with a reason: too large a file here, what is no certificate by the connector', async () => {
     const log = twin()
     render(ClientCertificates)
     const dialog = await openDialog()
-    await userEvent.upload(dialog.getByLabelText('From a file'), new File([new Uint8Array(300 * 1024)], 'film.pem'))
-    expect(await dialog.findByText('The file is larger than 256 KiB: it cannot be a certificate.')).toBeTruthy()
+    await userEvent.upload(
+      dialog.getByLabelText('From a file'),
+      new File([new Uint8Array(300 * 1024)], 'film.pem'),
+    )
+    expect(
+      await dialog.findByText('The file is larger than 256 KiB: it cannot be a certificate.'),
+    ).toBeTruthy()
     expect(changes(log)).toEqual([])
 
-    serve({ 'GET /client-certificates': () => ({ items: known }), 'GET /client-authorities': () => ({ items: [] }), 'GET /client-revocation-lists': () => ({ items: [] }), 'POST /client-certificates': () => problem(422, 'It cannot be used: no certificate.') })
+    serve({
+      'GET /client-certificates': () => ({ items: known }),
+      'GET /client-authorities': () => ({ items: [] }),
+      'GET /client-revocation-lists': () => ({ items: [] }),
+      'POST /client-certificates': () => problem(422, 'It cannot be used: no certificate.'),
+    })
     await userEvent.type(dialog.getByLabelText('Content'), 'MAMC')
     await userEvent.click(dialog.getByRole('button', { name: 'Add' }))
-    expect((await dialog.findByRole('alert')).textContent).toContain('It cannot be used: no certificate.')
+    expect((await dialog.findByRole('alert')).textContent).toContain(
+      'It cannot be used: no certificate.',
+    )
   })
 })

@@ -15,10 +15,12 @@ function twin(): Asked[] {
   return serve({
     'GET /application-certificate': () => own,
     'POST /application-certificate/request': () => ({ content: REQUEST }),
-    'PUT /application-certificate': () => (own = { ...own, isSelfSigned: false, issuer: 'CN=Plant CA' }),
+    'PUT /application-certificate': () =>
+      (own = { ...own, isSelfSigned: false, issuer: 'CN=Plant CA' }),
   })
 }
-const changes = (log: Asked[]): unknown[] => log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
+const changes = (log: Asked[]): unknown[] =>
+  log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
 const signIn = (role: string): void => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
 }
@@ -47,8 +49,12 @@ describe('the certificate of the twin', () => {
     twin()
     render(OwnCertificatePanel)
     await screen.findByText('The twin itself; it renews it in time.')
-    const text = screen.getByRole('region', { name: 'Certificate of the twin' }).textContent.replace(/\s+/g, ' ')
-    expect(text).toMatch(/CN=Verbund Twin press RSA 2048.*urn:verbund:twin:FOR_MUC, press\.plant.*Ends soon.*AB12 CD34/)
+    const text = screen
+      .getByRole('region', { name: 'Certificate of the twin' })
+      .textContent.replace(/\s+/g, ' ')
+    expect(text).toMatch(
+      /CN=Verbund Twin press RSA 2048.*urn:verbund:twin:FOR_MUC, press\.plant.*Ends soon.*AB12 CD34/,
+    )
   })
 
   it('is requested of an authority, and what that made of it is installed', async () => {
@@ -60,8 +66,14 @@ describe('the certificate of the twin', () => {
     await userEvent.click(dialog.getByRole('checkbox'))
     await userEvent.click(dialog.getByRole('button', { name: 'Make the request' }))
     dialog = within(await screen.findByRole('dialog'))
-    await vi.waitFor(() => expect(dialog.getByLabelText('Content')).toHaveProperty('value', REQUEST))
-    expect(decodeURIComponent(dialog.getByRole('link', { name: 'As a file' }).getAttribute('href') ?? '')).toContain(REQUEST)
+    await vi.waitFor(() =>
+      expect(dialog.getByLabelText('Content')).toHaveProperty('value', REQUEST),
+    )
+    expect(
+      decodeURIComponent(
+        dialog.getByRole('link', { name: 'As a file' }).getAttribute('href') ?? '',
+      ),
+    ).toContain(REQUEST)
     await userEvent.click(dialog.getAllByRole('button', { name: 'Close' }).at(-1) as HTMLElement)
 
     await userEvent.click(screen.getByRole('button', { name: 'Install an issued certificate' }))
@@ -69,8 +81,13 @@ describe('the certificate of the twin', () => {
     await userEvent.type(dialog.getByLabelText('Content'), 'MAMCAQE=')
     await userEvent.click(dialog.getByRole('button', { name: 'Install' }))
     expect(await screen.findByText('CN=Plant CA')).toBeTruthy()
-    expect(changes(log)).toEqual([{ withNewKey: true, organization: 'Plant Ltd' }, { content: 'MAMCAQE=' }])
-    expect(toasts.list.map(({ text }) => text)).toEqual(['Certificate installed. The twin shows it from the next connection on.'])
+    expect(changes(log)).toEqual([
+      { withNewKey: true, organization: 'Plant Ltd' },
+      { content: 'MAMCAQE=' },
+    ])
+    expect(toasts.list.map(({ text }) => text)).toEqual([
+      'Certificate installed. The twin shows it from the next connection on.',
+    ])
   })
 
   it('is not for everybody to change', async () => {

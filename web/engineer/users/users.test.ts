@@ -20,13 +20,21 @@ function connector(refusing?: Response): Asked[] {
     return user
   }
   const remove = (): unknown => refusing ?? new Response(null, { status: 204 })
-  return serve({ 'GET /users': () => ({ items: people }), 'PUT /users/otto': put, 'PUT /users/ida': put, 'DELETE /users/otto': remove })
+  return serve({
+    'GET /users': () => ({ items: people }),
+    'PUT /users/otto': put,
+    'PUT /users/ida': put,
+    'DELETE /users/otto': remove,
+  })
 }
 const changes = (log: Asked[]): Asked[] => log.filter(({ method }) => method !== 'GET')
 
 beforeEach(() => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role: 'ENGINEER', csrfToken: 't' } }
-  people = [{ userName: 'eva', role: 'ENGINEER' }, { userName: 'otto', role: 'OPERATOR' }]
+  people = [
+    { userName: 'eva', role: 'ENGINEER' },
+    { userName: 'otto', role: 'OPERATOR' },
+  ]
   toasts.list = []
 })
 afterEach(() => {
@@ -43,8 +51,17 @@ describe('the users page', () => {
     await userEvent.click(dialog.getByRole('radio', { name: 'Viewer' }))
     await userEvent.type(dialog.getByLabelText('Password'), 'correct horse battery')
     await userEvent.click(dialog.getByRole('button', { name: 'Save' }))
-    expect(await screen.findByRole('combobox', { name: 'Role: ida' })).toHaveProperty('value', 'VIEWER')
-    expect(changes(log)).toEqual([{ method: 'PUT', path: '/users/ida', body: { role: 'VIEWER', password: 'correct horse battery' } }])
+    expect(await screen.findByRole('combobox', { name: 'Role: ida' })).toHaveProperty(
+      'value',
+      'VIEWER',
+    )
+    expect(changes(log)).toEqual([
+      {
+        method: 'PUT',
+        path: '/users/ida',
+        body: { role: 'VIEWER', password: 'correct horse battery' },
+      },
+    ])
   })
 
   it('asks for a longer password before it asks the connector', async () => {
@@ -56,21 +73,43 @@ describe('the users page', () => {
     expect(screen.getByLabelText('Password').getAttribute('aria-invalid')).toBe('true')
     await userEvent.type(screen.getByLabelText('Password'), ' no more')
     await userEvent.click(screen.getByRole('button', { name: 'Save' }))
-    expect(changes(log)).toEqual([{ method: 'PUT', path: '/users/otto', body: { role: 'OPERATOR', password: 'too short no more' } }])
+    expect(changes(log)).toEqual([
+      {
+        method: 'PUT',
+        path: '/users/otto',
+        body: { role: 'OPERATOR', password: 'too short no more' },
+      },
+    ])
   })
 
   it('changes a role at once, and back', async () => {
     const log = connector()
     render(UsersPage)
-    await userEvent.selectOptions(await screen.findByRole('combobox', { name: 'Role: otto' }), 'ENGINEER')
+    await userEvent.selectOptions(
+      await screen.findByRole('combobox', { name: 'Role: otto' }),
+      'ENGINEER',
+    )
     await vi.waitFor(() => expect(toasts.list).toHaveLength(1))
     toasts.list[0]?.action?.run()
-    await vi.waitFor(() => expect(changes(log).map(({ body }) => body)).toEqual([{ role: 'ENGINEER' }, { role: 'OPERATOR' }]))
-    await vi.waitFor(() => expect(screen.getByRole('combobox', { name: 'Role: otto' })).toHaveProperty('value', 'OPERATOR'))
+    await vi.waitFor(() =>
+      expect(changes(log).map(({ body }) => body)).toEqual([
+        { role: 'ENGINEER' },
+        { role: 'OPERATOR' },
+      ]),
+    )
+    await vi.waitFor(() =>
+      expect(screen.getByRole('combobox', { name: 'Role: otto' })).toHaveProperty(
+        'value',
+        'OPERATOR',
+      ),
+    )
   })
 
   it('says why the last engineer stays one, and shows the role that holds', async () => {
-    people = [{ userName: 'eva', role: 'OPERATOR' }, { userName: 'otto', role: 'ENGINEER' }]
+    people = [
+      { userName: 'eva', role: 'OPERATOR' },
+      { userName: 'otto', role: 'ENGINEER' },
+    ]
     connector(problem(409, LAST_ENGINEER))
     render(UsersPage)
     const role = await screen.findByRole('combobox', { name: 'Role: otto' })
@@ -80,7 +119,11 @@ describe('the users page', () => {
   })
 
   it('keeps what was typed when the connector refuses it', async () => {
-    connector(problem(422, 'The name is taken.', [{ pointer: '/userName', message: 'Choose another one.' }]))
+    connector(
+      problem(422, 'The name is taken.', [
+        { pointer: '/userName', message: 'Choose another one.' },
+      ]),
+    )
     render(UsersPage)
     await userEvent.click(await screen.findByRole('button', { name: 'Add a person' }))
     await userEvent.type(screen.getByLabelText('User name'), 'ida')
@@ -93,11 +136,18 @@ describe('the users page', () => {
   it('asks before removing somebody, and never offers to remove oneself', async () => {
     const log = connector()
     render(UsersPage)
-    expect(await screen.findByRole('combobox', { name: 'Role: eva' })).toHaveProperty('disabled', true)
+    expect(await screen.findByRole('combobox', { name: 'Role: eva' })).toHaveProperty(
+      'disabled',
+      true,
+    )
     expect(screen.queryByRole('button', { name: 'Remove: eva' })).toBeNull()
     await userEvent.click(screen.getByRole('button', { name: 'Remove: otto' }))
     expect(changes(log)).toEqual([])
-    await userEvent.click(within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }))
-    await vi.waitFor(() => expect(changes(log)).toEqual([{ method: 'DELETE', path: '/users/otto', body: undefined }]))
+    await userEvent.click(
+      within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }),
+    )
+    await vi.waitFor(() =>
+      expect(changes(log)).toEqual([{ method: 'DELETE', path: '/users/otto', body: undefined }]),
+    )
   })
 })

@@ -50,11 +50,23 @@ export interface DisclosureStatement {
   isWithheldInStates?: boolean
 }
 
-export type FieldState = Omit<Schemas['FieldView'], 'value' | 'disclosure'> & { value?: unknown; disclosure?: DisclosureStatement | null }
+export type FieldState = Omit<Schemas['FieldView'], 'value' | 'disclosure'> & {
+  value?: unknown
+  disclosure?: DisclosureStatement | null
+}
 
-export type NetworkView = Omit<Schemas['NetworkView'], 'network' | 'parts' | 'fields'> & { network: OperationNetwork; parts: Part[]; fields: FieldState[] }
+export type NetworkView = Omit<Schemas['NetworkView'], 'network' | 'parts' | 'fields'> & {
+  network: OperationNetwork
+  parts: Part[]
+  fields: FieldState[]
+}
 
-export type Report = Omit<Schemas['Report'], 'fields'> & { fields: Record<string, { value: unknown; status?: string | null; sourceTimestamp?: string | null }> }
+export type Report = Omit<Schemas['Report'], 'fields'> & {
+  fields: Record<
+    string,
+    { value: unknown; status?: string | null; sourceTimestamp?: string | null }
+  >
+}
 
 export interface ReportField {
   name: string
@@ -92,7 +104,12 @@ export interface Operation {
   plannedEnd?: string | null
   plannedQuantity?: number | null
   quantityUnit?: string | null
-  equipmentRequirementList?: { equipmentRequirementId: string; equipmentType: string; quantity?: number; assetId?: string }[]
+  equipmentRequirementList?: {
+    equipmentRequirementId: string
+    equipmentType: string
+    quantity?: number
+    assetId?: string
+  }[]
   dynamicDataRequestList?: DynamicDataRequest[]
 }
 
@@ -106,6 +123,11 @@ export interface OperationNetwork {
     relationType: string
     predecessorOperationId: string
     successorOperationId: string
-    conditionList?: { conditionId: string; conditionKind: string; time?: string; duration?: string }[]
+    conditionList?: {
+      conditionId: string
+      conditionKind: string
+      time?: string
+      duration?: string
+    }[]
   }[]
 }

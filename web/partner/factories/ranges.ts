@@ -7,6 +7,8 @@ export function ranges(numbers: readonly number[]): string {
     if (last !== undefined && number <= last[1] + 1) last[1] = number
     else runs.push([number, number])
   }
-  const texts = runs.slice(0, RUNS_MAX).map(([first, last]) => (first === last ? `${first}` : `${first}–${last}`))
+  const texts = runs
+    .slice(0, RUNS_MAX)
+    .map(([first, last]) => (first === last ? `${first}` : `${first}–${last}`))
   return runs.length > RUNS_MAX ? `${texts.join(', ')} …` : texts.join(', ')
 }

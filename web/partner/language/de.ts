@@ -1,15 +1,23 @@
 import type { Texts } from './en'
 
 export const de: Texts = {
-  shell: { subtitle: 'Plattform für Zusammenarbeit', networks: 'Netzwerke', factories: 'Fabriken', live: 'Live-Strom', settings: 'Einstellungen' },
+  shell: {
+    subtitle: 'Plattform für Zusammenarbeit',
+    networks: 'Netzwerke',
+    factories: 'Fabriken',
+    live: 'Live-Strom',
+    settings: 'Einstellungen',
+  },
   networks: {
     title: 'Vorgangsnetze',
     subtitle: 'Was Sie gemeinsam herstellen, und wie weit es ist',
     add: 'Netz hinzufügen',
     empty: 'Noch kein Netz',
-    emptyText: 'Ein Vorgangsnetz sagt, wer was in welcher Reihenfolge tut. Fügen Sie eines hinzu, und jede Fabrik erhält ihren Teil.',
+    emptyText:
+      'Ein Vorgangsnetz sagt, wer was in welcher Reihenfolge tut. Fügen Sie eines hinzu, und jede Fabrik erhält ihren Teil.',
     revision: (n: number) => `Fassung ${n}`,
-    rejected: (n: number) => (n === 1 ? '1 Fabrik hat abgewiesen' : `${n} Fabriken haben abgewiesen`),
+    rejected: (n: number) =>
+      n === 1 ? '1 Fabrik hat abgewiesen' : `${n} Fabriken haben abgewiesen`,
     unanswered: (n: number) => (n === 1 ? '1 Antwort fehlt' : `${n} Antworten fehlen`),
     withdrawn: 'Zurückgezogen',
     document: 'Vorgangsnetz (JSON)',
@@ -19,20 +27,28 @@ export const de: Texts = {
     sent: 'Das Netz wurde an seine Fabriken gesendet.',
     withdraw: 'Zurückziehen',
     withdrawTitle: 'Dieses Netz zurückziehen?',
-    withdrawText: 'Jede Fabrik entfernt ihren Teil. Werte enden sofort. Das lässt sich nicht rückgängig machen.',
+    withdrawText:
+      'Jede Fabrik entfernt ihren Teil. Werte enden sofort. Das lässt sich nicht rückgängig machen.',
     withdrawnDone: 'Das Netz wurde zurückgezogen.',
   },
   network: {
     graph: 'Vorgänge',
     timeline: 'Plan und Wirklichkeit',
     parts: 'Antworten der Fabriken',
-    part: { SENT: 'Gesendet, noch keine Antwort', ACCEPTED: 'Angenommen', UNCHANGED: 'Schon bekannt', REJECTED: 'Abgewiesen' },
-    noAnswer: 'Die Fabrik hat noch nicht geantwortet. Sie tut es, sobald ihre Anbindung online ist.',
+    part: {
+      SENT: 'Gesendet, noch keine Antwort',
+      ACCEPTED: 'Angenommen',
+      UNCHANGED: 'Schon bekannt',
+      REJECTED: 'Abgewiesen',
+    },
+    noAnswer:
+      'Die Fabrik hat noch nicht geantwortet. Sie tut es, sobald ihre Anbindung online ist.',
     faults: 'Was die Fabrik beanstandet',
     pointer: 'Wo',
     fault: 'Was',
     choose: 'Wählen Sie einen Vorgang',
-    chooseText: 'Klicken Sie im Graphen oder auf der Zeitachse auf einen Vorgang, um seine Daten zu sehen.',
+    chooseText:
+      'Klicken Sie im Graphen oder auf der Zeitachse auf einen Vorgang, um seine Daten zu sehen.',
     operations: (n: number) => (n === 1 ? '1 Vorgang' : `${n} Vorgänge`),
     factories: (n: number) => (n === 1 ? '1 Fabrik' : `${n} Fabriken`),
   },
@@ -106,15 +122,18 @@ export const de: Texts = {
     never: 'Nie gehört',
     enrol: 'Aufnahmeschlüssel erstellen',
     tokenTitle: 'Aufnahmeschlüssel',
-    tokenText: 'Dieser Schlüssel wird einmal gezeigt. Geben Sie ihn dem Ingenieur der Fabrik auf sicherem Weg; er gilt ein einziges Mal.',
+    tokenText:
+      'Dieser Schlüssel wird einmal gezeigt. Geben Sie ihn dem Ingenieur der Fabrik auf sicherem Weg; er gilt ein einziges Mal.',
     tokenExpires: 'läuft ab ',
     command: 'In der Fabrik',
     revoke: 'Zugangsdaten widerrufen',
     revokeTitle: 'Zugangsdaten widerrufen?',
-    revokeText: 'Die Anbindung wird sofort getrennt und muss neu aufgenommen werden. Was sie nicht gesendet hat, bleibt in ihrem Ausgangspuffer.',
+    revokeText:
+      'Die Anbindung wird sofort getrennt und muss neu aufgenommen werden. Was sie nicht gesendet hat, bleibt in ihrem Ausgangspuffer.',
     revoked: 'Die Zugangsdaten sind widerrufen.',
     writers: 'Datensatzschreiber',
-    writersHint: 'Jeder Bericht ist nummeriert. Hier steht, was ankam, was fehlt und was doppelt kam.',
+    writersHint:
+      'Jeder Bericht ist nummeriert. Hier steht, was ankam, was fehlt und was doppelt kam.',
     noWriters: 'Noch ist kein Bericht angekommen.',
     writer: 'Schreiber',
     epoch: 'Epoche',
@@ -125,28 +144,44 @@ export const de: Texts = {
     duplicates: 'Verworfene Wiederholungen',
     complete: 'Vollständig',
     saved: 'Fabrik hinzugefügt.',
-    cause: { COALESCED: 'zusammengefasst', EXPIRED: 'verfallen', WITHDRAWN: 'zurückgezogen', REVOKED: 'widerrufen' },
+    cause: {
+      COALESCED: 'zusammengefasst',
+      EXPIRED: 'verfallen',
+      WITHDRAWN: 'zurückgezogen',
+      REVOKED: 'widerrufen',
+    },
   },
   lease: {
     title: 'Wer für die Fabrik spricht',
     hint: 'Von allen laufenden Anbindungen mit den Zugangsdaten der Fabrik darf nur eine berichten. Eine Kopie daneben wird abgewiesen.',
     holder: 'Anbindung',
     refused: 'Abgewiesen',
-    second: 'Beide laufen. Halten Sie eine an; die abgewiesene kommt nur zu Wort, wenn Sie es ihr geben.',
+    second:
+      'Beide laufen. Halten Sie eine an; die abgewiesene kommt nur zu Wort, wenn Sie es ihr geben.',
     undecided: 'Sie kommt von selbst zu Wort, wenn von der anderen nichts mehr zu hören ist.',
     handOver: 'Das Wort übergeben',
     handOverTitle: 'Das Wort übergeben?',
-    handOverText: (host: string) => `Ab jetzt spricht ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Was die andere nicht gesendet hat, bleibt dort.`,
+    handOverText: (host: string) =>
+      `Ab jetzt spricht ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Was die andere nicht gesendet hat, bleibt dort.`,
     handedOver: 'Das Wort ist übergeben.',
   },
   live: {
     title: 'Live-Strom',
     subtitle: 'Alles, was ankommt, sobald es ankommt',
     waiting: 'Seit diese Seite offen ist, kam nichts an.',
-    waitingText: 'Werte, Entscheidungen und Antworten erscheinen hier, sobald die Plattform sie gespeichert hat.',
+    waitingText:
+      'Werte, Entscheidungen und Antworten erscheinen hier, sobald die Plattform sie gespeichert hat.',
     pause: 'Anhalten',
     resume: 'Weiter',
-    kind: { value: 'Wert', decision: 'Entscheidung', part: 'Antwort', factory: 'Fabrik', progress: 'Fortschritt', network: 'Netz', comment: 'Kommentar' },
+    kind: {
+      value: 'Wert',
+      decision: 'Entscheidung',
+      part: 'Antwort',
+      factory: 'Fabrik',
+      progress: 'Fortschritt',
+      network: 'Netz',
+      comment: 'Kommentar',
+    },
     when: 'Wann',
     what: 'Was',
     subject: 'Wo',

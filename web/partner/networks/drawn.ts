@@ -8,7 +8,10 @@ export function drawnOperations(view: NetworkView): DrawnOperation[] {
     const progress = view.operations.find((each) => each.operationId === operation.operationId)
     const fields = view.fields.filter((field) => field.key.operationId === operation.operationId)
     const requests = operation.dynamicDataRequestList ?? []
-    const asked = requests.reduce((sum, request) => sum + request.reportDataFormat.reportFieldList.length, 0)
+    const asked = requests.reduce(
+      (sum, request) => sum + request.reportDataFormat.reportFieldList.length,
+      0,
+    )
     const mapped = fields.filter((field) => field.mappingState === 'MAPPED').length
     const refused = fields.filter((field) => field.mappingState === 'REFUSED').length
     return {
@@ -34,25 +37,48 @@ export function drawnOperations(view: NetworkView): DrawnOperation[] {
 }
 
 export function drawnRelations(view: NetworkView): DrawnRelation[] {
-  return (view.network.operationRelationList ?? []).map((relation) => ({ ...relation, conditionList: relation.conditionList ?? [] }))
+  return (view.network.operationRelationList ?? []).map((relation) => ({
+    ...relation,
+    conditionList: relation.conditionList ?? [],
+  }))
 }
 
 /** The share of all planned work that is done, where anything is planned. */
 export function overall(view: NetworkView): number | undefined {
   const shares = drawnOperations(view)
-    .map((operation) => operation.percentComplete ?? (operation.plannedQuantity ? ((operation.quantity ?? 0) / operation.plannedQuantity) * 100 : undefined))
+    .map(
+      (operation) =>
+        operation.percentComplete ??
+        (operation.plannedQuantity
+          ? ((operation.quantity ?? 0) / operation.plannedQuantity) * 100
+          : undefined),
+    )
     .filter((share) => share !== undefined)
-  return shares.length === 0 ? undefined : shares.reduce((sum, share) => sum + Math.min(100, share), 0) / shares.length
+  return shares.length === 0
+    ? undefined
+    : shares.reduce((sum, share) => sum + Math.min(100, share), 0) / shares.length
 }
 
 /** What a report said under a meaning, as a moment. */
 function meaning(view: NetworkView, operationId: string, semantic: string): string | undefined {
   const operation = view.network.operationList.find((each) => each.operationId === operationId)
   for (const request of operation?.dynamicDataRequestList ?? []) {
-    const named = request.reportDataFormat.reportFieldList.find((field) => field.semantic === semantic)
+    const named = request.reportDataFormat.reportFieldList.find(
+      (field) => field.semantic === semantic,
+    )
     if (named === undefined) continue
-    const field = view.fields.find((each) => each.key.operationId === operationId && each.key.dynamicDataRequestId === request.dynamicDataRequestId && each.key.fieldName === named.name)
-    if (typeof field?.value === 'string' && !Number.isNaN(Date.parse(field.value)) && valueNumber(field.value) === undefined) return field.value
+    const field = view.fields.find(
+      (each) =>
+        each.key.operationId === operationId &&
+        each.key.dynamicDataRequestId === request.dynamicDataRequestId &&
+        each.key.fieldName === named.name,
+    )
+    if (
+      typeof field?.value === 'string' &&
+      !Number.isNaN(Date.parse(field.value)) &&
+      valueNumber(field.value) === undefined
+    )
+      return field.value
   }
   return undefined
 }

@@ -8,16 +8,30 @@ import type { FieldKey, FieldState, NetworkView, OperationProgress } from '../ap
 export function takeEvent(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   const changed = fieldsOf(event).filter((field) => field.key.operationNetworkId === networkId)
   if (changed.length > 0) {
-    view.amendByEvent((known) => ({ ...known, fields: known.fields.map((field) => merge(field, changed)) }))
+    view.amendByEvent((known) => ({
+      ...known,
+      fields: known.fields.map((field) => merge(field, changed)),
+    }))
   } else if (fieldsOf(event).length === 0) view.refreshSoon()
 }
 
 /** Puts the progress of an event into the network it belongs to. */
 export function takeProgress(view: Resource<NetworkView>, networkId: string, event: unknown): void {
-  if (event === null || typeof event !== 'object' || !('operationId' in event) || !('operationNetworkId' in event)) return
+  if (
+    event === null ||
+    typeof event !== 'object' ||
+    !('operationId' in event) ||
+    !('operationNetworkId' in event)
+  )
+    return
   if (event.operationNetworkId !== networkId) return
   const news = event as unknown as OperationProgress
-  view.amendByEvent((known) => ({ ...known, operations: known.operations.map((operation) => (operation.operationId === news.operationId ? { ...operation, ...news } : operation)) }))
+  view.amendByEvent((known) => ({
+    ...known,
+    operations: known.operations.map((operation) =>
+      operation.operationId === news.operationId ? { ...operation, ...news } : operation,
+    ),
+  }))
 }
 
 function merge(field: FieldState, changed: readonly FieldState[]): FieldState {
@@ -25,16 +39,32 @@ function merge(field: FieldState, changed: readonly FieldState[]): FieldState {
   if (news === undefined) return field
   // Values that were delayed on their way do not replace newer ones.
   const isSameEpoch = news.epoch === field.epoch
-  if (isSameEpoch && news.sequence != null && field.sequence != null && news.sequence < field.sequence) return field
-  return { ...field, ...Object.fromEntries(Object.entries(news).filter(([, value]) => value !== undefined)) }
+  if (
+    isSameEpoch &&
+    news.sequence != null &&
+    field.sequence != null &&
+    news.sequence < field.sequence
+  )
+    return field
+  return {
+    ...field,
+    ...Object.fromEntries(Object.entries(news).filter(([, value]) => value !== undefined)),
+  }
 }
 
 function fieldsOf(event: unknown): FieldState[] {
   if (event === null || typeof event !== 'object') return []
   if ('key' in event) return [event as FieldState]
-  return 'fields' in event && Array.isArray(event.fields) ? (event.fields as FieldState[]).filter((field) => typeof field === 'object' && 'key' in field) : []
+  return 'fields' in event && Array.isArray(event.fields)
+    ? (event.fields as FieldState[]).filter((field) => typeof field === 'object' && 'key' in field)
+    : []
 }
 
 export function sameField(a: FieldKey, b: FieldKey): boolean {
-  return a.operationNetworkId === b.operationNetworkId && a.operationId === b.operationId && a.dynamicDataRequestId === b.dynamicDataRequestId && a.fieldName === b.fieldName
+  return (
+    a.operationNetworkId === b.operationNetworkId &&
+    a.operationId === b.operationId &&
+    a.dynamicDataRequestId === b.dynamicDataRequestId &&
+    a.fieldName === b.fieldName
+  )
 }

@@ -12,30 +12,61 @@ export interface Point {
 const KEPT = 300
 
 /** The newest reports about a request, oldest first. */
-export async function newestReports(networkId: string, dynamicDataRequestId: string, signal: AbortSignal): Promise<Point[]> {
+export async function newestReports(
+  networkId: string,
+  dynamicDataRequestId: string,
+  signal: AbortSignal,
+): Promise<Point[]> {
   const { items } = await platform.newestReports(networkId, dynamicDataRequestId, KEPT, signal)
   return items.map((report) => ({
     at: report.reportTimestamp ?? report.receivedAt,
-    fields: Object.fromEntries(Object.entries(report.fields).map(([name, field]) => [name, field.value])),
+    fields: Object.fromEntries(
+      Object.entries(report.fields).map(([name, field]) => [name, field.value]),
+    ),
   }))
 }
 
 /** Adds what a live event says about a request. */
-export function takeReport(points: Resource<Point[]>, request: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string }, event: unknown): void {
-  if (event === null || typeof event !== 'object' || !('fields' in event) || !Array.isArray(event.fields)) return
+export function takeReport(
+  points: Resource<Point[]>,
+  request: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string },
+  event: unknown,
+): void {
+  if (
+    event === null ||
+    typeof event !== 'object' ||
+    !('fields' in event) ||
+    !Array.isArray(event.fields)
+  )
+    return
   const fields = (event.fields as FieldState[]).filter(
-    ({ key }) => key.operationNetworkId === request.operationNetworkId && key.operationId === request.operationId && key.dynamicDataRequestId === request.dynamicDataRequestId,
+    ({ key }) =>
+      key.operationNetworkId === request.operationNetworkId &&
+      key.operationId === request.operationId &&
+      key.dynamicDataRequestId === request.dynamicDataRequestId,
   )
   const at = fields[0]?.reportTimestamp ?? fields[0]?.receivedAt
   if (at === undefined || at === null) return
-  const point = { at, fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])) }
-  points.amendByEvent((known) => [...known.filter((other) => other.at !== at).slice(1 - KEPT), point])
+  const point = {
+    at,
+    fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])),
+  }
+  points.amendByEvent((known) => [
+    ...known.filter((other) => other.at !== at).slice(1 - KEPT),
+    point,
+  ])
 }
 
 /** The numbers that reports said about a field, oldest first. */
-export function series(points: readonly Point[], fieldName: string): { at: number; value: number }[] {
+export function series(
+  points: readonly Point[],
+  fieldName: string,
+): { at: number; value: number }[] {
   return points
     .map((point) => ({ at: Date.parse(point.at), value: valueNumber(point.fields[fieldName]) }))
-    .filter((point): point is { at: number; value: number } => point.value !== undefined && !Number.isNaN(point.at))
+    .filter(
+      (point): point is { at: number; value: number } =>
+        point.value !== undefined && !Number.isNaN(point.at),
+    )
     .sort((a, b) => a.at - b.at)
 }

@@ -25,7 +25,14 @@ export class RequestDraft {
     this.id = freeId(others.map((other) => other.dynamicDataRequestId))
     this.requesterId = pattern?.requesterId ?? ''
     this.recipients = pattern?.recipientList.join(', ') ?? ''
-    this.fields = [{ name: 'producedQuantity', type: 'UInt32', unit: operation.quantityUnit ?? 'PIECE', semantic: 'PRODUCED_QUANTITY' }]
+    this.fields = [
+      {
+        name: 'producedQuantity',
+        type: 'UInt32',
+        unit: operation.quantityUnit ?? 'PIECE',
+        semantic: 'PRODUCED_QUANTITY',
+      },
+    ]
   }
 
   addField(): void {

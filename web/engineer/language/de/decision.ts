@@ -5,7 +5,8 @@ export const decision: typeof English = {
     title: 'Eingang',
     subtitle: 'Was Partner über Ihre Vorgänge wissen möchten, und was Sie entschieden haben',
     empty: 'Noch keine Anfragen',
-    emptyText: 'Sobald ein Partner Daten zu einem Ihrer Vorgänge anfragt, erscheint die Anfrage hier vor Ihren Augen.',
+    emptyText:
+      'Sobald ein Partner Daten zu einem Ihrer Vorgänge anfragt, erscheint die Anfrage hier vor Ihren Augen.',
     all: 'Alle',
     open: 'Offen',
     mapped: 'Zugeordnet',
@@ -43,7 +44,8 @@ export const decision: typeof English = {
     open: 'Bemerkungen',
     unread: 'Neue Bemerkung',
     empty: 'Noch wurde nichts gesagt',
-    emptyText: 'Fragen Sie, wozu ein Feld gebraucht wird, oder sagen Sie, warum eines warten muss. Alle Empfänger des Netzes können es lesen.',
+    emptyText:
+      'Fragen Sie, wozu ein Feld gebraucht wird, oder sagen Sie, warum eines warten muss. Alle Empfänger des Netzes können es lesen.',
     text: 'Ihre Bemerkung',
     hint: (who: string) => `${who} liest sie auf der Partnerseite.`,
     about: 'Zu',
@@ -54,7 +56,8 @@ export const decision: typeof English = {
   },
   decision: {
     notFound: 'Dieses Feld wird nicht mehr angefragt',
-    notFoundText: 'Der Partner hat die Anfrage zurückgezogen, oder ihre Kennung ist falsch geschrieben.',
+    notFoundText:
+      'Der Partner hat die Anfrage zurückgezogen, oder ihre Kennung ist falsch geschrieben.',
     toInbox: 'Eingang',
     offered: (rules: string) => `Ausgefüllt durch die Regel ${rules}. Sie entscheiden.`,
     asks: (who: string) => `${who} fragt`,
@@ -80,15 +83,19 @@ export const decision: typeof English = {
     moveDown: (name: string) => `${name} nach unten`,
     yields: 'ergibt',
     holdsBack: 'zurückgehalten',
-    typeDiffers: (is: string, wanted: string) => `Die Quelle hat ${is}, der Partner fragt nach ${wanted}.`,
-    unitDiffers: (is: string, wanted: string) => `Die Quelle misst in ${is}, der Partner fragt nach ${wanted}.`,
+    typeDiffers: (is: string, wanted: string) =>
+      `Die Quelle hat ${is}, der Partner fragt nach ${wanted}.`,
+    unitDiffers: (is: string, wanted: string) =>
+      `Die Quelle misst in ${is}, der Partner fragt nach ${wanted}.`,
     addConversion: 'Umrechnung hinzufügen',
-    manualText: 'Menschen geben den Wert hier oder auf der Bedienerseite ein. Er geht durch dieselbe Freigabe.',
+    manualText:
+      'Menschen geben den Wert hier oder auf der Bedienerseite ein. Er geht durch dieselbe Freigabe.',
     manualValue: 'Wert',
     manualSend: 'Wert eingeben',
     manualDone: 'Wert eingegeben.',
     manualLocked: 'Werte lassen sich eingeben, sobald Sie eingewilligt haben.',
-    externalText: 'OPC-UA-Clients mit der Rolle Ingenieur oder Bediener schreiben den Wert in diesen Knoten des Zwillings. Er geht durch dieselbe Freigabe.',
+    externalText:
+      'OPC-UA-Clients mit der Rolle Ingenieur oder Bediener schreiben den Wert in diesen Knoten des Zwillings. Er geht durch dieselbe Freigabe.',
     externalNode: 'Knoten zum Schreiben',
     refuseText: 'Der Partner bekommt keinen Wert und liest Ihren Grund.',
     refuseReason: 'Grund',
@@ -97,7 +104,8 @@ export const decision: typeof English = {
     laterButton: 'Offen lassen',
     laterDone: 'Das Feld ist wieder offen. Nichts geht hinaus.',
     disclosure: 'Genauigkeit',
-    disclosureHint: 'Die Freigabe vergröbert jeden Wert, bevor er hinausgeht, was immer eine Funktion oder ein Skript tut.',
+    disclosureHint:
+      'Die Freigabe vergröbert jeden Wert, bevor er hinausgeht, was immer eine Funktion oder ein Skript tut.',
     roundingStep: 'Rundungsschritt',
     roundingStepHint: 'Vielfache davon gehen hinaus. Leer: jede Stelle.',
     minimumInterval: 'Mindestabstand',
@@ -121,9 +129,11 @@ export const decision: typeof English = {
     previewBroken: 'Beheben Sie, was oben markiert ist, um die Nachricht zu sehen.',
     previewNothing: 'In diesem Augenblick geht nichts hinaus.',
     previewWait: 'Wählen Sie eine Variable, um zu sehen, was der Partner bekäme.',
-    previewNoMessage: 'Keine Nachricht fällig: Eine Funktion oder der Mindestabstand hält den Wert zurück.',
+    previewNoMessage:
+      'Keine Nachricht fällig: Eine Funktion oder der Mindestabstand hält den Wert zurück.',
     consent: 'Einwilligen',
-    consentText: (who: string) => `Ab jetzt bekommt ${who} diese Werte in dieser Genauigkeit. Sie können das jederzeit zurücknehmen.`,
+    consentText: (who: string) =>
+      `Ab jetzt bekommt ${who} diese Werte in dieser Genauigkeit. Sie können das jederzeit zurücknehmen.`,
     consented: 'Einwilligung festgehalten. Werte fließen.',
     saveChange: 'In die Änderung einwilligen',
     undone: 'Rückgängig gemacht.',
@@ -138,7 +148,8 @@ export const decision: typeof English = {
     problems: (n: number) => (n === 1 ? '1 Problem' : `${n} Probleme`),
     ready: 'Bereit',
     script: 'JavaScript',
-    scriptHelp: 'Eine Funktion von (value, ctx). ctx.inputs hat die Eingänge nach Namen, ctx.state bleibt zwischen Aufrufen erhalten.',
+    scriptHelp:
+      'Eine Funktion von (value, ctx). ctx.inputs hat die Eingänge nach Namen, ctx.state bleibt zwischen Aufrufen erhalten.',
   },
   suggestions: {
     title: 'Vorschläge',
@@ -150,6 +161,16 @@ export const decision: typeof English = {
     score: (n: number) => `Passt zu ${n} von 100`,
     more: (n: number) => `${n} weitere`,
     fewer: 'Weniger',
-    reason: { name: 'Name', semantic: 'Bedeutung', place: 'Ort', description: 'Beschreibung', type: 'Typ', unit: 'Einheit', companionType: 'Normtyp', value: 'Wert', decision: 'schon so entschieden' } as Record<string, string>,
+    reason: {
+      name: 'Name',
+      semantic: 'Bedeutung',
+      place: 'Ort',
+      description: 'Beschreibung',
+      type: 'Typ',
+      unit: 'Einheit',
+      companionType: 'Normtyp',
+      value: 'Wert',
+      decision: 'schon so entschieden',
+    } as Record<string, string>,
   },
 }

@@ -7,7 +7,13 @@ export const disclosure: typeof English = {
     aggregate: 'Ein Wert je Fenster',
     aggregateHint: 'Einzelne Werte bleiben hier; je Fenster geht eine Zahl hinaus.',
     noAggregate: 'Nein, einzelne Werte',
-    aggregates: { LAST: 'Letzter Wert', MEAN: 'Mittelwert', MINIMUM: 'Minimum', MAXIMUM: 'Maximum', SUM: 'Summe' } as Record<string, string>,
+    aggregates: {
+      LAST: 'Letzter Wert',
+      MEAN: 'Mittelwert',
+      MINIMUM: 'Minimum',
+      MAXIMUM: 'Maximum',
+      SUM: 'Summe',
+    } as Record<string, string>,
     window: 'Fenster',
     rates: 'Höchstens so viele Werte',
     ratesHint: 'Darüber wartet der neueste Wert, bis wieder einer frei ist.',
@@ -23,7 +29,8 @@ export const disclosure: typeof English = {
     from: 'Von',
     until: 'Bis',
     withhold: 'Zurückhalten, solange',
-    withholdHint: 'Nichts geht hinaus, solange der Wert einer von diesen ist. Bei mehreren Bedingungen genügt eine.',
+    withholdHint:
+      'Nichts geht hinaus, solange der Wert einer von diesen ist. Bei mehreren Bedingungen genügt eine.',
     addWithhold: 'In einem Zustand zurückhalten',
     withholdField: 'Was entscheidet',
     ownValue: 'dieser Wert',
@@ -34,20 +41,27 @@ export const disclosure: typeof English = {
   },
   rules: {
     page: 'Freigaben und Regeln',
-    subtitle: 'Was für ganze Partner und Arten von Feldern gilt, damit nicht über jedes Feld neu entschieden werden muss',
+    subtitle:
+      'Was für ganze Partner und Arten von Feldern gilt, damit nicht über jedes Feld neu entschieden werden muss',
     title: 'Dauerregeln',
     hint: 'Eine eingeschaltete Regel entscheidet selbst über neue Anfragen; alles, was sie entscheidet, wird festgehalten und lässt sich zurücknehmen.',
     add: 'Regel hinzufügen',
     edit: 'Regel bearbeiten',
     apply: 'Auf offene Felder anwenden',
-    applied: (n: number) => (n === 1 ? 'Über 1 Feld entschieden.' : `Über ${n} Felder entschieden.`),
+    applied: (n: number) =>
+      n === 1 ? 'Über 1 Feld entschieden.' : `Über ${n} Felder entschieden.`,
     empty: 'Noch keine Regel',
-    emptyText: 'Eine Regel sagt: von diesem Partner, diese Art Feld, in dieser Genauigkeit – annehmen, vorausfüllen oder ablehnen.',
+    emptyText:
+      'Eine Regel sagt: von diesem Partner, diese Art Feld, in dieser Genauigkeit – annehmen, vorausfüllen oder ablehnen.',
     means: 'Meint',
     does: 'Tut',
-    actions: { ACCEPT: 'Annehmen', REFUSE: 'Ablehnen', PREFILL: 'Nur vorausfüllen' } as Record<string, string>,
+    actions: { ACCEPT: 'Annehmen', REFUSE: 'Ablehnen', PREFILL: 'Nur vorausfüllen' } as Record<
+      string,
+      string
+    >,
     actionHints: {
-      ACCEPT: 'Werte fließen, ohne dass Sie gefragt werden. Nennen Sie die Partner: Anfragender und alle Empfänger müssen darunter sein.',
+      ACCEPT:
+        'Werte fließen, ohne dass Sie gefragt werden. Nennen Sie die Partner: Anfragender und alle Empfänger müssen darunter sein.',
       REFUSE: 'Der Partner liest den Grund sofort.',
       PREFILL: 'Das Formular ist ausgefüllt; Sie entscheiden.',
     } as Record<string, string>,
@@ -68,14 +82,16 @@ export const disclosure: typeof English = {
     policy: 'Benannte Freigabe',
     policyHint: 'Gilt neben dem, was unten steht: das Strengste von beiden.',
     effect: 'Was die Regel träfe',
-    wouldMatch: (all: number, deciding: number) => `Trifft ${all} Felder, würde jetzt über ${deciding} entscheiden`,
+    wouldMatch: (all: number, deciding: number) =>
+      `Trifft ${all} Felder, würde jetzt über ${deciding} entscheiden`,
     policies: 'Benannte Freigaben',
     policiesHint: 'Für Felder, Regeln und Empfänger zu wählen. Eine Änderung wirkt sofort.',
     noPolicies: 'Noch keine benannte Freigabe.',
     addPolicy: 'Freigabe hinzufügen',
     editPolicy: 'Freigabe bearbeiten',
     policySaved: 'Freigabe gespeichert.',
-    takesEffect: (n: number) => (n === 1 ? '1 Feld bekommt die Änderung sofort.' : `${n} Felder bekommen die Änderung sofort.`),
+    takesEffect: (n: number) =>
+      n === 1 ? '1 Feld bekommt die Änderung sofort.' : `${n} Felder bekommen die Änderung sofort.`,
     retire: 'Behalten, aber nicht mehr anbieten',
     retired: 'Nicht mehr angeboten',
     usedBy: (n: number) => (n === 1 ? 'für 1 Feld' : `für ${n} Felder`),
@@ -86,7 +102,8 @@ export const disclosure: typeof English = {
     noPolicy: 'Keine eigene Freigabe',
     recipientSet: 'Freigabe des Empfängers geändert.',
     decisions: 'Was Regeln entschieden haben',
-    decisionsHint: 'Jeweils mit der Version der Regel; zurückgenommen, entscheiden Sie wieder selbst.',
+    decisionsHint:
+      'Jeweils mit der Version der Regel; zurückgenommen, entscheiden Sie wieder selbst.',
     noDecisions: 'Regeln haben noch nichts entschieden.',
     undone: 'Das Feld ist wieder offen.',
     undoneBy: (who: string) => `zurückgenommen von ${who}`,
@@ -98,10 +115,13 @@ export const disclosure: typeof English = {
   },
   leaks: {
     title: 'Preisgabe',
-    subtitle: 'Was jeder Partner aus allen Feldern, in die Sie eingewilligt haben, zusammen erfährt, und was sich daraus schließen lässt',
-    legend: 'Balken sind Obergrenzen, gleiche Schritte sind gleiche Faktoren; der Strich im Balken ist das Gemessene.',
+    subtitle:
+      'Was jeder Partner aus allen Feldern, in die Sie eingewilligt haben, zusammen erfährt, und was sich daraus schließen lässt',
+    legend:
+      'Balken sind Obergrenzen, gleiche Schritte sind gleiche Faktoren; der Strich im Balken ist das Gemessene.',
     empty: 'Niemand erfährt etwas',
-    emptyText: 'Sobald Sie in ein Feld einwilligen, rechnet diese Seite zusammen, was seine Partner erfahren.',
+    emptyText:
+      'Sobald Sie in ein Feld einwilligen, rechnet diese Seite zusammen, was seine Partner erfahren.',
     warnings: (n: number) => (n === 1 ? '1 Rückschluss möglich' : `${n} Rückschlüsse möglich`),
     noWarning: 'Kein Rückschluss bekannt',
     toPolicies: 'Freigabe des Empfängers',
@@ -123,7 +143,8 @@ export const disclosure: typeof English = {
     toWithin: (span: string) => `auf ${span} genau`,
     isNamed: 'In einer Warnung genannt',
     coarsen: 'Vergröbern',
-    unplannedPiece: 'Der Plan sagt nicht, wie lange ein Stück dauert: Jedes kann in dem Augenblick erkennbar sein, in dem es fertig wird.',
+    unplannedPiece:
+      'Der Plan sagt nicht, wie lange ein Stück dauert: Jedes kann in dem Augenblick erkennbar sein, in dem es fertig wird.',
     needed: (span: string) => `Ab ${span} gelingt der Rückschluss nicht mehr.`,
     moreFields: (n: number) => (n === 1 ? '1 weiteres Feld' : `${n} weitere Felder`),
     moreWarnings: (n: number) => (n === 1 ? '1 weiterer Rückschluss' : `${n} weitere Rückschlüsse`),
@@ -131,7 +152,8 @@ export const disclosure: typeof English = {
       CYCLE_TIME: {
         what: 'Taktzeit einzelner Stücke',
         why: 'Die Zählung ist zeitlich genauer, als ein Stück dauert.',
-        remedy: 'Ein Mindestabstand, ein Zeitschritt oder ein Rundungsschritt von mehreren Stücken verbirgt sie.',
+        remedy:
+          'Ein Mindestabstand, ein Zeitschritt oder ein Rundungsschritt von mehreren Stücken verbirgt sie.',
       },
       UTILISATION: {
         what: 'Auslastung der Maschine',
@@ -146,13 +168,15 @@ export const disclosure: typeof English = {
       YIELD: {
         what: 'Ausbeute und Ausschussquote',
         why: 'Zählungen von guten, schlechten oder allen Stücken ergeben zusammen die Ausbeute.',
-        remedy: 'Geben Sie nur eine davon hinaus, oder runden Sie beide auf größere Schritte als den erwarteten Ausschuss.',
+        remedy:
+          'Geben Sie nur eine davon hinaus, oder runden Sie beide auf größere Schritte als den erwarteten Ausschuss.',
       },
     } as Record<string, { what: string; why: string; remedy: string }>,
   },
   revocation: {
     open: 'Widerrufen',
-    title: (n: number) => (n === 1 ? 'Einwilligung in 1 Feld beenden' : `Einwilligung in ${n} Felder beenden`),
+    title: (n: number) =>
+      n === 1 ? 'Einwilligung in 1 Feld beenden' : `Einwilligung in ${n} Felder beenden`,
     text: 'Werte enden sofort, was wartet, wird zurückgenommen, und der Partner erfährt es. Was angekommen ist, lässt sich nicht zurückrufen: Die Quittung sagt, wie weit das war.',
     then: 'Von jetzt an',
     pending: 'Offen lassen',
@@ -163,7 +187,8 @@ export const disclosure: typeof English = {
     receiptsHint: 'Jede mit der letzten zugestellten Nummer, unterschrieben.',
     none: 'Noch wurde keine Einwilligung beendet.',
     byPartner: 'vom Partner zurückgezogen',
-    inFlight: (n: number) => (n === 1 ? '1 Bericht kann noch ankommen' : `${n} Berichte können noch ankommen`),
+    inFlight: (n: number) =>
+      n === 1 ? '1 Bericht kann noch ankommen' : `${n} Berichte können noch ankommen`,
     settled: 'Abgeschlossen',
     print: 'Zum Drucken',
     dataSet: 'Datensatz',

@@ -6,7 +6,8 @@ export const ledger: typeof English = {
     subtitle: 'Jeder Wert, der hinausging: für wen, wie genau, unter welcher Einwilligung',
     verify: 'Kette prüfen',
     verifying: 'Wird geprüft …',
-    valid: (entries: string) => `Unversehrt: ${entries} Einträge geprüft, nichts wurde geändert, gelöscht oder verschoben.`,
+    valid: (entries: string) =>
+      `Unversehrt: ${entries} Einträge geprüft, nichts wurde geändert, gelöscht oder verschoben.`,
     invalid: 'Das Ausgangsbuch wurde verändert.',
     empty: 'Noch ist nichts hinausgegangen',
     emptyText: 'Der erste Wert, der diese Fabrik verlässt, wird der erste Eintrag.',
@@ -45,13 +46,15 @@ export const ledger: typeof English = {
     emptied: 'Nach Ablauf gelöschte Werte',
     pruned: 'Nach Ablauf entfernte Einträge',
     checkpoints: 'Unterschriebene Prüfpunkte',
-    checkpointsHint: 'Einmal am Tag wird unterschrieben, wo jede Kette endet. Wer einen Prüfpunkt anderswo aufhebt, kann später beweisen, was das Ausgangsbuch damals enthielt.',
+    checkpointsHint:
+      'Einmal am Tag wird unterschrieben, wo jede Kette endet. Wer einen Prüfpunkt anderswo aufhebt, kann später beweisen, was das Ausgangsbuch damals enthielt.',
     noCheckpoints: 'Der erste entsteht binnen eines Tages nach dem ersten Eintrag.',
     chainEnds: 'Enden der Ketten',
     signedText: 'Unterschriebener Text',
     receipts: 'Unterschriebene Quittungen',
     key: 'Öffentlicher Schlüssel',
-    keyHint: 'Alles Unterschriebene trägt die Unterschrift dieses Schlüssels. Vergleichen Sie ihn mit dem, den Sie notiert haben.',
+    keyHint:
+      'Alles Unterschriebene trägt die Unterschrift dieses Schlüssels. Vergleichen Sie ihn mit dem, den Sie notiert haben.',
     kind: {
       queued: 'Eingereiht',
       sent: 'Gesendet',

@@ -4,7 +4,8 @@ export const operator: typeof English = {
   operator: {
     page: 'Bedienung',
     title: 'Vorgänge von heute',
-    subtitle: 'Was Sie hier drücken, wird sofort festgehalten und gesendet, sobald die Anbindung erreichbar ist.',
+    subtitle:
+      'Was Sie hier drücken, wird sofort festgehalten und gesendet, sobald die Anbindung erreichbar ist.',
     empty: 'Heute ist nichts einzugeben',
     emptyText: 'Vorgänge erscheinen hier, wenn eines ihrer Felder von Hand gefüllt wird.',
     later: 'Die nächsten Tage',
@@ -26,8 +27,14 @@ export const operator: typeof English = {
     problemTold: 'Störung festgehalten. Der Vorgang ist unterbrochen.',
     problemTitle: 'Was ist los?',
     problemOther: 'Etwas anderes',
-    problemHint: 'Diese Worte bleiben im Werk. Partner sehen nur, dass der Vorgang unterbrochen ist.',
-    problems: ['Maschine steht', 'Material fehlt', 'Werkzeug verschlissen oder gebrochen', 'Qualität fraglich'],
+    problemHint:
+      'Diese Worte bleiben im Werk. Partner sehen nur, dass der Vorgang unterbrochen ist.',
+    problems: [
+      'Maschine steht',
+      'Material fehlt',
+      'Werkzeug verschlissen oder gebrochen',
+      'Qualität fraglich',
+    ],
     tell: 'Festhalten',
     quantityTitle: 'Wie viele Teile?',
     piece: 'Art der Teile',
@@ -38,13 +45,18 @@ export const operator: typeof English = {
     no: 'Nein',
     doesNotFit: (type: string) => `Das ist kein Wert vom Typ ${type}.`,
     allSent: 'Alles, was Sie eingegeben haben, ist angekommen.',
-    sending: (n: number) => (n === 1 ? '1 Eintrag wird gesendet …' : `${n} Einträge werden gesendet …`),
-    offline: (n: number) => (n === 1 ? '1 Eintrag liegt auf diesem Gerät.' : `${n} Einträge liegen auf diesem Gerät.`),
-    offlineText: (age: string) => `Die Anbindung antwortet nicht mehr (${age}). Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden von selbst gesendet.`,
+    sending: (n: number) =>
+      n === 1 ? '1 Eintrag wird gesendet …' : `${n} Einträge werden gesendet …`,
+    offline: (n: number) =>
+      n === 1 ? '1 Eintrag liegt auf diesem Gerät.' : `${n} Einträge liegen auf diesem Gerät.`,
+    offlineText: (age: string) =>
+      `Die Anbindung antwortet nicht mehr (${age}). Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden von selbst gesendet.`,
     foreign: (n: number) => `${n} weitere warten, bis sich hier anmeldet, wer sie gemacht hat.`,
-    forgetful: 'Dieser Browser behält nichts auf der Platte: Schließen Sie die Seite nicht, bevor alles angekommen ist.',
+    forgetful:
+      'Dieser Browser behält nichts auf der Platte: Schließen Sie die Seite nicht, bevor alles angekommen ist.',
     refused: (operation: string) => `Ein Eintrag zu ${operation} wurde nicht angenommen.`,
-    waitingHere: (n: number) => (n === 1 ? '1 Eintrag noch nicht gesendet' : `${n} Einträge noch nicht gesendet`),
+    waitingHere: (n: number) =>
+      n === 1 ? '1 Eintrag noch nicht gesendet' : `${n} Einträge noch nicht gesendet`,
     lastEntry: 'Letzter Eintrag',
     noEntry: 'Noch kein Eintrag',
   },

@@ -1,17 +1,31 @@
 import type { overview as English } from '../en/overview'
 
 export const overview: typeof English = {
-  shell: { subtitle: 'Fabrikanbindung', overview: 'Übersicht', inbox: 'Eingang', sources: 'Quellen', ledger: 'Ausgangsbuch', link: 'Verbindung', settings: 'Einstellungen' },
+  shell: {
+    subtitle: 'Fabrikanbindung',
+    overview: 'Übersicht',
+    inbox: 'Eingang',
+    sources: 'Quellen',
+    ledger: 'Ausgangsbuch',
+    link: 'Verbindung',
+    settings: 'Einstellungen',
+  },
   overview: {
     title: 'Übersicht',
     journey: 'Der Weg eines Werts',
-    journeyHint: 'Von Ihren Maschinen zu Ihren Partnern. Durch die Freigabe geht nichts, was Sie nicht geöffnet haben.',
+    journeyHint:
+      'Von Ihren Maschinen zu Ihren Partnern. Durch die Freigabe geht nichts, was Sie nicht geöffnet haben.',
     machines: 'Maschinen',
     machinesState: (live: number, all: number) => `${live} von ${all} Quellen verbunden`,
     inputs: (live: number, all: number) => `${live} von ${all} Eingängen live`,
     gate: 'Freigabe',
     gateState: (mapped: number, all: number) => `${mapped} von ${all} Feldern offen`,
-    gatePending: (n: number) => (n === 0 ? 'nichts wartet auf Sie' : n === 1 ? '1 Feld wartet auf Ihre Entscheidung' : `${n} Felder warten auf Ihre Entscheidung`),
+    gatePending: (n: number) =>
+      n === 0
+        ? 'nichts wartet auf Sie'
+        : n === 1
+          ? '1 Feld wartet auf Ihre Entscheidung'
+          : `${n} Felder warten auf Ihre Entscheidung`,
     twin: 'Zwilling',
     twinState: 'OPC-UA-Adresse',
     spool: 'Ausgangspuffer',
@@ -21,7 +35,8 @@ export const overview: typeof English = {
     link: 'Verbindung',
     partner: 'Partner',
     partnerState: (n: number) => (n === 1 ? '1 Organisation fragt' : `${n} Organisationen fragen`),
-    conclusions: (n: number) => (n === 1 ? '1 Rückschluss ist möglich' : `${n} Rückschlüsse sind möglich`),
+    conclusions: (n: number) =>
+      n === 1 ? '1 Rückschluss ist möglich' : `${n} Rückschlüsse sind möglich`,
     toDecide: 'Wartet auf Ihre Entscheidung',
     nothingToDecide: 'Über jedes angefragte Feld ist entschieden.',
     whatLeaves: 'Was jetzt hinausgeht',
@@ -49,14 +64,21 @@ export const overview: typeof English = {
   },
   link: {
     title: 'Verbindung und Ausgangspuffer',
-    state: { up: 'Verbunden', connecting: 'Wird verbunden', down: 'Nicht verbunden', stopped: 'Angehalten', notConfigured: 'Nicht aufgenommen' },
+    state: {
+      up: 'Verbunden',
+      connecting: 'Wird verbunden',
+      down: 'Nicht verbunden',
+      stopped: 'Angehalten',
+      notConfigured: 'Nicht aufgenommen',
+    },
     since: 'seit ',
     accepted: 'Zuletzt vom Broker angenommen',
     receipted: 'Zuletzt von der Plattform quittiert',
     backlog: 'Wartet auf Quittung',
     reason: 'Grund',
     spool: 'Ausgangspuffer',
-    spoolHint: 'Eine Nachricht bleibt hier, bis die Plattform sie quittiert hat. Ein Ausfall kostet Zeit, keine Daten.',
+    spoolHint:
+      'Eine Nachricht bleibt hier, bis die Plattform sie quittiert hat. Ein Ausfall kostet Zeit, keine Daten.',
     waiting: 'Wartet auf Versand',
     sent: 'Gesendet, noch nicht quittiert',
     size: 'Größe',
@@ -69,13 +91,20 @@ export const overview: typeof English = {
   },
   lease: {
     title: 'Spricht für die Fabrik',
-    state: { ASKING: 'Die Plattform hat noch nicht geantwortet', HELD: 'Diese Anbindung', REFUSED: 'Eine andere Anbindung' },
-    refused: 'Eine andere Anbindung spricht für diese Fabrik. Von hier geht nichts hinaus; Werte werden aufgehoben.',
+    state: {
+      ASKING: 'Die Plattform hat noch nicht geantwortet',
+      HELD: 'Diese Anbindung',
+      REFUSED: 'Eine andere Anbindung',
+    },
+    refused:
+      'Eine andere Anbindung spricht für diese Fabrik. Von hier geht nichts hinaus; Werte werden aufgehoben.',
     contested: 'Eine zweite Anbindung mit den Zugangsdaten dieser läuft. Sie wurde abgewiesen.',
     own: 'Diese Anbindung:',
     other: 'Die andere:',
-    refusedRemedy: 'Halten Sie eine der beiden an. Gibt es die andere nicht mehr, kann ein Verwalter der Plattform auf der Seite der Fabrik dieser das Wort geben.',
-    contestedRemedy: 'Suchen Sie die andere und halten Sie sie an: Wahrscheinlich wurde sie aus einer Kopie des Datenverzeichnisses dieser Anbindung gestartet.',
+    refusedRemedy:
+      'Halten Sie eine der beiden an. Gibt es die andere nicht mehr, kann ein Verwalter der Plattform auf der Seite der Fabrik dieser das Wort geben.',
+    contestedRemedy:
+      'Suchen Sie die andere und halten Sie sie an: Wahrscheinlich wurde sie aus einer Kopie des Datenverzeichnisses dieser Anbindung gestartet.',
   },
   users: {
     title: 'Benutzer',
@@ -86,14 +115,19 @@ export const overview: typeof English = {
     role: 'Rolle',
     may: 'Darf',
     you: 'Sie',
-    roles: { ENGINEER: 'entscheiden, zuordnen, einrichten', OPERATOR: 'Werte zu Vorgängen eingeben', VIEWER: 'zusehen' } as Record<string, string>,
+    roles: {
+      ENGINEER: 'entscheiden, zuordnen, einrichten',
+      OPERATOR: 'Werte zu Vorgängen eingeben',
+      VIEWER: 'zusehen',
+    } as Record<string, string>,
     newPassword: 'Neues Passwort',
     passwordHint: 'Mindestens zehn Zeichen. Ein paar Wörter merken sich leichter als Zeichen.',
     passwordShort: 'Das Passwort hat weniger als zehn Zeichen.',
     sessionsEnd: 'Mindestens zehn Zeichen. Offene Sitzungen der Person enden.',
     changed: (who: string) => `${who} gespeichert.`,
     remove: (who: string) => `${who} entfernen`,
-    removeText: 'Die Person kann sich nicht mehr anmelden, offene Sitzungen enden. Was entschieden und eingegeben wurde, bleibt festgehalten.',
+    removeText:
+      'Die Person kann sich nicht mehr anmelden, offene Sitzungen enden. Was entschieden und eingegeben wurde, bleibt festgehalten.',
     removed: (who: string) => `${who} entfernt.`,
   },
 }

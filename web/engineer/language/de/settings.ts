@@ -10,48 +10,87 @@ export const settings: typeof English = {
     default: 'Vorgabe',
     absent: 'Nicht gesetzt',
     hidden: 'Gesetzt, wird nicht gezeigt',
-    sections: { '': 'Allgemein', web: 'Seiten und API', 'web.tls': 'TLS der Seiten', twin: 'Zwilling', 'twin.security': 'Sicherheit des Zwillings', 'twin.limits': 'Grenzen des Zwillings', 'twin.discovery': 'Auffinden des Zwillings', broker: 'Weg zum Broker', 'broker.proxy': 'Proxy auf dem Weg', reports: 'Berichte', spool: 'Ausgangspuffer', ledger: 'Ausgangsbuch', 'mapping.script': 'Skripte', 'mapping.history': 'Aufgezeichnete Werte', admin: 'Erster Benutzer', log: 'Protokoll' } as Record<string, string>,
+    sections: {
+      '': 'Allgemein',
+      web: 'Seiten und API',
+      'web.tls': 'TLS der Seiten',
+      twin: 'Zwilling',
+      'twin.security': 'Sicherheit des Zwillings',
+      'twin.limits': 'Grenzen des Zwillings',
+      'twin.discovery': 'Auffinden des Zwillings',
+      broker: 'Weg zum Broker',
+      'broker.proxy': 'Proxy auf dem Weg',
+      reports: 'Berichte',
+      spool: 'Ausgangspuffer',
+      ledger: 'Ausgangsbuch',
+      'mapping.script': 'Skripte',
+      'mapping.history': 'Aufgezeichnete Werte',
+      admin: 'Erster Benutzer',
+      log: 'Protokoll',
+    } as Record<string, string>,
     meaning: {
-      data_directory: 'Wo die dauerhafte Datei, Schlüssel und Zertifikate liegen. Auf einer lokalen Platte; als Ganzes sichern.',
+      data_directory:
+        'Wo die dauerhafte Datei, Schlüssel und Zertifikate liegen. Auf einer lokalen Platte; als Ganzes sichern.',
       'web.listen': 'Wo Seiten und API erreichbar sind.',
-      'web.tls.certificate': 'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
+      'web.tls.certificate':
+        'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
       'web.tls.key': 'Schlüssel als PEM.',
       'twin.listen': 'Wo der OPC-UA-Server mit den Schnittstellen der Vorgänge erreichbar ist.',
-      'twin.host_names': 'Namen und Adressen, unter denen OPC-UA-Clients diesen Rechner erreichen, für sein Zertifikat. Vorgabe: der eigene Name.',
-      'twin.security.allow_anonymous_unencrypted': 'Nur zur Entwicklung: auch ein Endpunkt ohne Verschlüsselung und Benutzer, in der Rolle Betrachter.',
-      'twin.security.trust_unknown_certificates': 'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Freigabe zu warten.',
-      'twin.security.login_failures_max': 'Falsche Passwörter eines Benutzers innerhalb des Zeitfensters, ab denen weitere Versuche ebenso lange abgewiesen werden.',
+      'twin.host_names':
+        'Namen und Adressen, unter denen OPC-UA-Clients diesen Rechner erreichen, für sein Zertifikat. Vorgabe: der eigene Name.',
+      'twin.security.allow_anonymous_unencrypted':
+        'Nur zur Entwicklung: auch ein Endpunkt ohne Verschlüsselung und Benutzer, in der Rolle Betrachter.',
+      'twin.security.trust_unknown_certificates':
+        'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Freigabe zu warten.',
+      'twin.security.login_failures_max':
+        'Falsche Passwörter eines Benutzers innerhalb des Zeitfensters, ab denen weitere Versuche ebenso lange abgewiesen werden.',
       'twin.security.login_window_s': 'Das Zeitfenster für falsche Passwörter in Sekunden.',
-      'twin.security.certificate_renewal_days': 'So viele Tage vor seinem Ablauf wird das eigene Zertifikat des Zwillings erneuert.',
+      'twin.security.certificate_renewal_days':
+        'So viele Tage vor seinem Ablauf wird das eigene Zertifikat des Zwillings erneuert.',
       'twin.security.certificate_validity_days': 'So viele Tage gilt ein erneuertes Zertifikat.',
       'twin.limits.sessions_max': 'Gleichzeitige Sitzungen von OPC-UA-Clients.',
       'twin.limits.connections_max': 'Gleichzeitige Verbindungen von OPC-UA-Clients.',
       'twin.limits.connections_per_address_max': 'Gleichzeitige Verbindungen von einer Adresse.',
       'twin.limits.monitored_items_per_subscription_max': 'Überwachte Werte eines Abonnements.',
       'twin.limits.publishing_interval_ms_min': 'Kürzestes Sendeintervall in Millisekunden.',
-      'twin.limits.publishing_tick_ms': 'Wie oft nach fälligen Abonnements gesehen wird, in Millisekunden.',
-      'twin.discovery.local_discovery_server_url': 'Ein lokaler Discovery-Server, bei dem sich der Zwilling anmeldet. Sein Zertifikat wird wie das eines Clients freigegeben.',
-      'twin.discovery.registration_interval_s': 'Wie oft er sich dort meldet, in Sekunden: Discovery-Server vergessen, wer zehn Minuten schweigt.',
-      'twin.discovery.announce_by_multicast_dns': 'Den Zwilling im lokalen Netz über Multicast-DNS bekannt machen.',
-      'broker.url': 'Ein anderer Weg zum Broker der Plattform als der bei der Aufnahme genannte: amqps://host:5671, oder ein WebSocket, wo die Firewall nur HTTPS hinauslässt, amqp+wss://host. Das Protokoll bleibt dasselbe.',
-      'broker.root_certificates': 'PEM-Datei mit den Stellen, die für den Broker bürgen dürfen. Vorgabe: die bei der Aufnahme genannte Stelle.',
-      'broker.proxy.url': 'Der HTTP-Proxy auf dem Weg hinaus; er muss CONNECT zum Port des Brokers erlauben.',
+      'twin.limits.publishing_tick_ms':
+        'Wie oft nach fälligen Abonnements gesehen wird, in Millisekunden.',
+      'twin.discovery.local_discovery_server_url':
+        'Ein lokaler Discovery-Server, bei dem sich der Zwilling anmeldet. Sein Zertifikat wird wie das eines Clients freigegeben.',
+      'twin.discovery.registration_interval_s':
+        'Wie oft er sich dort meldet, in Sekunden: Discovery-Server vergessen, wer zehn Minuten schweigt.',
+      'twin.discovery.announce_by_multicast_dns':
+        'Den Zwilling im lokalen Netz über Multicast-DNS bekannt machen.',
+      'broker.url':
+        'Ein anderer Weg zum Broker der Plattform als der bei der Aufnahme genannte: amqps://host:5671, oder ein WebSocket, wo die Firewall nur HTTPS hinauslässt, amqp+wss://host. Das Protokoll bleibt dasselbe.',
+      'broker.root_certificates':
+        'PEM-Datei mit den Stellen, die für den Broker bürgen dürfen. Vorgabe: die bei der Aufnahme genannte Stelle.',
+      'broker.proxy.url':
+        'Der HTTP-Proxy auf dem Weg hinaus; er muss CONNECT zum Port des Brokers erlauben.',
       'broker.proxy.user_name': 'Als wer sich die Anbindung beim Proxy ausweist, wo er fragt.',
       'broker.proxy.password': 'Das Passwort beim Proxy.',
-      'reports.encoding': 'Wie Werte geschrieben werden: digicor (1.04 umkehrbar), 1.05-compact oder 1.05-verbose.',
-      'reports.publishing_interval_ms': 'Der kürzeste Abstand zweier Berichte eines Datensatzes in Millisekunden. Freigaben verlängern ihn, Feld für Feld.',
-      'spool.bytes_max': 'Größe der Berichte in Bytes, ab der ältere für neuere aufgegeben werden; die Lücke wird angekündigt.',
+      'reports.encoding':
+        'Wie Werte geschrieben werden: digicor (1.04 umkehrbar), 1.05-compact oder 1.05-verbose.',
+      'reports.publishing_interval_ms':
+        'Der kürzeste Abstand zweier Berichte eines Datensatzes in Millisekunden. Freigaben verlängern ihn, Feld für Feld.',
+      'spool.bytes_max':
+        'Größe der Berichte in Bytes, ab der ältere für neuere aufgegeben werden; die Lücke wird angekündigt.',
       'spool.age_hours_max': 'Alter in Stunden, ab dem Berichte aufgegeben werden.',
-      'spool.resend_after_s': 'Sekunden ohne Quittung der Plattform, nach denen ein Bericht noch einmal gesendet wird; verdoppelt sich jedes Mal, bis zu einer Stunde.',
-      'ledger.value_days': 'Tage, nach denen hinausgegangene Werte geleert werden; was bleibt, beweist sie weiterhin. Mit 0 nie.',
-      'ledger.entry_days': 'Tage, nach denen Einträge entfernt werden; ein unterschriebener Anker hält den Rest beweisbar. Mit 0 nie.',
+      'spool.resend_after_s':
+        'Sekunden ohne Quittung der Plattform, nach denen ein Bericht noch einmal gesendet wird; verdoppelt sich jedes Mal, bis zu einer Stunde.',
+      'ledger.value_days':
+        'Tage, nach denen hinausgegangene Werte geleert werden; was bleibt, beweist sie weiterhin. Mit 0 nie.',
+      'ledger.entry_days':
+        'Tage, nach denen Einträge entfernt werden; ein unterschriebener Anker hält den Rest beweisbar. Mit 0 nie.',
       'mapping.script.engine': 'Die Skriptmaschine: quickjs (Vorgabe) oder deno.',
       'mapping.script.workers': 'Prozesse, die sich die Skripte teilen.',
       'mapping.script.callBudgetMs': 'Rechenzeit eines Aufrufs in Millisekunden.',
-      'mapping.history.valuesPerVariableMax': 'So viele letzte Werte einer benutzten Variablen bleiben im Speicher, um Zuordnungen daran auszuprobieren.',
+      'mapping.history.valuesPerVariableMax':
+        'So viele letzte Werte einer benutzten Variablen bleiben im Speicher, um Zuordnungen daran auszuprobieren.',
       'mapping.history.valuesMax': 'Werte aller Variablen zusammen, etwa 100 Byte je Wert.',
       'admin.user_name': 'Der erste Benutzer, ein Ingenieur, angelegt beim ersten Start.',
-      'admin.password': 'Ohne Passwort wird eines erfunden und in eine Datei geschrieben, die nur der Eigentümer lesen kann.',
+      'admin.password':
+        'Ohne Passwort wird eines erfunden und in eine Datei geschrieben, die nur der Eigentümer lesen kann.',
       'log.format': 'text oder json',
       'log.filter': 'Eine Stufe, oder Paare wie „factory_connector=debug,info“.',
     } as Record<string, string>,
@@ -64,6 +103,7 @@ export const settings: typeof English = {
     version: 'Version',
     started: 'Läuft seit',
     twin: 'OPC-UA-Adresse des Zwillings',
-    configuration: 'Die Anbindung selbst wird in ihrer Konfigurationsdatei eingerichtet; hier steht, womit sie läuft.',
+    configuration:
+      'Die Anbindung selbst wird in ihrer Konfigurationsdatei eingerichtet; hier steht, womit sie läuft.',
   },
 }

@@ -7,7 +7,8 @@ export const sources: typeof English = {
     add: 'Quelle hinzufügen',
     edit: 'Quelle bearbeiten',
     empty: 'Noch keine Quelle',
-    emptyText: 'Fügen Sie den OPC-UA-Server einer Maschine oder Linie hinzu, um ihre Werte zuzuordnen.',
+    emptyText:
+      'Fügen Sie den OPC-UA-Server einer Maschine oder Linie hinzu, um ihre Werte zuzuordnen.',
     name: 'Name',
     id: 'Kennung',
     idHint: 'Buchstaben, Ziffern, - und _. Später nicht mehr zu ändern.',
@@ -23,7 +24,12 @@ export const sources: typeof English = {
     password: 'Passwort',
     passwordKept: 'Leer lassen, um das Passwort zu behalten.',
     publishingInterval: 'Sendeintervall (ms)',
-    state: { connected: 'Verbunden', subscribing: 'Abonniert', connecting: 'Wird verbunden', waiting: 'Nicht verbunden' },
+    state: {
+      connected: 'Verbunden',
+      subscribing: 'Abonniert',
+      connecting: 'Wird verbunden',
+      waiting: 'Nicht verbunden',
+    },
     live: 'Live-Eingänge',
     liveOf: (live: number, all: number) => `${live} von ${all}`,
     lastChange: 'Letzte Änderung',
@@ -50,33 +56,73 @@ export const sources: typeof English = {
     treeLabel: 'Adressraum der Quelle',
     searchNodes: 'Im ganzen Server suchen',
     nothingFound: 'Nichts gefunden',
-    found: (shown: string, all: string) => (shown === all ? `${all} gefunden` : `${shown} von ${all} gefunden`),
+    found: (shown: string, all: string) =>
+      shown === all ? `${all} gefunden` : `${shown} von ${all} gefunden`,
     stillListing: 'Der Server wird noch gelistet; gleich kann mehr zu finden sein.',
     chooseSource: 'Quelle',
     certificate: 'Zertifikat',
     problems: {
-      unreachable: { what: 'Keine Antwort von dieser Adresse', remedy: 'Prüfen Sie, ob der Server läuft, die Adresse und das Netz dazwischen. Es wird von selbst wieder versucht.' },
-      noSuitableEndpoint: { what: 'Der Server bietet diese Sicherheit oder Anmeldung nicht', remedy: 'Wählen Sie eine Sicherheit und eine Anmeldung, die der Server anbietet.' },
-      serverCertificateUntrusted: { what: 'Dem Zertifikat des Servers wird noch nicht vertraut', remedy: 'Vergleichen Sie den Fingerabdruck mit dem an der Maschine und vertrauen Sie ihm dann.' },
-      serverCertificateInvalid: { what: 'Das Zertifikat des Servers ist nicht gültig', remedy: 'Lassen Sie das Zertifikat des Servers erneuern.' },
-      clientCertificateRejected: { what: 'Der Server vertraut dieser Anbindung noch nicht', remedy: 'Bitten Sie den Betreiber des Servers, dem Zertifikat dieser Anbindung zu vertrauen, und warten Sie einen Augenblick.' },
-      credentialsRejected: { what: 'Benutzername oder Passwort ist nicht richtig', remedy: 'Berichtigen Sie sie hier, oder fragen Sie den Betreiber des Servers.' },
-      serverFull: { what: 'Der Server hat keinen Platz für eine weitere Sitzung', remedy: 'Schließen Sie einen anderen Client des Servers, oder erhöhen Sie seine Grenze.' },
-      connectionLost: { what: 'Die Verbindung ist abgebrochen', remedy: 'Nichts zu tun: Sie wird von selbst wieder aufgebaut.' },
-      stalled: { what: 'Die Verbindung war verstummt', remedy: 'Nichts zu tun: Eine neue Sitzung wird aufgebaut. Geschieht das oft, sehen Sie nach dem Server.' },
+      unreachable: {
+        what: 'Keine Antwort von dieser Adresse',
+        remedy:
+          'Prüfen Sie, ob der Server läuft, die Adresse und das Netz dazwischen. Es wird von selbst wieder versucht.',
+      },
+      noSuitableEndpoint: {
+        what: 'Der Server bietet diese Sicherheit oder Anmeldung nicht',
+        remedy: 'Wählen Sie eine Sicherheit und eine Anmeldung, die der Server anbietet.',
+      },
+      serverCertificateUntrusted: {
+        what: 'Dem Zertifikat des Servers wird noch nicht vertraut',
+        remedy:
+          'Vergleichen Sie den Fingerabdruck mit dem an der Maschine und vertrauen Sie ihm dann.',
+      },
+      serverCertificateInvalid: {
+        what: 'Das Zertifikat des Servers ist nicht gültig',
+        remedy: 'Lassen Sie das Zertifikat des Servers erneuern.',
+      },
+      clientCertificateRejected: {
+        what: 'Der Server vertraut dieser Anbindung noch nicht',
+        remedy:
+          'Bitten Sie den Betreiber des Servers, dem Zertifikat dieser Anbindung zu vertrauen, und warten Sie einen Augenblick.',
+      },
+      credentialsRejected: {
+        what: 'Benutzername oder Passwort ist nicht richtig',
+        remedy: 'Berichtigen Sie sie hier, oder fragen Sie den Betreiber des Servers.',
+      },
+      serverFull: {
+        what: 'Der Server hat keinen Platz für eine weitere Sitzung',
+        remedy: 'Schließen Sie einen anderen Client des Servers, oder erhöhen Sie seine Grenze.',
+      },
+      connectionLost: {
+        what: 'Die Verbindung ist abgebrochen',
+        remedy: 'Nichts zu tun: Sie wird von selbst wieder aufgebaut.',
+      },
+      stalled: {
+        what: 'Die Verbindung war verstummt',
+        remedy:
+          'Nichts zu tun: Eine neue Sitzung wird aufgebaut. Geschieht das oft, sehen Sie nach dem Server.',
+      },
       refused: { what: 'Der Server hat abgelehnt', remedy: 'Sein Protokoll sagt, warum.' },
-      configuration: { what: 'Die Quelle ist nicht richtig eingerichtet', remedy: 'Berichtigen Sie die Einstellungen der Quelle.' },
+      configuration: {
+        what: 'Die Quelle ist nicht richtig eingerichtet',
+        remedy: 'Berichtigen Sie die Einstellungen der Quelle.',
+      },
     } as Record<string, { what: string; remedy: string }>,
   },
   certificates: {
     title: 'Zertifikate der Server',
     clients: 'Zertifikate von OPC-UA-Clients',
-    clientsHint: 'Clients, die am Zwilling angeklopft haben. Wem Sie vertrauen, der darf sich mit Benutzer und Passwort anmelden.',
+    clientsHint:
+      'Clients, die am Zwilling angeklopft haben. Wem Sie vertrauen, der darf sich mit Benutzer und Passwort anmelden.',
     noClients: 'Noch hat kein OPC-UA-Client angeklopft.',
     add: 'Zertifikat hinzufügen',
     added: 'Zertifikat hinzugefügt.',
     kind: 'Art',
-    kinds: { CERTIFICATE: 'Ein Client oder eine Stelle, der vertraut wird', ISSUER: 'Eine Zwischenstelle', REVOCATION_LIST: 'Die Sperrliste einer Stelle' } as Record<string, string>,
+    kinds: {
+      CERTIFICATE: 'Ein Client oder eine Stelle, der vertraut wird',
+      ISSUER: 'Eine Zwischenstelle',
+      REVOCATION_LIST: 'Die Sperrliste einer Stelle',
+    } as Record<string, string>,
     file: 'Aus einer Datei',
     content: 'Inhalt',
     contentHint: 'PEM oder DER in Base64.',
@@ -85,12 +131,16 @@ export const sources: typeof English = {
     subject: 'Gehört zu',
     thumbprint: 'Fingerabdruck',
     valid: 'Gültigkeit',
-    validity: (from: string, until: string) => [from, until].filter((day) => day !== '').join(' bis '),
+    validity: (from: string, until: string) =>
+      [from, until].filter((day) => day !== '').join(' bis '),
     over: 'Abgelaufen',
     soon: 'Endet bald',
     early: 'Noch nicht gültig',
     knock: 'Zuletzt abgewiesen',
-    knocked: (application: string | null, address: string | null) => [application ?? '', address === null ? '' : `von ${address}`].filter((part) => part !== '').join(', '),
+    knocked: (application: string | null, address: string | null) =>
+      [application ?? '', address === null ? '' : `von ${address}`]
+        .filter((part) => part !== '')
+        .join(', '),
     reasons: {
       NOT_TRUSTED: 'Ihm wurde nicht vertraut.',
       OUT_OF_TIME: 'Es ist zu dieser Zeit nicht gültig.',
@@ -117,7 +167,8 @@ export const sources: typeof English = {
     hosts: 'Für Anwendung und Rechner',
     request: 'Zertifikat beantragen',
     requestNow: 'Antrag erstellen',
-    requestText: 'Der Antrag nennt diese Anwendung und ihre eingestellten Rechnernamen. Der Schlüssel bleibt auf diesem Rechner.',
+    requestText:
+      'Der Antrag nennt diese Anwendung und ihre eingestellten Rechnernamen. Der Schlüssel bleibt auf diesem Rechner.',
     commonName: 'Name (CN)',
     organization: 'Organisation (O)',
     optional: 'Darf leer bleiben.',
@@ -126,7 +177,8 @@ export const sources: typeof English = {
     download: 'Als Datei',
     install: 'Ausgestelltes Zertifikat installieren',
     installNow: 'Installieren',
-    installText: 'Das Zertifikat und die seiner Stellen bis zur Wurzel, zusammen als PEM. Offene Verbindungen behalten das alte.',
+    installText:
+      'Das Zertifikat und die seiner Stellen bis zur Wurzel, zusammen als PEM. Offene Verbindungen behalten das alte.',
     installed: 'Zertifikat installiert. Der Zwilling zeigt es ab der nächsten Verbindung.',
   },
   authorities: {
@@ -143,7 +195,8 @@ export const sources: typeof English = {
     outdated: 'Veraltet',
     stayOutside: 'Ihre Clients bleiben draußen, bis Sie die aktuelle hinzufügen.',
     remove: 'Diese Stelle entfernen?',
-    removeText: (subject: string) => `Clients mit einem Zertifikat von ${subject} bleiben ab ihrer nächsten Verbindung draußen. Um ihr wieder zu vertrauen, brauchen Sie ihre Datei.`,
+    removeText: (subject: string) =>
+      `Clients mit einem Zertifikat von ${subject} bleiben ab ihrer nächsten Verbindung draußen. Um ihr wieder zu vertrauen, brauchen Sie ihre Datei.`,
     removed: 'Stelle entfernt.',
   },
   revocationLists: {
@@ -153,7 +206,8 @@ export const sources: typeof English = {
     revoked: 'Gesperrt',
     unknown: 'Von niemandem signiert, der hier bekannt ist',
     remove: 'Diese Sperrliste entfernen?',
-    removeText: (issuer: string) => `Clients mit einem Zertifikat von ${issuer} bleiben draußen, bis es eine neue Liste gibt.`,
+    removeText: (issuer: string) =>
+      `Clients mit einem Zertifikat von ${issuer} bleiben draußen, bis es eine neue Liste gibt.`,
     removed: 'Sperrliste entfernt.',
   },
 }

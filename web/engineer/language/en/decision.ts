@@ -3,7 +3,8 @@ export const decision = {
     title: 'Inbox',
     subtitle: 'What partners ask about your operations, and what you decided',
     empty: 'No requests yet',
-    emptyText: 'As soon as a partner asks for data about one of your operations, the request appears here while you watch.',
+    emptyText:
+      'As soon as a partner asks for data about one of your operations, the request appears here while you watch.',
     all: 'All',
     open: 'Open',
     mapped: 'Mapped',
@@ -25,7 +26,11 @@ export const decision = {
     change: 'Change',
     none: 'Nothing matches',
     noneText: 'No request or field fits the filter.',
-    valueSource: { MAPPING: 'Mapping', MANUAL: 'Manual entry', EXTERNAL: 'OPC UA client' } as Record<string, string>,
+    valueSource: {
+      MAPPING: 'Mapping',
+      MANUAL: 'Manual entry',
+      EXTERNAL: 'OPC UA client',
+    } as Record<string, string>,
     refuseAll: 'Refuse open fields',
     showAll: (n: number) => `Show all ${n} fields`,
     refuseTitle: (n: number) => (n === 1 ? 'Refuse 1 field' : `Refuse ${n} fields`),
@@ -41,7 +46,8 @@ export const decision = {
     open: 'Remarks',
     unread: 'New remark',
     empty: 'Nothing has been said yet',
-    emptyText: 'Ask what a field is for, or say why one has to wait. All recipients of the network can read it.',
+    emptyText:
+      'Ask what a field is for, or say why one has to wait. All recipients of the network can read it.',
     text: 'Your remark',
     hint: (who: string) => `${who} reads it on the partners’ page.`,
     about: 'About',
@@ -78,15 +84,19 @@ export const decision = {
     moveDown: (name: string) => `Move ${name} down`,
     yields: 'yields',
     holdsBack: 'held back',
-    typeDiffers: (is: string, wanted: string) => `The source has ${is}, the partner asks for ${wanted}.`,
-    unitDiffers: (is: string, wanted: string) => `The source measures in ${is}, the partner asks for ${wanted}.`,
+    typeDiffers: (is: string, wanted: string) =>
+      `The source has ${is}, the partner asks for ${wanted}.`,
+    unitDiffers: (is: string, wanted: string) =>
+      `The source measures in ${is}, the partner asks for ${wanted}.`,
     addConversion: 'Add a conversion',
-    manualText: 'People enter the value here or on the operator’s page. It passes the same disclosure gate.',
+    manualText:
+      'People enter the value here or on the operator’s page. It passes the same disclosure gate.',
     manualValue: 'Value',
     manualSend: 'Enter value',
     manualDone: 'Value entered.',
     manualLocked: 'You can enter values once this is consented to.',
-    externalText: 'OPC UA clients with the role engineer or operator write the value to this node of the twin. It passes the same disclosure gate.',
+    externalText:
+      'OPC UA clients with the role engineer or operator write the value to this node of the twin. It passes the same disclosure gate.',
     externalNode: 'Node to write to',
     refuseText: 'The partner gets no value, and reads your reason.',
     refuseReason: 'Reason',
@@ -95,7 +105,8 @@ export const decision = {
     laterButton: 'Leave open',
     laterDone: 'The field is open again. Nothing leaves.',
     disclosure: 'Disclosure',
-    disclosureHint: 'The gate coarsens every value before it leaves, whatever a function or script does.',
+    disclosureHint:
+      'The gate coarsens every value before it leaves, whatever a function or script does.',
     roundingStep: 'Rounding step',
     roundingStepHint: 'Multiples of this leave. Empty: every digit.',
     minimumInterval: 'Minimum interval',
@@ -119,9 +130,11 @@ export const decision = {
     previewBroken: 'Correct what is marked above to see the message.',
     previewNothing: 'Nothing leaves at this moment.',
     previewWait: 'Choose a variable to see what the partner would receive.',
-    previewNoMessage: 'No message is due: the value is held back by a function or by the minimum interval.',
+    previewNoMessage:
+      'No message is due: the value is held back by a function or by the minimum interval.',
     consent: 'Consent',
-    consentText: (who: string) => `From now on ${who} receives these values in this precision. You can take it back at any time.`,
+    consentText: (who: string) =>
+      `From now on ${who} receives these values in this precision. You can take it back at any time.`,
     consented: 'Consent recorded. Values flow.',
     saveChange: 'Consent to the change',
     undone: 'Undone.',
@@ -136,7 +149,8 @@ export const decision = {
     problems: (n: number) => (n === 1 ? '1 problem' : `${n} problems`),
     ready: 'Ready',
     script: 'JavaScript',
-    scriptHelp: 'A function of (value, ctx). ctx.inputs has the inputs by name, ctx.state is kept between calls.',
+    scriptHelp:
+      'A function of (value, ctx). ctx.inputs has the inputs by name, ctx.state is kept between calls.',
   },
   suggestions: {
     title: 'Suggestions',
@@ -148,6 +162,16 @@ export const decision = {
     score: (n: number) => `Fits ${n} of 100`,
     more: (n: number) => `${n} more`,
     fewer: 'Fewer',
-    reason: { name: 'name', semantic: 'meaning', place: 'place', description: 'description', type: 'type', unit: 'unit', companionType: 'standard type', value: 'value', decision: 'decided so before' } as Record<string, string>,
+    reason: {
+      name: 'name',
+      semantic: 'meaning',
+      place: 'place',
+      description: 'description',
+      type: 'type',
+      unit: 'unit',
+      companionType: 'standard type',
+      value: 'value',
+      decision: 'decided so before',
+    } as Record<string, string>,
   },
 }

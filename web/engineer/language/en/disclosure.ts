@@ -5,7 +5,13 @@ export const disclosure = {
     aggregate: 'One value per window',
     aggregateHint: 'Single values stay here; one figure leaves for each window.',
     noAggregate: 'No, single values',
-    aggregates: { LAST: 'Last value', MEAN: 'Mean', MINIMUM: 'Minimum', MAXIMUM: 'Maximum', SUM: 'Sum' } as Record<string, string>,
+    aggregates: {
+      LAST: 'Last value',
+      MEAN: 'Mean',
+      MINIMUM: 'Minimum',
+      MAXIMUM: 'Maximum',
+      SUM: 'Sum',
+    } as Record<string, string>,
     window: 'Window',
     rates: 'At most so many values',
     ratesHint: 'Beyond, the newest value waits until one is free again.',
@@ -21,7 +27,8 @@ export const disclosure = {
     from: 'From',
     until: 'Until',
     withhold: 'Withhold while',
-    withholdHint: 'Nothing leaves while the value is one of these. Several conditions: any of them withholds.',
+    withholdHint:
+      'Nothing leaves while the value is one of these. Several conditions: any of them withholds.',
     addWithhold: 'Withhold in a state',
     withholdField: 'What decides',
     ownValue: 'this value',
@@ -32,7 +39,8 @@ export const disclosure = {
   },
   rules: {
     page: 'Policies and rules',
-    subtitle: 'What holds for whole partners and kinds of fields, so that not every field has to be decided anew',
+    subtitle:
+      'What holds for whole partners and kinds of fields, so that not every field has to be decided anew',
     title: 'Standing rules',
     hint: 'An enabled rule decides about new requests by itself; everything it decides is recorded and can be undone.',
     add: 'Add a rule',
@@ -40,12 +48,17 @@ export const disclosure = {
     apply: 'Apply to open fields',
     applied: (n: number) => (n === 1 ? '1 field decided.' : `${n} fields decided.`),
     empty: 'No rule yet',
-    emptyText: 'A rule says: from this partner, this kind of field, in this precision – accept, prefill or refuse.',
+    emptyText:
+      'A rule says: from this partner, this kind of field, in this precision – accept, prefill or refuse.',
     means: 'Means',
     does: 'Does',
-    actions: { ACCEPT: 'Accept', REFUSE: 'Refuse', PREFILL: 'Prefill only' } as Record<string, string>,
+    actions: { ACCEPT: 'Accept', REFUSE: 'Refuse', PREFILL: 'Prefill only' } as Record<
+      string,
+      string
+    >,
     actionHints: {
-      ACCEPT: 'Values flow without you being asked. Name the partners: requester and all recipients must be among them.',
+      ACCEPT:
+        'Values flow without you being asked. Name the partners: requester and all recipients must be among them.',
       REFUSE: 'The partner reads the reason at once.',
       PREFILL: 'The form is filled in; you still decide.',
     } as Record<string, string>,
@@ -66,14 +79,16 @@ export const disclosure = {
     policy: 'Named policy',
     policyHint: 'Holds beside what stands below: the strictest of both.',
     effect: 'What the rule would match',
-    wouldMatch: (all: number, deciding: number) => `Matches ${all} fields, would decide ${deciding} now`,
+    wouldMatch: (all: number, deciding: number) =>
+      `Matches ${all} fields, would decide ${deciding} now`,
     policies: 'Named policies',
     policiesHint: 'Chosen for fields, rules and recipients. A change takes effect at once.',
     noPolicies: 'No named policy yet.',
     addPolicy: 'Add a policy',
     editPolicy: 'Edit the policy',
     policySaved: 'Policy saved.',
-    takesEffect: (n: number) => (n === 1 ? '1 field gets the change at once.' : `${n} fields get the change at once.`),
+    takesEffect: (n: number) =>
+      n === 1 ? '1 field gets the change at once.' : `${n} fields get the change at once.`,
     retire: 'Keep it, but offer it no more',
     retired: 'No longer offered',
     usedBy: (n: number) => (n === 1 ? 'used by 1 field' : `used by ${n} fields`),
@@ -96,8 +111,10 @@ export const disclosure = {
   },
   leaks: {
     title: 'Leak budget',
-    subtitle: 'What each partner learns in sum from the fields you consented to, and what it can conclude from them together',
-    legend: 'Bars are upper bounds, on a scale of equal factors; the mark on a bar is what was measured.',
+    subtitle:
+      'What each partner learns in sum from the fields you consented to, and what it can conclude from them together',
+    legend:
+      'Bars are upper bounds, on a scale of equal factors; the mark on a bar is what was measured.',
     empty: 'Nobody learns anything',
     emptyText: 'As soon as you consent to a field, this page adds up what its partners learn.',
     warnings: (n: number) => (n === 1 ? '1 conclusion possible' : `${n} conclusions possible`),
@@ -121,7 +138,8 @@ export const disclosure = {
     toWithin: (span: string) => `to within ${span}`,
     isNamed: 'Named in a warning',
     coarsen: 'Coarsen',
-    unplannedPiece: 'The plan does not say how long a piece takes: each may be timed as it is made.',
+    unplannedPiece:
+      'The plan does not say how long a piece takes: each may be timed as it is made.',
     needed: (span: string) => `From ${span} on it can no longer be concluded.`,
     moreFields: (n: number) => (n === 1 ? '1 more field' : `${n} more fields`),
     moreWarnings: (n: number) => (n === 1 ? '1 more conclusion' : `${n} more conclusions`),
@@ -144,13 +162,15 @@ export const disclosure = {
       YIELD: {
         what: 'Yield and scrap rate',
         why: 'Counts of good, bad or all pieces together tell the yield.',
-        remedy: 'Disclose only one of them, or round both to steps larger than the scrap you expect.',
+        remedy:
+          'Disclose only one of them, or round both to steps larger than the scrap you expect.',
       },
     } as Record<string, { what: string; why: string; remedy: string }>,
   },
   revocation: {
     open: 'Revoke',
-    title: (n: number) => (n === 1 ? 'End the consent to 1 field' : `End the consent to ${n} fields`),
+    title: (n: number) =>
+      n === 1 ? 'End the consent to 1 field' : `End the consent to ${n} fields`,
     text: 'Values stop at once, what waits is taken back, and the partner is told. What has arrived cannot be called back: the receipt says how far that was.',
     then: 'From now on',
     pending: 'Leave open',
@@ -161,7 +181,8 @@ export const disclosure = {
     receiptsHint: 'Each with the last number that was delivered, signed.',
     none: 'No consent has been ended yet.',
     byPartner: 'withdrawn by the partner',
-    inFlight: (n: number) => (n === 1 ? '1 report may still arrive' : `${n} reports may still arrive`),
+    inFlight: (n: number) =>
+      n === 1 ? '1 report may still arrive' : `${n} reports may still arrive`,
     settled: 'Settled',
     print: 'To print',
     dataSet: 'Data set',

@@ -4,7 +4,8 @@ export const ledger = {
     subtitle: 'Every value that left, for whom, in which precision, under which consent',
     verify: 'Verify the chain',
     verifying: 'Verifying …',
-    valid: (entries: string) => `Intact: ${entries} entries verified, nothing was changed, deleted or moved.`,
+    valid: (entries: string) =>
+      `Intact: ${entries} entries verified, nothing was changed, deleted or moved.`,
     invalid: 'The ledger has been tampered with.',
     empty: 'Nothing has left yet',
     emptyText: 'The first value that leaves this factory will be the first entry.',
@@ -43,7 +44,8 @@ export const ledger = {
     emptied: 'Values emptied by retention',
     pruned: 'Entries removed by retention',
     checkpoints: 'Signed checkpoints',
-    checkpointsHint: 'A signed statement a day of where each chain ends. Keep one elsewhere, and you can prove later what the ledger held then.',
+    checkpointsHint:
+      'A signed statement a day of where each chain ends. Keep one elsewhere, and you can prove later what the ledger held then.',
     noCheckpoints: 'The first one is made within a day of the first entry.',
     chainEnds: 'Ends of the chains',
     signedText: 'Signed text',

@@ -1,15 +1,29 @@
 export const overview = {
-  shell: { subtitle: 'Factory connector', overview: 'Overview', inbox: 'Inbox', sources: 'Sources', ledger: 'Ledger', link: 'Link and spool', settings: 'Settings' },
+  shell: {
+    subtitle: 'Factory connector',
+    overview: 'Overview',
+    inbox: 'Inbox',
+    sources: 'Sources',
+    ledger: 'Ledger',
+    link: 'Link and spool',
+    settings: 'Settings',
+  },
   overview: {
     title: 'Overview',
     journey: 'The way of a value',
-    journeyHint: 'From your machines to your partners. Nothing passes the disclosure gate that you have not opened.',
+    journeyHint:
+      'From your machines to your partners. Nothing passes the disclosure gate that you have not opened.',
     machines: 'Machines',
     machinesState: (live: number, all: number) => `${live} of ${all} sources connected`,
     inputs: (live: number, all: number) => `${live} of ${all} inputs live`,
     gate: 'Disclosure gate',
     gateState: (mapped: number, all: number) => `${mapped} of ${all} fields open`,
-    gatePending: (n: number) => (n === 0 ? 'nothing waits for you' : n === 1 ? '1 field waits for your decision' : `${n} fields wait for your decision`),
+    gatePending: (n: number) =>
+      n === 0
+        ? 'nothing waits for you'
+        : n === 1
+          ? '1 field waits for your decision'
+          : `${n} fields wait for your decision`,
     twin: 'Twin',
     twinState: 'OPC UA address',
     spool: 'Spool',
@@ -19,7 +33,8 @@ export const overview = {
     link: 'Link',
     partner: 'Partners',
     partnerState: (n: number) => (n === 1 ? '1 organisation asks' : `${n} organisations ask`),
-    conclusions: (n: number) => (n === 1 ? '1 conclusion is possible' : `${n} conclusions are possible`),
+    conclusions: (n: number) =>
+      n === 1 ? '1 conclusion is possible' : `${n} conclusions are possible`,
     toDecide: 'Waiting for your decision',
     nothingToDecide: 'Every requested field is decided.',
     whatLeaves: 'What leaves now',
@@ -47,14 +62,21 @@ export const overview = {
   },
   link: {
     title: 'Link and spool',
-    state: { up: 'Connected', connecting: 'Connecting', down: 'Not connected', stopped: 'Stopped', notConfigured: 'Not enrolled' } as Record<string, string>,
+    state: {
+      up: 'Connected',
+      connecting: 'Connecting',
+      down: 'Not connected',
+      stopped: 'Stopped',
+      notConfigured: 'Not enrolled',
+    } as Record<string, string>,
     since: 'since ',
     accepted: 'Broker accepted last',
     receipted: 'Platform receipted last',
     backlog: 'Waiting to be receipted',
     reason: 'Reason',
     spool: 'Spool',
-    spoolHint: 'A message stays here until the platform has receipted it. An outage costs time, not data.',
+    spoolHint:
+      'A message stays here until the platform has receipted it. An outage costs time, not data.',
     waiting: 'Waiting to be sent',
     sent: 'Sent, not receipted yet',
     size: 'Size',
@@ -67,13 +89,20 @@ export const overview = {
   },
   lease: {
     title: 'Speaks for the factory',
-    state: { ASKING: 'The platform has not answered yet', HELD: 'This connector', REFUSED: 'Another connector' } as Record<string, string>,
-    refused: 'Another connector speaks for this factory. Nothing leaves from here; values are kept.',
+    state: {
+      ASKING: 'The platform has not answered yet',
+      HELD: 'This connector',
+      REFUSED: 'Another connector',
+    } as Record<string, string>,
+    refused:
+      'Another connector speaks for this factory. Nothing leaves from here; values are kept.',
     contested: 'A second connector with this connector’s credential is running. It was refused.',
     own: 'This connector:',
     other: 'The other one:',
-    refusedRemedy: 'Stop one of the two. If the other one is gone for good, an administrator of the platform can hand the lease over to this one, on the factory’s page.',
-    contestedRemedy: 'Find the other one and stop it: it was probably started from a copy of this connector’s data directory.',
+    refusedRemedy:
+      'Stop one of the two. If the other one is gone for good, an administrator of the platform can hand the lease over to this one, on the factory’s page.',
+    contestedRemedy:
+      'Find the other one and stop it: it was probably started from a copy of this connector’s data directory.',
   },
   users: {
     title: 'Users',
@@ -84,14 +113,19 @@ export const overview = {
     role: 'Role',
     may: 'May',
     you: 'You',
-    roles: { ENGINEER: 'decide, map, configure', OPERATOR: 'enter values for operations', VIEWER: 'look' } as Record<string, string>,
+    roles: {
+      ENGINEER: 'decide, map, configure',
+      OPERATOR: 'enter values for operations',
+      VIEWER: 'look',
+    } as Record<string, string>,
     newPassword: 'New password',
     passwordHint: 'At least ten characters. A few words are easier to remember than signs.',
     passwordShort: 'The password has fewer than ten characters.',
     sessionsEnd: 'At least ten characters. The person’s open sessions end.',
     changed: (who: string) => `${who} saved.`,
     remove: (who: string) => `Remove ${who}`,
-    removeText: 'The person can no longer sign in, and open sessions end. What was decided and entered stays on record.',
+    removeText:
+      'The person can no longer sign in, and open sessions end. What was decided and entered stays on record.',
     removed: (who: string) => `${who} removed.`,
   },
 }

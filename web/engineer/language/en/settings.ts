@@ -8,49 +8,88 @@ export const settings = {
     default: 'The default',
     absent: 'Not set',
     hidden: 'Set, not shown',
-    sections: { '': 'General', web: 'Pages and API', 'web.tls': 'TLS of the pages', twin: 'Twin', 'twin.security': 'Security of the twin', 'twin.limits': 'Limits of the twin', 'twin.discovery': 'Finding the twin', broker: 'Way to the broker', 'broker.proxy': 'Proxy on the way', reports: 'Reports', spool: 'Spool', ledger: 'Ledger', 'mapping.script': 'Scripts', 'mapping.history': 'Recorded values', admin: 'First user', log: 'Log' } as Record<string, string>,
+    sections: {
+      '': 'General',
+      web: 'Pages and API',
+      'web.tls': 'TLS of the pages',
+      twin: 'Twin',
+      'twin.security': 'Security of the twin',
+      'twin.limits': 'Limits of the twin',
+      'twin.discovery': 'Finding the twin',
+      broker: 'Way to the broker',
+      'broker.proxy': 'Proxy on the way',
+      reports: 'Reports',
+      spool: 'Spool',
+      ledger: 'Ledger',
+      'mapping.script': 'Scripts',
+      'mapping.history': 'Recorded values',
+      admin: 'First user',
+      log: 'Log',
+    } as Record<string, string>,
     /** By the path of a key. */
     meaning: {
-      data_directory: 'Where the durable file, keys and certificates live. On a local disk; back it up as a whole.',
+      data_directory:
+        'Where the durable file, keys and certificates live. On a local disk; back it up as a whole.',
       'web.listen': 'Where pages and API listen.',
-      'web.tls.certificate': 'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
+      'web.tls.certificate':
+        'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
       'web.tls.key': 'Key as PEM.',
       'twin.listen': 'Where the OPC UA server with the interfaces of the operations listens.',
-      'twin.host_names': 'Names and addresses under which OPC UA clients reach this machine, for its certificate. Default: its own name.',
-      'twin.security.allow_anonymous_unencrypted': 'Development only: also an endpoint without encryption and user, in the viewer role.',
-      'twin.security.trust_unknown_certificates': 'Development only: trust every client certificate instead of waiting for an approval.',
-      'twin.security.login_failures_max': 'Wrong passwords a user may give within the window before further attempts are refused for as long.',
+      'twin.host_names':
+        'Names and addresses under which OPC UA clients reach this machine, for its certificate. Default: its own name.',
+      'twin.security.allow_anonymous_unencrypted':
+        'Development only: also an endpoint without encryption and user, in the viewer role.',
+      'twin.security.trust_unknown_certificates':
+        'Development only: trust every client certificate instead of waiting for an approval.',
+      'twin.security.login_failures_max':
+        'Wrong passwords a user may give within the window before further attempts are refused for as long.',
       'twin.security.login_window_s': 'The window for wrong passwords, in seconds.',
-      'twin.security.certificate_renewal_days': 'Days before its end at which the twin’s own certificate is renewed.',
+      'twin.security.certificate_renewal_days':
+        'Days before its end at which the twin’s own certificate is renewed.',
       'twin.security.certificate_validity_days': 'Days for which a renewed certificate is valid.',
       'twin.limits.sessions_max': 'Sessions of OPC UA clients at a time.',
       'twin.limits.connections_max': 'Connections of OPC UA clients at a time.',
       'twin.limits.connections_per_address_max': 'Connections from one address at a time.',
       'twin.limits.monitored_items_per_subscription_max': 'Monitored items of one subscription.',
       'twin.limits.publishing_interval_ms_min': 'Shortest publishing interval, in milliseconds.',
-      'twin.limits.publishing_tick_ms': 'How often due subscriptions are looked for, in milliseconds.',
-      'twin.discovery.local_discovery_server_url': 'A local discovery server to register with. Approve its certificate like that of a client.',
-      'twin.discovery.registration_interval_s': 'How often the twin registers there, in seconds: discovery servers forget what was silent for ten minutes.',
-      'twin.discovery.announce_by_multicast_dns': 'Announce the twin in the local network by multicast DNS.',
-      'broker.url': 'Another way to the platform’s broker than the one told at enrolment: amqps://host:5671, or a WebSocket where the firewall lets nothing but HTTPS out, amqp+wss://host. The protocol stays the same.',
-      'broker.root_certificates': 'PEM file with the authorities that may vouch for the broker. Default: the authority told at enrolment.',
-      'broker.proxy.url': 'The HTTP proxy on the way out; it must let CONNECT through to the broker’s port.',
+      'twin.limits.publishing_tick_ms':
+        'How often due subscriptions are looked for, in milliseconds.',
+      'twin.discovery.local_discovery_server_url':
+        'A local discovery server to register with. Approve its certificate like that of a client.',
+      'twin.discovery.registration_interval_s':
+        'How often the twin registers there, in seconds: discovery servers forget what was silent for ten minutes.',
+      'twin.discovery.announce_by_multicast_dns':
+        'Announce the twin in the local network by multicast DNS.',
+      'broker.url':
+        'Another way to the platform’s broker than the one told at enrolment: amqps://host:5671, or a WebSocket where the firewall lets nothing but HTTPS out, amqp+wss://host. The protocol stays the same.',
+      'broker.root_certificates':
+        'PEM file with the authorities that may vouch for the broker. Default: the authority told at enrolment.',
+      'broker.proxy.url':
+        'The HTTP proxy on the way out; it must let CONNECT through to the broker’s port.',
       'broker.proxy.user_name': 'Who the connector is to the proxy, where it asks.',
       'broker.proxy.password': 'The password at the proxy.',
-      'reports.encoding': 'How values are written: digicor (1.04 reversible), 1.05-compact or 1.05-verbose.',
-      'reports.publishing_interval_ms': 'The shortest time between two reports of one data set, in milliseconds. Policies lengthen it, field by field.',
-      'spool.bytes_max': 'Bytes of reports at which older ones are given up for newer ones; the gap is announced.',
+      'reports.encoding':
+        'How values are written: digicor (1.04 reversible), 1.05-compact or 1.05-verbose.',
+      'reports.publishing_interval_ms':
+        'The shortest time between two reports of one data set, in milliseconds. Policies lengthen it, field by field.',
+      'spool.bytes_max':
+        'Bytes of reports at which older ones are given up for newer ones; the gap is announced.',
       'spool.age_hours_max': 'Age at which reports are given up, in hours.',
-      'spool.resend_after_s': 'Seconds without the platform’s receipt after which a report is sent again; doubles each time, up to an hour.',
-      'ledger.value_days': 'Days after which values that left are emptied; what remains still proves them. For ever with 0.',
-      'ledger.entry_days': 'Days after which entries are removed; a signed anchor keeps the rest provable. For ever with 0.',
+      'spool.resend_after_s':
+        'Seconds without the platform’s receipt after which a report is sent again; doubles each time, up to an hour.',
+      'ledger.value_days':
+        'Days after which values that left are emptied; what remains still proves them. For ever with 0.',
+      'ledger.entry_days':
+        'Days after which entries are removed; a signed anchor keeps the rest provable. For ever with 0.',
       'mapping.script.engine': 'The script engine: quickjs (the default) or deno.',
       'mapping.script.workers': 'Worker processes that share the scripts.',
       'mapping.script.callBudgetMs': 'Computing time of one call, in milliseconds.',
-      'mapping.history.valuesPerVariableMax': 'Last values of a variable in use that are kept in memory, to try mappings on.',
+      'mapping.history.valuesPerVariableMax':
+        'Last values of a variable in use that are kept in memory, to try mappings on.',
       'mapping.history.valuesMax': 'Values of all variables together, about 100 bytes each.',
       'admin.user_name': 'The first user, an engineer, made at the first start.',
-      'admin.password': 'Without a password one is made up and written to a file that only its owner can read.',
+      'admin.password':
+        'Without a password one is made up and written to a file that only its owner can read.',
       'log.format': 'text or json',
       'log.filter': 'A level, or pairs as “factory_connector=debug,info”.',
     } as Record<string, string>,
@@ -63,6 +102,7 @@ export const settings = {
     version: 'Version',
     started: 'Running since',
     twin: 'OPC UA address of the twin',
-    configuration: 'The connector itself is set up in its configuration file; this page shows what it runs with.',
+    configuration:
+      'The connector itself is set up in its configuration file; this page shows what it runs with.',
   },
 }

@@ -21,7 +21,12 @@ export const sources = {
     password: 'Password',
     passwordKept: 'Leave empty to keep the password.',
     publishingInterval: 'Publishing interval (ms)',
-    state: { connected: 'Connected', subscribing: 'Subscribing', connecting: 'Connecting', waiting: 'Not connected' } as Record<string, string>,
+    state: {
+      connected: 'Connected',
+      subscribing: 'Subscribing',
+      connecting: 'Connecting',
+      waiting: 'Not connected',
+    } as Record<string, string>,
     live: 'Live inputs',
     liveOf: (live: number, all: number) => `${live} of ${all}`,
     lastChange: 'Last change',
@@ -48,33 +53,71 @@ export const sources = {
     treeLabel: 'Address space of the source',
     searchNodes: 'Search the whole server',
     nothingFound: 'Nothing found',
-    found: (shown: string, all: string) => (shown === all ? `${all} found` : `${shown} of ${all} found`),
+    found: (shown: string, all: string) =>
+      shown === all ? `${all} found` : `${shown} of ${all} found`,
     stillListing: 'The server is still being listed; more may be found in a moment.',
     chooseSource: 'Source',
     certificate: 'Certificate',
     problems: {
-      unreachable: { what: 'No answer from this address', remedy: 'Check that the server runs, the address, and the network between. It is tried again by itself.' },
-      noSuitableEndpoint: { what: 'The server offers no such security or sign-in', remedy: 'Choose a security setting and a sign-in that the server offers.' },
-      serverCertificateUntrusted: { what: 'The server’s certificate is not trusted yet', remedy: 'Compare the thumbprint with the one shown at the machine, then trust it.' },
-      serverCertificateInvalid: { what: 'The server’s certificate is not valid', remedy: 'Have the server’s certificate renewed.' },
-      clientCertificateRejected: { what: 'The server does not trust this connector yet', remedy: 'Ask whoever runs the server to trust this connector’s certificate, then wait a moment.' },
-      credentialsRejected: { what: 'User name or password is not right', remedy: 'Correct them here, or ask whoever runs the server.' },
-      serverFull: { what: 'The server has no room for another session', remedy: 'Close another client of the server, or raise its limit of sessions.' },
-      connectionLost: { what: 'The connection was lost', remedy: 'Nothing to do: it is connected again by itself.' },
-      stalled: { what: 'The connection had gone silent', remedy: 'Nothing to do: a new session is made. If it happens often, look at the server.' },
+      unreachable: {
+        what: 'No answer from this address',
+        remedy:
+          'Check that the server runs, the address, and the network between. It is tried again by itself.',
+      },
+      noSuitableEndpoint: {
+        what: 'The server offers no such security or sign-in',
+        remedy: 'Choose a security setting and a sign-in that the server offers.',
+      },
+      serverCertificateUntrusted: {
+        what: 'The server’s certificate is not trusted yet',
+        remedy: 'Compare the thumbprint with the one shown at the machine, then trust it.',
+      },
+      serverCertificateInvalid: {
+        what: 'The server’s certificate is not valid',
+        remedy: 'Have the server’s certificate renewed.',
+      },
+      clientCertificateRejected: {
+        what: 'The server does not trust this connector yet',
+        remedy:
+          'Ask whoever runs the server to trust this connector’s certificate, then wait a moment.',
+      },
+      credentialsRejected: {
+        what: 'User name or password is not right',
+        remedy: 'Correct them here, or ask whoever runs the server.',
+      },
+      serverFull: {
+        what: 'The server has no room for another session',
+        remedy: 'Close another client of the server, or raise its limit of sessions.',
+      },
+      connectionLost: {
+        what: 'The connection was lost',
+        remedy: 'Nothing to do: it is connected again by itself.',
+      },
+      stalled: {
+        what: 'The connection had gone silent',
+        remedy: 'Nothing to do: a new session is made. If it happens often, look at the server.',
+      },
       refused: { what: 'The server refused', remedy: 'Its log says why.' },
-      configuration: { what: 'The source is not configured right', remedy: 'Correct the source’s settings.' },
+      configuration: {
+        what: 'The source is not configured right',
+        remedy: 'Correct the source’s settings.',
+      },
     } as Record<string, { what: string; remedy: string }>,
   },
   certificates: {
     title: 'Certificates of servers',
     clients: 'Certificates of OPC UA clients',
-    clientsHint: 'Clients that have knocked at the twin. One that you trust may sign in with its user and password.',
+    clientsHint:
+      'Clients that have knocked at the twin. One that you trust may sign in with its user and password.',
     noClients: 'No OPC UA client has knocked yet.',
     add: 'Add a certificate',
     added: 'Certificate added.',
     kind: 'Kind',
-    kinds: { CERTIFICATE: 'A client, or an authority to trust', ISSUER: 'An authority in between', REVOCATION_LIST: 'An authority’s list of revoked certificates' } as Record<string, string>,
+    kinds: {
+      CERTIFICATE: 'A client, or an authority to trust',
+      ISSUER: 'An authority in between',
+      REVOCATION_LIST: 'An authority’s list of revoked certificates',
+    } as Record<string, string>,
     file: 'From a file',
     content: 'Content',
     contentHint: 'PEM, or DER in base64.',
@@ -83,12 +126,16 @@ export const sources = {
     subject: 'Belongs to',
     thumbprint: 'Thumbprint',
     valid: 'Validity',
-    validity: (from: string, until: string) => [from, until].filter((day) => day !== '').join(' to '),
+    validity: (from: string, until: string) =>
+      [from, until].filter((day) => day !== '').join(' to '),
     over: 'Expired',
     soon: 'Ends soon',
     early: 'Not valid yet',
     knock: 'Turned away last',
-    knocked: (application: string | null, address: string | null) => [application ?? '', address === null ? '' : `from ${address}`].filter((part) => part !== '').join(', '),
+    knocked: (application: string | null, address: string | null) =>
+      [application ?? '', address === null ? '' : `from ${address}`]
+        .filter((part) => part !== '')
+        .join(', '),
     reasons: {
       NOT_TRUSTED: 'It was not trusted.',
       OUT_OF_TIME: 'It is not valid at this time.',
@@ -115,7 +162,8 @@ export const sources = {
     hosts: 'For application and hosts',
     request: 'Request a certificate',
     requestNow: 'Make the request',
-    requestText: 'The request names this application and its configured host names. The key stays on this machine.',
+    requestText:
+      'The request names this application and its configured host names. The key stays on this machine.',
     commonName: 'Common name',
     organization: 'Organisation',
     optional: 'May stay empty.',
@@ -124,7 +172,8 @@ export const sources = {
     download: 'As a file',
     install: 'Install an issued certificate',
     installNow: 'Install',
-    installText: 'The certificate and those of its authorities up to the root, together as PEM. Connections that are open keep the old one.',
+    installText:
+      'The certificate and those of its authorities up to the root, together as PEM. Connections that are open keep the old one.',
     installed: 'Certificate installed. The twin shows it from the next connection on.',
   },
   authorities: {
@@ -141,7 +190,8 @@ export const sources = {
     outdated: 'Outdated',
     stayOutside: 'Its clients stay outside until you add the current one.',
     remove: 'Remove this authority?',
-    removeText: (subject: string) => `Clients with a certificate of ${subject} stay outside from their next connection on. To trust it again you need its file.`,
+    removeText: (subject: string) =>
+      `Clients with a certificate of ${subject} stay outside from their next connection on. To trust it again you need its file.`,
     removed: 'Authority removed.',
   },
   revocationLists: {
@@ -151,7 +201,8 @@ export const sources = {
     revoked: 'Revoked',
     unknown: 'Signed by nobody known here',
     remove: 'Remove this revocation list?',
-    removeText: (issuer: string) => `Clients with a certificate of ${issuer} stay outside until there is a new list.`,
+    removeText: (issuer: string) =>
+      `Clients with a certificate of ${issuer} stay outside until there is a new list.`,
     removed: 'Revocation list removed.',
   },
 }
