@@ -1,8 +1,19 @@
-//! The house itself: licences of what we build on, and dependencies that stay where they belong.
+//! Form of the workspace: licences of what we build on, dependencies that enter at one place, and
+//! the rules of form for our own sources.
 
-use std::{collections::BTreeMap, process::Command};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
+use house_rules::{Finding, Package};
 use serde_json::Value;
+
+mod tables;
+
+/// Packages that keep every rule of form, by their folders.
+const ENFORCED: &[&str] = &["tests/free-ports", "tests/house-rules"];
 
 /// Licences that may be in the product: permissive ones, and MPL-2.0 file by file.
 const LICENCES: [&str; 13] = [
@@ -99,7 +110,7 @@ fn licences_are_permissive_or_mpl() {
     assert!(unfit.is_empty(), "licences to look at:\n{}", unfit.join("\n"));
 }
 
-/// Which crates may name which heavy dependency: each enters at one place of the product. The tests
+/// Crates that may name each heavy dependency, which enters at one place of the product. The tests
 /// look at stores and speak to brokers from outside, past what they test.
 const ENTRANCES: [(&str, &[&str]); 8] = [
     ("async-opcua", &["opcua-stack"]),
@@ -193,4 +204,69 @@ fn no_machine_path_or_registry_host_is_committed() {
         }
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Returns the folders of all packages of the workspace.
+fn package_folders() -> Vec<String> {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    let members = manifest["workspace"]["members"].as_array().unwrap();
+    members.iter().map(|member| member.as_str().unwrap().to_owned()).collect()
+}
+
+/// Reads and checks packages in threads: parsing is most of the work.
+fn findings(folders: &[String], check: fn(&Package) -> Vec<Finding>) -> Vec<Finding> {
+    std::thread::scope(|scope| {
+        let checkers: Vec<_> = folders
+            .iter()
+            .map(|folder| scope.spawn(move || check(&Package::read_in(&root(), folder).unwrap())))
+            .collect();
+        checkers.into_iter().flat_map(|checker| checker.join().unwrap()).collect()
+    })
+}
+
+fn enforced() -> Vec<String> {
+    ENFORCED.iter().map(|folder| (*folder).to_owned()).collect()
+}
+
+fn assert_none(findings: &[Finding]) {
+    let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    assert!(
+        lines.is_empty(),
+        "{} findings (cargo run -q -p house-rules prints them as well):\n{}",
+        lines.len(),
+        lines.join("\n")
+    );
+}
+
+#[test]
+fn sources_keep_the_rules_of_form() {
+    assert_none(&findings(&enforced(), house_rules::check));
+}
+
+#[test]
+fn modules_keep_their_walls() {
+    let names: Vec<Value> = metadata()["packages"].as_array().unwrap().clone();
+    for wall in tables::WALLS {
+        let is_known = names.iter().any(|package| package["name"] == wall.package);
+        assert!(is_known, "a wall names the package {}, which is not there", wall.package);
+    }
+    let check = |package: &Package| house_rules::check_walls(package, tables::WALLS);
+    assert_none(&findings(&package_folders(), check));
+}
+
+#[test]
+fn types_of_the_connector_have_bounds() {
+    let check = |package: &Package| {
+        if tables::CONNECTOR.contains(&package.name.as_str()) {
+            house_rules::check_type_sizes(package, tables::LARGE_TYPES)
+        } else {
+            Vec::new()
+        }
+    };
+    assert_none(&findings(&enforced(), check));
 }

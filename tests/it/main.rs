@@ -1,4 +1,4 @@
-//! What crosses the parts, proven with the real programs.
+//! Tests across the parts, with the real programs, and of the form of the workspace.
 #![allow(clippy::unwrap_used)]
 
 mod chaos;

@@ -1,0 +1,173 @@
+//! Documentation: module headers, the word that a doc comment begins with, docs of members and of
+//! public items.
+
+use syn::{
+    AttrStyle, Attribute, ImplItem, Item, Visibility,
+    spanned::Spanned as _,
+    visit::{self, Visit},
+};
+
+use crate::{
+    finding::{Finding, Rule},
+    imports::{ImportGraph, attributes_of},
+    module_tree::is_test_only,
+    package::{Package, Role, SourceFile},
+};
+
+/// First words of relative clauses without a noun.
+const OPENING_WORDS: [&str; 12] = [
+    "What", "Who", "Whose", "Whom", "How", "Where", "When", "Which", "Why", "Whether", "That", "If",
+];
+/// Docs of a member with at most so many words say no more than its name.
+const EMPTY_WORDS_MAX: usize = 2;
+
+/// Reports what the documentation of each file lacks.
+pub(crate) fn check(package: &Package, graph: &ImportGraph) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (index, file) in package.files.iter().enumerate() {
+        let is_test = file.role == Role::Test || graph.is_test_file(index);
+        if !is_test && !file.inner.ends_with("main.rs") && text_of(&file.syntax.attrs).is_none() {
+            let text = "the file begins with no //! header".to_owned();
+            let rule = Rule::MissingHeader;
+            findings.push(Finding { file: file.path.clone(), line: 1, rule, text });
+        }
+        let mut checker = Checker { file, findings, last: None };
+        checker.visit_file(&file.syntax);
+        findings = checker.findings;
+        if file.role == Role::Library && !is_test {
+            public_items(file, &file.syntax.items, &mut findings);
+        }
+    }
+    findings
+}
+
+struct Checker<'a> {
+    file: &'a SourceFile,
+    findings: Vec<Finding>,
+    /// Line and style of the doc line before: the next line goes on with its comment.
+    last: Option<(usize, bool)>,
+}
+
+impl Checker<'_> {
+    fn report(&mut self, line: usize, rule: Rule, text: String) {
+        self.findings.push(Finding { file: self.file.path.clone(), line, rule, text });
+    }
+
+    fn member(&mut self, attributes: &[Attribute]) {
+        let Some((line, text)) = text_of(attributes) else { return };
+        let words = text.split_whitespace().count();
+        if words <= EMPTY_WORDS_MAX {
+            self.report(
+                line,
+                Rule::ShortMemberDoc,
+                format!("\"{}\" says no more than the member's name", text.trim()),
+            );
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Checker<'_> {
+    fn visit_attribute(&mut self, attribute: &'ast Attribute) {
+        let Some(text) = doc_line(attribute) else { return };
+        let line = attribute.span().start().line;
+        let is_inner = matches!(attribute.style, AttrStyle::Inner(_));
+        let goes_on = self.last.is_some_and(|last| last == (line.saturating_sub(1), is_inner));
+        self.last = Some((line, is_inner));
+        if goes_on {
+            return;
+        }
+        let first = text.trim_start().split(|c: char| !c.is_alphabetic()).next();
+        if let Some(word) = first.filter(|word| OPENING_WORDS.contains(word)) {
+            self.report(
+                line,
+                Rule::OpeningWord,
+                format!("begins with \"{word}\": begin with a noun or a verb of doing"),
+            );
+        }
+    }
+
+    fn visit_field(&mut self, field: &'ast syn::Field) {
+        self.member(&field.attrs);
+        visit::visit_field(self, field);
+    }
+
+    fn visit_variant(&mut self, variant: &'ast syn::Variant) {
+        self.member(&variant.attrs);
+        visit::visit_variant(self, variant);
+    }
+}
+
+/// Reports public items without docs, below public modules as well.
+fn public_items(file: &SourceFile, items: &[Item], findings: &mut Vec<Finding>) {
+    let mut require = |visibility: &Visibility, attributes: &[Attribute], name: &syn::Ident| {
+        let is_public = matches!(visibility, Visibility::Public(_));
+        if is_public && text_of(attributes).is_none() && !is_hidden(attributes) {
+            findings.push(Finding {
+                file: file.path.clone(),
+                line: name.span().start().line,
+                rule: Rule::MissingDoc,
+                text: format!("`{name}` is public and has no docs"),
+            });
+        }
+    };
+    for item in items.iter().filter(|item| !is_test_only(attributes_of(item))) {
+        match item {
+            Item::Const(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Enum(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Fn(item) => require(&item.vis, &item.attrs, &item.sig.ident),
+            Item::Static(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Struct(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Trait(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Type(item) => require(&item.vis, &item.attrs, &item.ident),
+            Item::Impl(block) if block.trait_.is_none() => {
+                for item in &block.items {
+                    if let ImplItem::Fn(method) = item {
+                        require(&method.vis, &method.attrs, &method.sig.ident);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    for item in items {
+        if let Item::Mod(child) = item
+            && let Some((_, items)) = &child.content
+            && matches!(child.vis, Visibility::Public(_))
+            && !is_test_only(&child.attrs)
+        {
+            public_items(file, items, findings);
+        }
+    }
+}
+
+fn is_hidden(attributes: &[Attribute]) -> bool {
+    attributes.iter().any(|attribute| match &attribute.meta {
+        syn::Meta::List(list) => list.path.is_ident("doc") && list.tokens.to_string() == "hidden",
+        _ => false,
+    })
+}
+
+/// Returns the whole doc comment with the line of its beginning.
+fn text_of(attributes: &[Attribute]) -> Option<(usize, String)> {
+    let mut lines = attributes
+        .iter()
+        .filter_map(|attribute| Some((attribute.span().start().line, doc_line(attribute)?)));
+    let (line, mut text) = lines.next()?;
+    for (_, next) in lines {
+        text.push('\n');
+        text.push_str(&next);
+    }
+    Some((line, text))
+}
+
+/// Returns one line of docs; empty for docs that are included from a file.
+fn doc_line(attribute: &Attribute) -> Option<String> {
+    let syn::Meta::NameValue(doc) = &attribute.meta else { return None };
+    if !doc.path.is_ident("doc") {
+        return None;
+    }
+    Some(match &doc.value {
+        syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => text.value(),
+        _ => String::new(),
+    })
+}

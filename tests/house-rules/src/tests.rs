@@ -1,0 +1,340 @@
+//! Tiny packages, each with what a rule must find or must not find.
+
+use crate::{
+    Exemption, Finding, Package, Rule, Wall, check, check_type_sizes, check_walls, words::banned_in,
+};
+
+fn package(sources: &[(&str, &str)]) -> Package {
+    Package::from_sources("demo", sources).unwrap()
+}
+
+/// Findings of one rule as `file:line text`.
+fn found(rule: Rule, sources: &[(&str, &str)]) -> Vec<String> {
+    texts(check(&package(sources)), rule)
+}
+
+fn texts(findings: Vec<Finding>, rule: Rule) -> Vec<String> {
+    findings
+        .into_iter()
+        .filter(|finding| finding.rule == rule)
+        .map(|finding| format!("{}:{} {}", finding.file, finding.line, finding.text))
+        .collect()
+}
+
+fn circles(sources: &[(&str, &str)]) -> Vec<String> {
+    found(Rule::ImportCircle, sources)
+}
+
+#[test]
+fn imports_there_and_back_are_a_circle() {
+    let circles = circles(&[
+        ("src/lib.rs", "mod a; mod b;"),
+        ("src/a.rs", "use crate::b::B;\npub struct A(B);"),
+        ("src/b.rs", "pub struct B;\nfn f() { super::a::A::new(); }"),
+    ]);
+    assert_eq!(
+        circles,
+        ["src/a.rs:1 circle of 2 files:\n    \
+          src/a.rs:1: crate::b::B -> src/b.rs\n    \
+          src/b.rs:2: super::a::A::new -> src/a.rs"]
+    );
+}
+
+#[test]
+fn a_circle_over_three_files_is_one_finding() {
+    let circles = circles(&[
+        ("src/lib.rs", "mod a; mod b; mod c; mod d;"),
+        ("src/a.rs", "use crate::b::B; pub struct A;"),
+        ("src/b.rs", "use crate::c::C; pub struct B;"),
+        ("src/c.rs", "use crate::a::A; pub struct C;"),
+        ("src/d.rs", "use crate::a::A; use crate::c::C;"),
+    ]);
+    assert_eq!(circles.len(), 1);
+    assert!(circles[0].starts_with("src/a.rs:1 circle of 3 files"), "{}", circles[0]);
+}
+
+#[test]
+fn a_parent_that_uses_its_child_and_is_used_by_it_is_a_circle() {
+    let child = ("src/a/child.rs", "use super::A;\npub struct Child(A);");
+    for parent in [
+        "mod child; use child::Child; pub struct A; fn f(_: Child) {}",
+        "mod child; pub use child::Child; pub struct A; fn f(_: Child) {}",
+        "mod child; pub struct A; fn f() { child::Child::new() }",
+        "mod child; pub struct A; fn f() { log!(child::Child::new(1)) }",
+    ] {
+        let sources = [("src/lib.rs", "mod a;"), ("src/a.rs", parent), child];
+        assert_eq!(circles(&sources).len(), 1, "{parent}");
+    }
+}
+
+#[test]
+fn reexports_declarations_and_tests_are_no_imports() {
+    let child = ("src/a/child.rs", "use super::A;\npub struct Child(A);");
+    for parent in [
+        "mod child; pub struct A;",
+        "mod child; pub use child::Child; pub struct A;",
+        "pub mod child; pub(crate) use self::child::*; pub struct A;",
+        "mod child; pub struct A; #[cfg(test)] mod tests { use super::child::Child; }",
+        "mod child; pub struct A; #[cfg(all(test, unix))] fn f() { child::f() }",
+        "mod child; pub struct A; impl A { #[cfg(test)] fn f() { child::f() } }",
+    ] {
+        let sources = [("src/lib.rs", "mod a; pub use a::A;"), ("src/a.rs", parent), child];
+        assert_eq!(circles(&sources), [""; 0], "{parent}");
+    }
+}
+
+#[test]
+fn files_of_tests_make_no_circle() {
+    let sources = [
+        ("src/lib.rs", "mod a;"),
+        ("src/a.rs", "#[cfg(test)] mod samples; #[cfg(test)] mod tests; pub struct A;"),
+        ("src/a/samples.rs", "use super::{A, tests::T};"),
+        ("src/a/tests.rs", "use super::{A, samples::S};"),
+    ];
+    assert_eq!(circles(&sources), [""; 0]);
+}
+
+#[test]
+fn an_import_through_a_reexport_leads_to_the_file_that_defines() {
+    // `a` takes B from the facade, which imports nothing of `a`.
+    let sources = [
+        ("src/lib.rs", "mod facade; mod a;"),
+        ("src/facade.rs", "mod b; mod c; pub use b::B; pub use c::C;"),
+        ("src/facade/b.rs", "pub struct B;"),
+        ("src/facade/c.rs", "use crate::a::A; pub struct C(A);"),
+        ("src/a.rs", "use crate::facade::B; pub struct A(B);"),
+    ];
+    assert_eq!(circles(&sources), [""; 0]);
+    let sources = [
+        sources[0],
+        sources[1],
+        sources[2],
+        sources[3],
+        ("src/a.rs", "use crate::facade; pub struct A(facade::C);"),
+    ];
+    let circles = circles(&sources);
+    assert_eq!(circles.len(), 1);
+    assert!(circles[0].contains("src/a.rs:1: facade::C -> src/facade/c.rs"), "{}", circles[0]);
+}
+
+#[test]
+fn renames_globs_and_attributes_are_followed() {
+    for b in [
+        "use crate::a::A as Other; pub struct B;",
+        "use crate::a::*; pub struct B;",
+        "#[derive(Serialize)] pub struct B { #[serde(with = \"crate::a::millis\")] at: u64 }",
+        "pub struct B; fn f() { use crate::a; a::f() }",
+    ] {
+        let sources = [
+            ("src/lib.rs", "mod a; mod b;"),
+            ("src/a.rs", "use crate::b::B; pub struct A;"),
+            ("src/b.rs", b),
+        ];
+        assert_eq!(circles(&sources).len(), 1, "{b}");
+    }
+}
+
+#[test]
+fn a_function_may_bear_the_name_of_a_module() {
+    let sources = [
+        ("src/lib.rs", "mod a; mod b;"),
+        ("src/a.rs", "mod run; use crate::b::B; pub fn run() { run::all() }"),
+        ("src/a/run.rs", "pub fn all() {}"),
+        ("src/b.rs", "use crate::a::run::all; pub struct B;"),
+    ];
+    assert_eq!(circles(&sources), [""; 0]);
+}
+
+#[test]
+fn walls_hold_for_modules_below_and_for_other_crates() {
+    const WALLS: &[Wall] = &[
+        Wall { package: "demo", from: "state", to: "store", reason: "state is pure" },
+        Wall { package: "demo", from: "state", to: "::std::time::SystemTime", reason: "no clock" },
+        Wall { package: "other", from: "x", to: "y", reason: "of another package" },
+        Wall { package: "demo", from: "state", to: "gone", reason: "stale" },
+    ];
+    let package = package(&[
+        ("src/lib.rs", "mod state; mod store; mod stores;"),
+        ("src/state.rs", "mod field; use crate::stores::X;"),
+        (
+            "src/state/field.rs",
+            "use crate::store::Row;\nuse std::time::{Duration, SystemTime};\npub use crate::store::Row as R;",
+        ),
+        ("src/store.rs", "use crate::state::S; pub struct Row;"),
+        ("src/stores.rs", "pub struct X;"),
+    ]);
+    assert_eq!(
+        texts(check_walls(&package, WALLS), Rule::ModuleWall),
+        [
+            "src/lib.rs:1 a wall names the module gone, which demo has not",
+            "src/state/field.rs:1 state imports crate::store::Row: state is pure",
+            "src/state/field.rs:2 state imports std::time::SystemTime: no clock",
+            "src/state/field.rs:3 state imports crate::store::Row: state is pure",
+        ]
+    );
+}
+
+#[test]
+fn docs_begin_with_a_noun_or_a_verb() {
+    let source = "//! What is here.\n\n/// Returns one.\n/// When the line goes on.\nfn a() {}\n\
+                  /// Whether it is so.\nfn b() {}\n/// Whatever.\n///\n/// # Errors\n\
+                  /// When it fails.\nfn c() {}\n// Why this is a comment of the code.\n\
+                  /// what begins small.\nfn d() {}\n/// If\n/// it is.\nfn e() {}\n";
+    assert_eq!(
+        found(Rule::OpeningWord, &[("src/lib.rs", source)]),
+        [
+            "src/lib.rs:1 begins with \"What\": begin with a noun or a verb of doing",
+            "src/lib.rs:6 begins with \"Whether\": begin with a noun or a verb of doing",
+            "src/lib.rs:16 begins with \"If\": begin with a noun or a verb of doing",
+        ]
+    );
+}
+
+#[test]
+fn every_file_but_tests_and_main_has_a_header() {
+    let sources = [
+        ("src/lib.rs", "mod a; mod b; #[cfg(test)] mod samples;"),
+        ("src/a.rs", "/// One.\npub struct A;"),
+        ("src/b.rs", "//! Second part.\n"),
+        ("src/samples.rs", ""),
+        ("src/a/tests.rs", ""),
+        ("src/main.rs", "fn main() {}"),
+        ("tests/it/main.rs", ""),
+    ];
+    assert_eq!(
+        found(Rule::MissingHeader, &sources),
+        [
+            "src/a.rs:1 the file begins with no //! header",
+            "src/lib.rs:1 the file begins with no //! header"
+        ]
+    );
+}
+
+#[test]
+fn docs_of_members_say_more_than_two_words() {
+    let source = "/// Of two.\nstruct A {\n/// When.\nat: u8,\n/// In milliseconds since 1970.\n\
+                  b: u8,\nc: u8 }\nenum E {\n/// The repository.\nA,\n/// Of a time, in seconds.\nB }";
+    assert_eq!(
+        found(Rule::ShortMemberDoc, &[("src/lib.rs", source)]),
+        [
+            "src/lib.rs:3 \"When.\" says no more than the member's name",
+            "src/lib.rs:9 \"The repository.\" says no more than the member's name"
+        ]
+    );
+}
+
+#[test]
+fn public_items_of_libraries_have_docs() {
+    let source = "//! Library.\npub mod b { pub fn inner() {} }\npub fn a() {}\npub(crate) fn c() {}\n\
+                  /// Documented.\npub struct S { pub at: u8 }\nimpl S {\npub fn new() {} }\n\
+                  impl Clone for S { fn clone(&self) {} }\n#[doc(hidden)]\npub fn hidden() {}\n\
+                  mod p { pub fn unseen() {} }\n#[cfg(test)]\npub fn for_tests() {}";
+    assert_eq!(
+        found(Rule::MissingDoc, &[("src/lib.rs", source), ("src/main.rs", "pub fn free() {}")]),
+        [
+            "src/lib.rs:2 `inner` is public and has no docs",
+            "src/lib.rs:3 `a` is public and has no docs",
+            "src/lib.rs:8 `new` is public and has no docs"
+        ]
+    );
+}
+
+#[test]
+fn files_and_functions_have_bounds() {
+    let (fits, long) =
+        (format!("fn f() {{{}}}", "\n".repeat(79)), format!("fn g() {{{}}}", "\n".repeat(80)));
+    let source = format!("{fits}\n{long}\n");
+    assert_eq!(
+        found(Rule::FunctionLength, &[("src/lib.rs", &source)]),
+        ["src/lib.rs:81 `g` has 81 lines, at most 80 are allowed"]
+    );
+    let (fits, long) = ("\n".repeat(400), "\n".repeat(401));
+    assert_eq!(
+        found(Rule::FileLength, &[("src/a.rs", &fits), ("tests/b.rs", &long)]),
+        ["tests/b.rs:401 the file has 401 lines, at most 400 are allowed"]
+    );
+    let generated = format!("// @generated by a program\n{long}");
+    assert_eq!(found(Rule::FileLength, &[("src/a.rs", &generated)]), [""; 0]);
+}
+
+#[test]
+fn methods_of_a_type_stay_in_three_files() {
+    let part = "use super::A; impl A { fn f() {} }";
+    let mut sources = vec![
+        ("src/lib.rs", "mod a;"),
+        ("src/a.rs", "mod b; mod c; mod d; pub struct A; impl A { fn f() {} }"),
+        ("src/a/b.rs", part),
+        ("src/a/c.rs", "use super::A; impl A { fn f() {} } impl Clone for A {}"),
+        ("src/a/d.rs", "use super::A; impl Drop for A {} #[cfg(test)] impl A { fn f() {} }"),
+    ];
+    assert_eq!(found(Rule::ImplSpread, &sources), [""; 0]);
+    sources[4] = ("src/a/d.rs", part);
+    assert_eq!(
+        found(Rule::ImplSpread, &sources),
+        ["src/a.rs:1 methods of `A` are in 4 files, at most 3 are allowed: \
+          src/a.rs, src/a/b.rs, src/a/c.rs, src/a/d.rs"]
+    );
+}
+
+#[test]
+fn types_have_bounds_but_those_of_the_wire() {
+    let fields = |count: usize| (0..count).map(|n| format!("f{n}: u8,")).collect::<String>();
+    let methods = (0..41).map(|n| format!("fn m{n}() {{}}")).collect::<String>();
+    let source = format!(
+        "struct Fits {{ {} }}\nstruct Large {{ {} }}\n#[derive(Debug, serde::Serialize)]\n\
+         struct Wire {{ {} }}\nstruct Busy;\nimpl Busy {{ {methods} }}",
+        fields(12),
+        fields(13),
+        fields(13)
+    );
+    let package = package(&[("src/lib.rs", &source)]);
+    let sizes =
+        |exemptions: &[Exemption]| texts(check_type_sizes(&package, exemptions), Rule::TypeSize);
+    let exempt = |type_name| Exemption { package: "demo", type_name, reason: "a test" };
+    assert_eq!(
+        sizes(&[]),
+        [
+            "src/lib.rs:1 `Busy` has 41 methods, at most 40 are allowed",
+            "src/lib.rs:2 `Large` has 13 fields, at most 12 are allowed"
+        ]
+    );
+    assert_eq!(
+        sizes(&[exempt("Busy"), exempt("Large"), exempt("Wire")]),
+        ["src/lib.rs:1 `Wire` needs no exemption"]
+    );
+}
+
+#[test]
+fn banned_words_are_found_as_parts_of_names() {
+    for (text, words) in [
+        ("struct Books;", vec!["books"]),
+        ("let desk_handle = DeskHandle::new();", vec!["desk"]),
+        ("fn keep_house() {}", vec!["house", "keep_house"]),
+        ("KeepHouse", vec!["house", "keep_house"]),
+        ("FAREWELL_BUDGET", vec!["farewell"]),
+        ("bookshelf, desktop, notebooks, warehouse, renew, newsletter", vec![]),
+        ("keep_the_house", vec!["house"]),
+    ] {
+        let found: Vec<&str> = banned_in(text).into_iter().map(|word| word.word).collect();
+        assert_eq!(found, words, "{text}");
+    }
+}
+
+#[test]
+fn banned_words_are_found_in_code_and_comments_but_not_in_texts() {
+    let source = "//! The desk.\nlet a = \"a remark\"; // Aftermath.\nlet b = r#\"the \"books\" of\n\
+                  the desk\"#;\nlet c = '\"'; /* the /* inner */ shelf */ let d = 'd';\n\
+                  fn f<'desk>() { \"\\\"desk\"; let ripe = b\"desk\"; }\n";
+    let source = source.replacen("let", "fn x() { let", 1) + "}";
+    assert_eq!(
+        found(Rule::BannedWord, &[("src/lib.rs", &source), ("src/knocks.rs", "")]),
+        [
+            "src/knocks.rs:1 \"knocks\": say rejected clients",
+            "src/lib.rs:1 \"desk\": say coordinator",
+            "src/lib.rs:2 \"aftermath\": say effects",
+            "src/lib.rs:5 \"shelf\": say mapping versions",
+            "src/lib.rs:6 \"desk\": say coordinator",
+            "src/lib.rs:6 \"ripe\": say due, releasable",
+        ]
+    );
+}

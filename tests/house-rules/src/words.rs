@@ -1,0 +1,134 @@
+//! Vocabulary: words of our own where the field has one, in identifiers, module names and comments.
+
+use std::collections::BTreeSet;
+
+use crate::{
+    finding::{Finding, Rule},
+    lexer,
+    package::Package,
+};
+
+/// A word that is never right.
+#[derive(Debug, Clone, Copy)]
+pub struct BannedWord {
+    /// Parts of an identifier in lower case, joined by `_`; in comments joined by spaces or `_`.
+    pub word: &'static str,
+    /// Remedy, printed with each finding.
+    pub instead: &'static str,
+}
+
+const fn banned(word: &'static str, instead: &'static str) -> BannedWord {
+    BannedWord { word, instead }
+}
+
+/// The words, each with the one to use.
+pub const BANNED_WORDS: &[BannedWord] = &[
+    banned("aftermath", "effects"),
+    banned("anew", "again, restart"),
+    banned("books", "state"),
+    banned("departure", "in flight"),
+    banned("departures", "in flight"),
+    banned("desk", "coordinator"),
+    banned("ephemerals", "keep-alive queue"),
+    banned("farewell", "shutdown"),
+    banned("goodbye", "close"),
+    banned("grounds", "basis"),
+    banned("hinder", "report an obstacle"),
+    banned("house", "workspace"),
+    banned("housekeeping", "maintenance"),
+    banned("keep_house", "run maintenance"),
+    banned("keeper", "client"),
+    banned("knock", "rejected client"),
+    banned("knocks", "rejected clients"),
+    banned("misfit", "mismatch"),
+    banned("misfits", "mismatches"),
+    banned("news", "released, changes"),
+    banned("obey", "handle a command"),
+    banned("outbox", "spool reader, queue"),
+    banned("remark", "comment"),
+    banned("remarks", "comments"),
+    banned("ripe", "due, releasable"),
+    banned("rooms", "modules, outputs"),
+    banned("shelf", "mapping versions"),
+    banned("short_way", "fast path"),
+    banned("somebody", "a person, the caller"),
+    banned("told_and_kept", "record"),
+    banned("trial", "shadow mapping, dry run"),
+    banned("trials", "shadow mappings, dry runs"),
+    banned("twin_side", "twin adapter"),
+    banned("verdict", "decision, finding"),
+    banned("verdicts", "decisions, findings"),
+    banned("whoever", "the caller, any"),
+];
+/// Packages that speak of the rules themselves, and so name the words.
+const ABOUT_WORDS: [&str; 1] = ["house-rules"];
+/// Names of this checker and of the test that runs it.
+const NAMES_OF_RULES: [&str; 3] = ["house_rules", "house-rules", "mod house;"];
+
+/// Reports each banned word once a line.
+pub(crate) fn check(package: &Package) -> Vec<Finding> {
+    if ABOUT_WORDS.contains(&package.name.as_str()) {
+        return Vec::new();
+    }
+    let mut findings = Vec::new();
+    for file in &package.files {
+        let mut report = |line: usize, text: &str| {
+            for word in banned_in(text) {
+                findings.push(Finding {
+                    file: file.path.clone(),
+                    line,
+                    rule: Rule::BannedWord,
+                    text: format!("\"{}\": say {}", word.word.replace('_', " "), word.instead),
+                });
+            }
+        };
+        let stem = file.inner.rsplit('/').next().unwrap_or_default().trim_end_matches(".rs");
+        if !(package.name == "verbund-tests" && stem == "house") {
+            report(1, stem);
+        }
+        for (at, line) in lexer::lines(&file.text).into_iter().enumerate() {
+            for mut text in [line.code, line.comment] {
+                for name in NAMES_OF_RULES {
+                    text = text.replace(name, "");
+                }
+                report(at + 1, &text);
+            }
+        }
+    }
+    findings.dedup();
+    findings
+}
+
+/// Returns the banned words of a line, each once.
+pub(crate) fn banned_in(text: &str) -> Vec<&'static BannedWord> {
+    let parts = parts(text);
+    let mut seen = BTreeSet::new();
+    let mut found = Vec::new();
+    for word in BANNED_WORDS {
+        let wanted: Vec<&str> = word.word.split('_').collect();
+        if parts.windows(wanted.len()).any(|window| window == wanted) && seen.insert(word.word) {
+            found.push(word);
+        }
+    }
+    found
+}
+
+/// Splits words and identifiers into their parts in lower case: `DeskHandle`, `desk_handle` and
+/// "desk handle" alike.
+fn parts(text: &str) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    let mut was_lower = false;
+    for character in text.chars() {
+        let is_start = character.is_uppercase() && was_lower;
+        if !character.is_alphanumeric() || is_start {
+            parts.push(String::new());
+        }
+        if character.is_alphanumeric() {
+            let part = parts.last_mut().expect("there is a first part");
+            part.extend(character.to_lowercase());
+        }
+        was_lower = character.is_lowercase() || character.is_numeric();
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
+}

@@ -1,0 +1,31 @@
+//! Tables of the rules of form: walls between the modules of a package, and types of the connector
+//! that may be larger than others. Shared by the test and the program for developers.
+
+use house_rules::{Exemption, Wall};
+
+/// Packages of the connector, whose types have bounds.
+pub const CONNECTOR: &[&str] = &["factory-connector"];
+
+/// Types of the connector that may have more fields or methods.
+pub const LARGE_TYPES: &[Exemption] = &[];
+
+const fn wall(
+    package: &'static str,
+    from: &'static str,
+    to: &'static str,
+    reason: &'static str,
+) -> Wall {
+    Wall { package, from, to, reason }
+}
+
+/// Walls inside packages: the first module and those below it never import the second.
+pub const WALLS: &[Wall] = &[
+    wall("asi-model", "", "::std::time::SystemTime::now", "the shared language knows no clock"),
+    wall("mapping-engine", "transform", "::std::time::SystemTime::now", "time is an argument"),
+    wall("mapping-engine", "transform", "::tokio", "a transform is a state machine"),
+    wall("factory-connector", "disclosure", "api", "the gate knows no HTTP"),
+    wall("factory-connector", "disclosure", "store", "the gate knows no rows"),
+    wall("factory-connector", "disclosure", "::tokio", "the gate is a state machine"),
+    wall("factory-connector", "store", "api", "rows know no HTTP"),
+    wall("factory-connector", "ledger", "api", "the ledger knows no HTTP"),
+];
