@@ -1,7 +1,8 @@
 /* eslint-disable svelte/prefer-svelte-reactivity -- what waits to be drawn and who shows requests is nobody's state to draw */
 import { poll, Resource } from '@/transport/resource.svelte'
-import { connector, feed } from './api/client'
+import { connector, feed, FIELD } from './api/client'
 import type { Field, InboxRequest, InboxTotals, RequestKey } from './api/types'
+import { withLink, type LinkedStatus } from './link/link-state'
 import { talks } from './conversation/talks.svelte'
 
 /** Events tell when a state changes; only asking tells how much waits, and when the last message left. */
@@ -18,9 +19,11 @@ type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' 
  * themselves are as many as partners ask; each page reads those that it shows, and has them kept fresh here.
  */
 class Plant {
-  readonly status = new Resource((signal) => connector.status(signal))
+  readonly status = new Resource<LinkedStatus>(async (signal) =>
+    withLink(await connector.get('/status', { signal })),
+  )
   readonly totals = new Resource<InboxTotals>(
-    async (signal) => (await connector.inbox({ limit: 1 }, signal)).totals,
+    async (signal) => (await connector.get('/inbox', { query: { limit: 1 }, signal })).totals,
   )
   readonly pending = $derived(this.totals.value?.pending ?? 0)
   readonly #shown = new Set<Shown>()
@@ -111,7 +114,7 @@ class Plant {
     if (known === undefined) return
     // A decision has more members than the event tells: that field is read again.
     if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
-      void connector.field(field.key).then(
+      void connector.get(FIELD, { path: field.key }).then(
         (whole) => {
           this.put(whole)
         },

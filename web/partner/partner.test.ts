@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
-import type { FieldState, NetworkView } from './api/types'
+import type { DisclosureStatement, FieldState, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
 import { saying } from './live/saying'
 import { drawnOperations } from './networks/drawn'
@@ -196,7 +196,7 @@ it('events are told on one line', () => {
 })
 
 describe('a precision', () => {
-  it.each([
+  it.each<[DisclosureStatement | null, string]>([
     [null, 'Jede Änderung, wie sie ist.'],
     [{ description: 'Every change, as it is.' }, 'Jede Änderung, wie sie ist.'],
     [
@@ -224,7 +224,9 @@ describe('a precision', () => {
         description:
           'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states.',
         bandList: [-5, 0.5],
-        hoursList: [{ dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00' }],
+        hoursList: [
+          { dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00', utcOffsetMinutes: 0 },
+        ],
         isWithheldInStates: true,
       },
       'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten.',

@@ -9,7 +9,8 @@ export const credentials: { csrfToken: string | undefined; onExpired: () => void
   onExpired: () => undefined,
 }
 
-interface Options {
+/** Everything of a request beside method and path. */
+export interface RequestOptions {
   body?: unknown
   /** A body that is no JSON of ours, as it is. */
   text?: string
@@ -31,7 +32,11 @@ export function address(path: string): string {
 }
 
 /** One request to the API of the daemon that served this page. Throws {@link Problem}. */
-export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
+export async function request<T>(
+  method: Method,
+  path: string,
+  options: RequestOptions = {},
+): Promise<T> {
   const headers: Record<string, string> = { accept: 'application/json' }
   if (options.body !== undefined || options.text !== undefined)
     headers['content-type'] = options.contentType ?? 'application/json'
@@ -84,17 +89,4 @@ export async function download(path: string): Promise<void> {
   link.download = name
   link.click()
   URL.revokeObjectURL(link.href)
-}
-
-/** A path of ids: every part is encoded, `/` inside an id included. */
-export function path(...parts: (string | number)[]): string {
-  return `/${parts.map((part) => encodeURIComponent(part)).join('/')}`
-}
-
-/** A query string without the parameters that are not set. */
-export function query(parameters: Record<string, string | number | boolean | undefined>): string {
-  const set = Object.entries(parameters).filter(([, value]) => value !== undefined && value !== '')
-  return set.length === 0
-    ? ''
-    : `?${set.map(([name, value]) => `${name}=${encodeURIComponent(String(value))}`).join('&')}`
 }

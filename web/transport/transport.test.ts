@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
-import { credentials, path, query, request } from './http'
+import { credentials, request } from './http'
 import { LiveFeed } from './live.svelte'
 import { PagedList } from './paged.svelte'
 import { Problem } from './problem'
@@ -57,10 +57,6 @@ describe('requests', () => {
     expect(expired).toHaveBeenCalledOnce()
     await request('POST', '/session', { body: {}, signingIn: true }).catch(() => undefined)
     expect(expired).toHaveBeenCalledOnce()
-  })
-  it('encode ids and leave out what is not set', () => {
-    expect(path('fields', 'a/b', 'ü')).toBe('/fields/a%2Fb/%C3%BC')
-    expect(query({ a: 'x y', b: undefined, c: 0 })).toBe('?a=x%20y&c=0')
   })
 })
 

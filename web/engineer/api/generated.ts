@@ -1,7 +1,7 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
-    "/api/v1/application-certificate": {
+    "/application-certificate": {
         parameters: {
             query?: never;
             header?: never;
@@ -24,69 +24,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["ApplicationCertificateView"];
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -113,69 +50,6 @@ export interface paths {
                         "application/json": components["schemas"]["ApplicationCertificateView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -185,7 +59,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/application-certificate/request": {
+    "/application-certificate/request": {
         parameters: {
             query?: never;
             header?: never;
@@ -216,69 +90,6 @@ export interface paths {
                         "application/json": components["schemas"]["CertificateRequestView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -287,7 +98,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-authorities": {
+    "/client-authorities": {
         parameters: {
             query?: never;
             header?: never;
@@ -312,69 +123,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_ClientAuthorityView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -385,7 +133,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-authorities/{thumbprint}": {
+    "/client-authorities/{thumbprint}": {
         parameters: {
             query?: never;
             header?: never;
@@ -414,69 +162,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -484,7 +169,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-certificates": {
+    "/client-certificates": {
         parameters: {
             query?: never;
             header?: never;
@@ -512,69 +197,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_ClientCertificateView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -599,69 +221,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -670,7 +229,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-certificates/{thumbprint}": {
+    "/client-certificates/{thumbprint}": {
         parameters: {
             query?: never;
             header?: never;
@@ -702,69 +261,6 @@ export interface paths {
                         "application/json": components["schemas"]["ClientCertificateView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -774,7 +270,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-revocation-lists": {
+    "/client-revocation-lists": {
         parameters: {
             query?: never;
             header?: never;
@@ -799,69 +295,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_ClientRevocationListView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -872,7 +305,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/client-revocation-lists/{revocationListId}": {
+    "/client-revocation-lists/{revocationListId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -901,69 +334,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -971,7 +341,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/configuration": {
+    "/configuration": {
         parameters: {
             query?: never;
             header?: never;
@@ -996,69 +366,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_Setting"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1069,7 +376,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/dead-letters": {
+    "/dead-letters": {
         parameters: {
             query?: never;
             header?: never;
@@ -1081,7 +388,7 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description `nextCursor` of the page before. */
-                    cursor?: number;
+                    cursor?: string;
                 };
                 header?: never;
                 path?: never;
@@ -1097,69 +404,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_DeadLetter"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1170,7 +414,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/events": {
+    "/events": {
         parameters: {
             query?: never;
             header?: never;
@@ -1201,69 +445,6 @@ export interface paths {
                         "text/event-stream": string;
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1274,7 +455,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}": {
         parameters: {
             query?: never;
             header?: never;
@@ -1304,69 +485,6 @@ export interface paths {
                         "application/json": components["schemas"]["FieldView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1377,7 +495,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer": {
         parameters: {
             query?: never;
             header?: never;
@@ -1407,69 +525,6 @@ export interface paths {
                         "application/json": components["schemas"]["ConsentOffer"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1480,7 +535,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision": {
         parameters: {
             query?: never;
             header?: never;
@@ -1515,69 +570,6 @@ export interface paths {
                         "application/json": components["schemas"]["FieldView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -1587,7 +579,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status": {
         parameters: {
             query?: never;
             header?: never;
@@ -1617,69 +609,6 @@ export interface paths {
                         "application/json": components["schemas"]["MappingStatus"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1690,7 +619,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart": {
         parameters: {
             query?: never;
             header?: never;
@@ -1722,69 +651,6 @@ export interface paths {
                         "application/json": components["schemas"]["MappingStatus"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -1793,7 +659,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview": {
         parameters: {
             query?: never;
             header?: never;
@@ -1829,69 +695,6 @@ export interface paths {
                         "application/json": components["schemas"]["Preview"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -1900,7 +703,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow": {
         parameters: {
             query?: never;
             header?: never;
@@ -1928,69 +731,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["ShadowView"];
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -2022,69 +762,6 @@ export interface paths {
                         "application/json": components["schemas"]["ShadowView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -2110,69 +787,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -2180,7 +794,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish": {
         parameters: {
             query?: never;
             header?: never;
@@ -2212,69 +826,6 @@ export interface paths {
                         "application/json": components["schemas"]["FieldView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2283,7 +834,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions": {
         parameters: {
             query?: never;
             header?: never;
@@ -2316,69 +867,6 @@ export interface paths {
                         "application/json": components["schemas"]["Suggestions"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -2389,7 +877,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template": {
         parameters: {
             query?: never;
             header?: never;
@@ -2425,69 +913,6 @@ export interface paths {
                         "application/json": components["schemas"]["MappingTemplate"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2496,7 +921,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial": {
         parameters: {
             query?: never;
             header?: never;
@@ -2532,69 +957,6 @@ export interface paths {
                         "application/json": components["schemas"]["Trial"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2603,7 +965,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value": {
         parameters: {
             query?: never;
             header?: never;
@@ -2638,69 +1000,6 @@ export interface paths {
                         "application/json": components["schemas"]["Entered"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -2710,7 +1009,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference": {
         parameters: {
             query?: never;
             header?: never;
@@ -2745,69 +1044,6 @@ export interface paths {
                         "application/json": components["schemas"]["Difference"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -2818,7 +1054,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions": {
         parameters: {
             query?: never;
             header?: never;
@@ -2848,69 +1084,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_VersionView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -2921,7 +1094,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback": {
+    "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback": {
         parameters: {
             query?: never;
             header?: never;
@@ -2954,69 +1127,6 @@ export interface paths {
                         "application/json": components["schemas"]["FieldView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -3025,7 +1135,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/inbox": {
+    "/inbox": {
         parameters: {
             query?: never;
             header?: never;
@@ -3065,69 +1175,6 @@ export interface paths {
                         "application/json": components["schemas"]["InboxPage"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3138,7 +1185,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/leak-budgets": {
+    "/leak-budgets": {
         parameters: {
             query?: never;
             header?: never;
@@ -3166,69 +1213,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_PartnerLeaks"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3239,7 +1223,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/leak-budgets/summary": {
+    "/leak-budgets/summary": {
         parameters: {
             query?: never;
             header?: never;
@@ -3267,69 +1251,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_PartnerSummary"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3340,7 +1261,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/ledger": {
+    "/ledger": {
         parameters: {
             query?: never;
             header?: never;
@@ -3371,7 +1292,7 @@ export interface paths {
                     /** @description Of it, only about this field. */
                     fieldName?: string;
                     /** @description `nextCursor` of the page before. */
-                    after?: number;
+                    after?: string;
                     /** @description Entries on the page, 1 to 500; 100 without it. */
                     limit?: number;
                 };
@@ -3389,69 +1310,6 @@ export interface paths {
                         "application/json": components["schemas"]["LedgerView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3462,7 +1320,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/ledger/checkpoints": {
+    "/ledger/checkpoints": {
         parameters: {
             query?: never;
             header?: never;
@@ -3474,7 +1332,7 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description `nextCursor` of the page before. */
-                    cursor?: number;
+                    cursor?: string;
                     /** @description Checkpoints per page, at most 200; 20 without it. */
                     limit?: number;
                 };
@@ -3492,69 +1350,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_CheckpointView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3565,7 +1360,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/ledger/export": {
+    "/ledger/export": {
         parameters: {
             query?: never;
             header?: never;
@@ -3611,69 +1406,6 @@ export interface paths {
                         "text/csv": string;
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3684,7 +1416,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/ledger/fields": {
+    "/ledger/fields": {
         parameters: {
             query?: never;
             header?: never;
@@ -3714,69 +1446,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_LedgerField"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3787,7 +1456,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/ledger/verification": {
+    "/ledger/verification": {
         parameters: {
             query?: never;
             header?: never;
@@ -3814,69 +1483,6 @@ export interface paths {
                         "application/json": components["schemas"]["VerificationView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -3885,7 +1491,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mapping-templates": {
+    "/mapping-templates": {
         parameters: {
             query?: never;
             header?: never;
@@ -3910,69 +1516,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_TemplateView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -3983,7 +1526,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mapping-templates/{templateId}": {
+    "/mapping-templates/{templateId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -4015,69 +1558,6 @@ export interface paths {
                         "application/json": components["schemas"]["MappingTemplate"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -4100,69 +1580,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -4170,7 +1587,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mapping-templates/{templateId}/fill": {
+    "/mapping-templates/{templateId}/fill": {
         parameters: {
             query?: never;
             header?: never;
@@ -4206,69 +1623,6 @@ export interface paths {
                         "application/json": components["schemas"]["ImportOutcome"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -4277,7 +1631,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mappings/export": {
+    "/mappings/export": {
         parameters: {
             query?: never;
             header?: never;
@@ -4306,69 +1660,6 @@ export interface paths {
                         "text/csv": string;
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -4379,7 +1670,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mappings/import": {
+    "/mappings/import": {
         parameters: {
             query?: never;
             header?: never;
@@ -4418,69 +1709,6 @@ export interface paths {
                         "application/json": components["schemas"]["ImportOutcome"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -4489,7 +1717,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mappings/survey": {
+    "/mappings/survey": {
         parameters: {
             query?: never;
             header?: never;
@@ -4519,69 +1747,6 @@ export interface paths {
                         "application/json": components["schemas"]["MappingSurvey"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -4592,7 +1757,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks": {
+    "/operation-networks": {
         parameters: {
             query?: never;
             header?: never;
@@ -4617,69 +1782,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_NetworkSummary"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -4690,7 +1792,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}": {
+    "/operation-networks/{operationNetworkId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -4717,69 +1819,6 @@ export interface paths {
                         "application/json": components["schemas"]["NetworkView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -4790,7 +1829,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}/comments": {
+    "/operation-networks/{operationNetworkId}/comments": {
         parameters: {
             query?: never;
             header?: never;
@@ -4815,69 +1854,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_StoredComment"];
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -4906,69 +1882,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -4977,7 +1890,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}/news": {
+    "/operation-networks/{operationNetworkId}/news": {
         parameters: {
             query?: never;
             header?: never;
@@ -5004,69 +1917,6 @@ export interface paths {
                         "application/json": components["schemas"]["NetworkNews"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5077,7 +1927,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operator/entries": {
+    "/operator/entries": {
         parameters: {
             query?: never;
             header?: never;
@@ -5107,69 +1957,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_OperatorEntry"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5195,69 +1982,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_EntryResult"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -5266,7 +1990,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operator/operations": {
+    "/operator/operations": {
         parameters: {
             query?: never;
             header?: never;
@@ -5296,69 +2020,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_OperatorOperation"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5369,7 +2030,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/policies": {
+    "/policies": {
         parameters: {
             query?: never;
             header?: never;
@@ -5394,69 +2055,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_PolicyView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5467,7 +2065,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/policies/{policyId}": {
+    "/policies/{policyId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -5505,69 +2103,6 @@ export interface paths {
                         "application/json": components["schemas"]["DocumentVersion"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -5577,7 +2112,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/policies/{policyId}/preview": {
+    "/policies/{policyId}/preview": {
         parameters: {
             query?: never;
             header?: never;
@@ -5610,69 +2145,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_PolicyUse"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -5681,7 +2153,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/policies/{policyId}/versions": {
+    "/policies/{policyId}/versions": {
         parameters: {
             query?: never;
             header?: never;
@@ -5708,69 +2180,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_Versioned_NamedPolicy"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5781,7 +2190,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/recipients": {
+    "/recipients": {
         parameters: {
             query?: never;
             header?: never;
@@ -5806,69 +2215,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_RecipientView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -5879,7 +2225,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/recipients/{recipient}/policy": {
+    "/recipients/{recipient}/policy": {
         parameters: {
             query?: never;
             header?: never;
@@ -5916,69 +2262,6 @@ export interface paths {
                         "application/json": components["schemas"]["RecipientVersion"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -5988,7 +2271,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}": {
+    "/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -6017,69 +2300,6 @@ export interface paths {
                         "application/json": components["schemas"]["RequestView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6090,7 +2310,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/revocations": {
+    "/revocations": {
         parameters: {
             query?: never;
             header?: never;
@@ -6120,69 +2340,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_StoredRevocation"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6208,69 +2365,6 @@ export interface paths {
                         "application/json": components["schemas"]["StoredRevocation"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -6279,7 +2373,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/revocations/{revocationId}": {
+    "/revocations/{revocationId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -6306,69 +2400,6 @@ export interface paths {
                         "application/json": components["schemas"]["StoredRevocation"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6379,7 +2410,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/revocations/{revocationId}/print": {
+    "/revocations/{revocationId}/print": {
         parameters: {
             query?: never;
             header?: never;
@@ -6409,69 +2440,6 @@ export interface paths {
                         "text/html": string;
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6482,7 +2450,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rule-decisions": {
+    "/rule-decisions": {
         parameters: {
             query?: never;
             header?: never;
@@ -6494,7 +2462,7 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description `nextCursor` of the page before. */
-                    cursor?: number;
+                    cursor?: string;
                     /** @description Decisions per page, at most 100. */
                     limit?: number;
                 };
@@ -6512,69 +2480,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_RuleDecision"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6585,7 +2490,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rule-decisions/{id}/undo": {
+    "/rule-decisions/{id}/undo": {
         parameters: {
             query?: never;
             header?: never;
@@ -6616,69 +2521,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -6687,7 +2529,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rules": {
+    "/rules": {
         parameters: {
             query?: never;
             header?: never;
@@ -6712,69 +2554,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_Versioned_Rule"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -6785,7 +2564,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rules/apply": {
+    "/rules/apply": {
         parameters: {
             query?: never;
             header?: never;
@@ -6812,69 +2591,6 @@ export interface paths {
                         "application/json": components["schemas"]["Applied"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -6883,7 +2599,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rules/preview": {
+    "/rules/preview": {
         parameters: {
             query?: never;
             header?: never;
@@ -6914,69 +2630,6 @@ export interface paths {
                         "application/json": components["schemas"]["RulePreview"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -6985,7 +2638,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rules/{ruleId}": {
+    "/rules/{ruleId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -7022,69 +2675,6 @@ export interface paths {
                         "application/json": components["schemas"]["DocumentVersion"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -7094,7 +2684,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/rules/{ruleId}/versions": {
+    "/rules/{ruleId}/versions": {
         parameters: {
             query?: never;
             header?: never;
@@ -7121,69 +2711,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_Versioned_Rule"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -7194,7 +2721,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/session": {
+    "/session": {
         parameters: {
             query?: never;
             header?: never;
@@ -7225,69 +2752,6 @@ export interface paths {
                         "application/json": components["schemas"]["Session"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -7296,7 +2760,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/source-certificates": {
+    "/source-certificates": {
         parameters: {
             query?: never;
             header?: never;
@@ -7321,69 +2785,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_PeerCertificate"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -7394,7 +2795,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/source-certificates/{thumbprint}": {
+    "/source-certificates/{thumbprint}": {
         parameters: {
             query?: never;
             header?: never;
@@ -7426,69 +2827,6 @@ export interface paths {
                         "application/json": components["schemas"]["PeerCertificate"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -7498,7 +2836,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/sources": {
+    "/sources": {
         parameters: {
             query?: never;
             header?: never;
@@ -7523,69 +2861,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_SourceView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -7608,70 +2883,7 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": Record<string, never>;
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
+                        "application/json": unknown;
                     };
                 };
             };
@@ -7682,7 +2894,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/sources/{sourceId}": {
+    "/sources/{sourceId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -7711,70 +2923,7 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": Record<string, never>;
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
+                        "application/json": unknown;
                     };
                 };
             };
@@ -7799,69 +2948,6 @@ export interface paths {
                     };
                     content?: never;
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -7869,7 +2955,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/sources/{sourceId}/nodes": {
+    "/sources/{sourceId}/nodes": {
         parameters: {
             query?: never;
             header?: never;
@@ -7883,7 +2969,7 @@ export interface paths {
                     /** @description The node whose children to list; the Objects folder without it. */
                     parent?: string;
                     /** @description `nextCursor` of the page before. */
-                    cursor?: number;
+                    cursor?: string;
                     /** @description Children per page, 500 without it, at most 1000. */
                     limit?: number;
                 };
@@ -7903,69 +2989,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_BrowsedNode"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -7976,7 +2999,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/sources/{sourceId}/search": {
+    "/sources/{sourceId}/search": {
         parameters: {
             query?: never;
             header?: never;
@@ -8008,69 +3031,6 @@ export interface paths {
                         "application/json": components["schemas"]["Finds"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -8081,7 +3041,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/sources/{sourceId}/value": {
+    "/sources/{sourceId}/value": {
         parameters: {
             query?: never;
             header?: never;
@@ -8111,69 +3071,6 @@ export interface paths {
                         "application/json": components["schemas"]["ShownValue"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -8184,7 +3081,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/spool": {
+    "/spool": {
         parameters: {
             query?: never;
             header?: never;
@@ -8206,70 +3103,7 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": Record<string, never>;
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
+                        "application/json": unknown;
                     };
                 };
             };
@@ -8282,7 +3116,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/status": {
+    "/status": {
         parameters: {
             query?: never;
             header?: never;
@@ -8307,69 +3141,6 @@ export interface paths {
                         "application/json": components["schemas"]["Status"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -8380,7 +3151,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/users": {
+    "/users": {
         parameters: {
             query?: never;
             header?: never;
@@ -8405,69 +3176,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_UserView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -8478,7 +3186,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/users/{userName}": {
+    "/users/{userName}": {
         parameters: {
             query?: never;
             header?: never;
@@ -8513,69 +3221,6 @@ export interface paths {
                         "application/json": components["schemas"]["UserView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -8597,69 +3242,6 @@ export interface paths {
                         [name: string]: unknown;
                     };
                     content?: never;
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description A part that is needed is not there at the moment. */
-                503: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
                 };
             };
         };
@@ -8698,11 +3280,11 @@ export interface components {
             /** @enum {string} */
             action: "VALUE";
             /** @description The field's request. */
-            dynamic_data_request_id: string;
+            dynamicDataRequestId: string;
             /** @description The field. */
-            field_name: string;
+            fieldName: string;
             /** @description As plain JSON; 64-bit integers may be texts. */
-            value: Record<string, never>;
+            value: unknown;
         };
         /**
          * @description What a window computes.
@@ -9032,8 +3614,7 @@ export interface components {
             overflow?: components["schemas"]["Overflow"];
             /** @description How a fraction becomes an integer. */
             rounding?: components["schemas"]["Rounding"];
-            /** @description The wanted type. */
-            to: components["schemas"]["TypeName"];
+            to: string;
         };
         /** @description The sum of a counter's increments, across wraps, resets and restarts of machine and connector. */
         Counter: {
@@ -9101,14 +3682,12 @@ export interface components {
             /** @description How values are coarsened; every change as it is without it. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
-            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
-            mappingState: string;
+            mappingState: components["schemas"]["MappingState"];
             /** @description A named policy that holds beside it, in its newest version from now on. */
             policyId?: string | null;
             /** @description Told to the partner; needed with `REFUSED`. */
             reason?: string | null;
-            /** @description Where values come from; needed with `MAPPED`. */
-            valueSource?: string | null;
+            valueSource?: components["schemas"]["ValueSource"] | null;
         };
         /** @description Entries that a page kept. */
         Delivery: {
@@ -9142,60 +3721,41 @@ export interface components {
          *     step and the working hours.
          */
         DisclosurePolicy: {
-            /** @default null */
-            aggregate: components["schemas"]["WindowAggregate"] | null;
-            /**
-             * @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending.
-             * @default []
-             */
-            bands: number[];
+            aggregate?: components["schemas"]["WindowAggregate"] | null;
+            /** @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending. */
+            bands?: number[];
             /**
              * Format: int64
              * @description Every value leaves this many milliseconds late.
-             * @default null
              */
-            delayMs: number | null;
-            /**
-             * @description Values leave within each of these hours only, beside the working hours.
-             * @default []
-             */
-            furtherHours: components["schemas"]["WorkingHours"][];
+            delayMs?: number | null;
+            /** @description Values leave within each of these hours only, beside the working hours. */
+            furtherHours?: components["schemas"]["WorkingHours"][];
             /**
              * Format: int64
              * @description At most one value leaves per this many milliseconds; the latest wins.
-             * @default null
              */
-            minimumIntervalMs: number | null;
-            /**
-             * @description At most so many values leave per period; all of these hold.
-             * @default []
-             */
-            rateLimits: components["schemas"]["RateLimit"][];
+            minimumIntervalMs?: number | null;
+            /** @description At most so many values leave per period; all of these hold. */
+            rateLimits?: components["schemas"]["RateLimit"][];
             /**
              * Format: double
              * @description Numbers are rounded to the nearest multiple of this, in the field's unit.
-             * @default null
              */
-            roundingStep: number | null;
+            roundingStep?: number | null;
             /**
              * Format: int32
              * @description Numbers have at most so many significant digits, 1 to 15.
-             * @default null
              */
-            significantDigits: number | null;
+            significantDigits?: number | null;
             /**
              * Format: int64
              * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
-             * @default null
              */
-            timeStepMs: number | null;
-            /**
-             * @description Nothing leaves while any of these is met, and what comes meanwhile never leaves.
-             * @default []
-             */
-            withholdWhile: components["schemas"]["WithholdCondition"][];
-            /** @default null */
-            workingHours: components["schemas"]["WorkingHours"] | null;
+            timeStepMs?: number | null;
+            /** @description Nothing leaves while any of these is met, and what comes meanwhile never leaves. */
+            withholdWhile?: components["schemas"]["WithholdCondition"][];
+            workingHours?: components["schemas"]["WorkingHours"] | null;
         };
         /** @description One version of a policy or rule. */
         DocumentVersion: {
@@ -9214,8 +3774,7 @@ export interface components {
             mapping?: components["schemas"]["MappingDraft"] | null;
             /** @description A named policy that would hold beside it. */
             policyId?: string | null;
-            /** @description Where values would come from. */
-            valueSource: string;
+            valueSource: components["schemas"]["ValueSource"];
         };
         /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
         Edge: {
@@ -9261,7 +3820,7 @@ export interface components {
         /** @description A value that a person enters. */
         EnteredValue: {
             /** @description The value as plain JSON; 64-bit integers may be texts. */
-            value: Record<string, never>;
+            value: unknown;
         };
         /** @description What became of an entry. */
         EntryResult: {
@@ -9273,11 +3832,23 @@ export interface components {
             fields: components["schemas"]["FieldResult"][];
             /** @description For `REFUSED`: why, and what to do. */
             message?: string | null;
-            /** @description `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again. */
-            result: string;
+            /** @enum {string} */
+            result: "TAKEN" | "REPEATED" | "REFUSED";
         };
-        /** @description An entry of a chain. */
-        EntryView: Record<string, never> & {
+        EntryView: {
+            operationNetworkId?: string | null;
+            operationId?: string | null;
+            dynamicDataRequestId?: string | null;
+            fieldName?: string | null;
+            policy?: components["schemas"]["DisclosurePolicy"] | null;
+            mappingState?: components["schemas"]["MappingState"] | null;
+            decidedBy?: string | null;
+            dataSetWriterId?: number | null;
+            epoch?: number | null;
+            firstSequence?: number | null;
+            lastSequence?: number | null;
+            lastDeliveredSequence?: number | null;
+        } & {
             /** @description When it was recorded. */
             at: string;
             /**
@@ -9311,8 +3882,9 @@ export interface components {
              * @description Its place in the chain.
              */
             sequence: number;
-            /** @description For a report: the values that left, by field, while they are kept. */
-            value?: Record<string, never> | null;
+            value?: {
+                [key: string]: unknown;
+            } | null;
         };
         /** @description From the numbers of an enumeration to texts. */
         Enumeration: {
@@ -9385,8 +3957,7 @@ export interface components {
              * @description The most that one value can tell, in bits; none for texts and other values without bound.
              */
             bitsPerValue?: number | null;
-            /** @description Which. */
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
             /** @description What was measured. */
             measured: components["schemas"]["Measured"];
             /**
@@ -9402,7 +3973,7 @@ export interface components {
         };
         /** @description What became of a value of an entry. */
         FieldResult: components["schemas"]["Entered"] & {
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
         };
         /** @description A requested field with its decision and value. */
         FieldView: {
@@ -9431,12 +4002,9 @@ export interface components {
             hasShadow: boolean;
             /** @description Nothing leaves at present: the policy withholds the present state, or one that is not known. */
             isWithheld: boolean;
-            /** @description Its address. */
-            key: Record<string, never>;
-            /** @description The mapping in force, or the one to offer again. */
-            mapping?: Record<string, never> | null;
-            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
-            mappingState: string;
+            key: components["schemas"]["FieldKey"];
+            mapping?: components["schemas"]["Mapping"] | null;
+            mappingState: components["schemas"]["MappingState"];
             /**
              * Format: int32
              * @description The number of the newest version of the mapping; none before the first.
@@ -9457,8 +4025,7 @@ export interface components {
              * @description -1 scalar, 1 array.
              */
             valueRank: number;
-            /** @description `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped. */
-            valueSource?: string | null;
+            valueSource?: components["schemas"]["ValueSource"] | null;
         };
         /** @description What was found. */
         Finds: {
@@ -9525,14 +4092,15 @@ export interface components {
             /** @enum {string} */
             kind: "userName";
             /** @description The user's name. */
-            user_name: string;
+            userName: string;
+            password?: string;
         } | {
             /** @description The certificate, DER or PEM. */
-            certificate_path: string;
+            certificatePath: string;
             /** @enum {string} */
             kind: "certificate";
             /** @description Its private key, PEM. */
-            private_key_path: string;
+            privateKeyPath: string;
         };
         /** @description What an import did, or would do. */
         ImportOutcome: {
@@ -9696,8 +4264,7 @@ export interface components {
         LeakWarning: {
             /** @description What can be concluded, as a code; its parameters are the other members. */
             conclusion: components["schemas"]["Conclusion"];
-            /** @description From which fields. */
-            fields: Record<string, never>[];
+            fields: components["schemas"]["FieldKey"][];
             /**
              * Format: int64
              * @description The time from which on it could not be concluded, in milliseconds, where that helps.
@@ -9725,8 +4292,7 @@ export interface components {
         };
         /** @description A field that the ledger speaks of, requested still or no more. */
         LedgerField: {
-            /** @description Its address. */
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
         };
         /** @description Entries of one chain, newest first. */
         LedgerView: {
@@ -9742,7 +4308,7 @@ export interface components {
             /** @description The built-in type. */
             type: components["schemas"]["TypeName"];
             /** @description The value; 64-bit integers as text. */
-            value: Record<string, never>;
+            value: unknown;
         };
         /** @description From values to values by a table. */
         Lookup: {
@@ -9771,8 +4337,7 @@ export interface components {
             steps?: components["schemas"]["Step"][];
             /** @description The report field that gets the values. */
             target: components["schemas"]["FieldKey"];
-            /** @description The built-in type of the field; what leaves the chain is of this type or a fault. */
-            targetType: components["schemas"]["TypeName"];
+            targetType: string;
             /** @description The unit the partner asked for (UNECE code or alias). */
             targetUnit?: string | null;
             /**
@@ -9784,9 +4349,9 @@ export interface components {
         /** @description One difference. */
         MappingChange: {
             /** @description What is there now; absent where it was taken away. */
-            after?: Record<string, never> | null;
+            after?: unknown;
             /** @description What was there; absent where it is new. */
-            before?: Record<string, never> | null;
+            before?: unknown;
             /** @description JSON pointer into the mapping: of the later version, or of the earlier one where something was taken away. */
             pointer: string;
         };
@@ -9854,7 +4419,7 @@ export interface components {
             triggers?: boolean;
             /** @description The variable's unit as seen when it was picked (UNECE code or alias). */
             unit?: string | null;
-            valueType?: components["schemas"]["TypeName"] | null;
+            valueType?: string | null;
         };
         /** @description How a mapping is doing, for its page. */
         MappingStatus: {
@@ -9926,7 +4491,7 @@ export interface components {
             /** @description What it is for. */
             description?: string | null;
             /** @description The JSON of a mapping with placeholders. */
-            mapping: Record<string, never>;
+            mapping: unknown;
             /** @description What people call it. */
             name?: string | null;
             /** @description The parameters, for the form that asks for them. */
@@ -9973,27 +4538,21 @@ export interface components {
         MessageSecurity: "none" | "sign" | "signAndEncrypt";
         /** @description How a variable is monitored. */
         MonitorOptions: {
-            /** @default null */
-            browsePath: components["schemas"]["BrowsePath"] | null;
-            /**
-             * @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
-             * @default null
-             */
-            indexRange: string | null;
+            browsePath?: components["schemas"]["BrowsePath"] | null;
+            /** @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`. */
+            indexRange?: string | null;
             /**
              * Format: int32
              * @description How many changes the server keeps between two publishings. Default: what sampling and publishing interval ask
              *     for, so that no change is lost.
-             * @default null
              */
-            queueSize: number | null;
+            queueSize?: number | null;
             /**
              * Format: double
              * @description How often the server looks for a change, in milliseconds. 0: on every change. Default: the publishing interval
              *     of the source.
-             * @default null
              */
-            samplingIntervalMs: number | null;
+            samplingIntervalMs?: number | null;
         };
         /** @description A policy with a name, to be chosen for fields and set for recipients. */
         NamedPolicy: {
@@ -10010,7 +4569,7 @@ export interface components {
              * @description What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
              *     and of the consent.
              */
-            difference: Record<string, never>;
+            difference: unknown;
             /**
              * Format: int64
              * @description The one before it, where there was one.
@@ -10039,7 +4598,7 @@ export interface components {
         /** @description A network with its requests. */
         NetworkView: {
             /** @description The message as received; none once withdrawn. */
-            message?: Record<string, never> | null;
+            message?: unknown;
             /** @description Its requests. */
             requests: components["schemas"]["RequestView"][];
             /**
@@ -10104,7 +4663,7 @@ export interface components {
         OperatorField: {
             description?: string | null;
             /** @description What was entered last, as it was before the gate. */
-            entered?: Record<string, never> | null;
+            entered?: unknown;
             /**
              * Format: date-time
              * @description When.
@@ -10112,7 +4671,7 @@ export interface components {
             enteredAt?: string | null;
             /** @description The value follows from the buttons; it can be typed all the same. */
             hasButton: boolean;
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
             name: string;
             semantic?: string | null;
             type: string;
@@ -10147,592 +4706,189 @@ export interface components {
         /** @description A page of a list. */
         Page_BrowsedNode: {
             /** @description The items. */
-            items: {
-                /** @description Its browse name, as an element of a browse path. */
-                browseName: string;
-                browsePath?: components["schemas"]["BrowsePath"] | null;
-                /** @description The built-in type that carries the value: itself, or the base of an enumeration or structure. */
-                builtInType?: string | null;
-                dataType?: components["schemas"]["TypeName"] | null;
-                /** @description What it is, where the server says so. */
-                description?: string | null;
-                /** @description Its name for people. */
-                displayName: string;
-                /** @description True where there is something below it. */
-                hasChildren: boolean;
-                /** @description True where this user may write the value. */
-                isWritable: boolean;
-                /** @description Which kind of node it is. */
-                nodeClass: components["schemas"]["NodeClass"];
-                /** @description Its identity. */
-                nodeId: string;
-                /** @description The usual range of an analog variable, low and high. */
-                range?: [
-                    number,
-                    number
-                ] | null;
-                typeDefinition?: components["schemas"]["TypeName"] | null;
-                unit?: components["schemas"]["UnitName"] | null;
-                /**
-                 * Format: int32
-                 * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
-                 */
-                valueRank?: number | null;
-            }[];
+            items: components["schemas"]["BrowsedNode"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_CheckpointView: {
             /** @description The items. */
-            items: {
-                /** @description The last entry of each chain then. */
-                heads: components["schemas"]["CheckpointHead"][];
-                /**
-                 * Format: int64
-                 * @description Its place, from 1 without gaps.
-                 */
-                number: number;
-                /** @description The key it is verified with, hexadecimal. */
-                publicKey: string;
-                /**
-                 * Format: date-time
-                 * @description When it was made.
-                 */
-                recordedAt: string;
-                /** @description The Ed25519 signature over that text, hexadecimal. */
-                signature: string;
-                /** @description The exact text that was signed: factory, number, time, and of each chain the last number and hash. */
-                signedText: string;
-            }[];
+            items: components["schemas"]["CheckpointView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientAuthorityView: {
             /** @description The items. */
-            items: {
-                /** @description Clients with a certificate of it may connect; otherwise it only leads to one that is trusted. */
-                isTrusted: boolean;
-                /** @description The distinguished name of who issued it; the subject's where it did so itself. */
-                issuer: string;
-                /**
-                 * Format: date-time
-                 * @description When that list is to be replaced.
-                 */
-                nextUpdate?: string | null;
-                /**
-                 * Format: date-time
-                 * @description End of its validity.
-                 */
-                notAfter: string;
-                /**
-                 * Format: date-time
-                 * @description Beginning of its validity.
-                 */
-                notBefore: string;
-                /** @description Whether its list of revoked certificates is here. Its clients stay outside without a current one. */
-                revocationList: components["schemas"]["RevocationListState"];
-                /** @description The subject's distinguished name. */
-                subject: string;
-                /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
-                thumbprint: string;
-            }[];
+            items: components["schemas"]["ClientAuthorityView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientCertificateView: {
             /** @description The items. */
-            items: {
-                /** @description The application it was made for, as it says. */
-                applicationUri?: string | null;
-                /**
-                 * Format: date-time
-                 * @description End of its validity.
-                 */
-                notAfter: string;
-                /**
-                 * Format: date-time
-                 * @description Beginning of its validity.
-                 */
-                notBefore: string;
-                /** @description The address that it came from then; null where the twin itself had called. */
-                rejectedAddress?: string | null;
-                /** @description What the application called itself then; nothing of it is proven. */
-                rejectedApplicationName?: string | null;
-                /**
-                 * Format: date-time
-                 * @description When its bearer was turned away last; null where that was never, or before it was trusted.
-                 */
-                rejectedAt?: string | null;
-                rejectionReason?: components["schemas"]["ClientRejection"] | null;
-                /** @description Whether it opens the door. */
-                state: components["schemas"]["ClientTrust"];
-                /** @description The subject's distinguished name. */
-                subject: string;
-                /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
-                thumbprint: string;
-            }[];
+            items: components["schemas"]["ClientCertificateView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientRevocationListView: {
             /** @description The items. */
-            items: {
-                /** @description An authority that is known here signed it; otherwise it is of no use. */
-                isSignedByKnownAuthority: boolean;
-                /** @description The distinguished name of the authority. */
-                issuer: string;
-                /**
-                 * Format: date-time
-                 * @description When it is to be replaced, where it says so.
-                 */
-                nextUpdate?: string | null;
-                /** @description Its identity here. */
-                revocationListId: string;
-                /** @description How many certificates it names. */
-                revokedCount: number;
-                /**
-                 * Format: date-time
-                 * @description When it was made.
-                 */
-                thisUpdate: string;
-            }[];
+            items: components["schemas"]["ClientRevocationListView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_DeadLetter: {
             /** @description The items. */
-            items: {
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                at: string;
-                /**
-                 * Format: int64
-                 * @description Its size, in bytes.
-                 */
-                bytes: number;
-                /** @description Why, as a code. */
-                code: string;
-                /** @description `RECEIVED` or `SENT`. */
-                direction: string;
-                /** @description Its number, as text. */
-                id: string;
-                /** @description Its id, where it has one. */
-                messageId?: string | null;
-                /** @description Why, in words. */
-                reason: string;
-                /** @description Its type, as far as it is known. */
-                subject: string;
-            }[];
+            items: components["schemas"]["DeadLetter"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_EntryResult: {
             /** @description The items. */
-            items: {
-                /** @description For `REFUSED`: why, as a code. */
-                code?: string | null;
-                /** @description The entry. */
-                entryId: string;
-                /** @description Fields that took a value from it. */
-                fields: components["schemas"]["FieldResult"][];
-                /** @description For `REFUSED`: why, and what to do. */
-                message?: string | null;
-                /** @description `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again. */
-                result: string;
-            }[];
+            items: components["schemas"]["EntryResult"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_LedgerField: {
             /** @description The items. */
-            items: {
-                /** @description Its address. */
-                key: Record<string, never>;
-            }[];
+            items: components["schemas"]["LedgerField"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_NetworkSummary: {
             /** @description The items. */
-            items: {
-                collaborationId?: string | null;
-                fieldCount: number;
-                isWithdrawn: boolean;
-                name?: string | null;
-                operationNetworkId: string;
-                pendingCount: number;
-                /** Format: date-time */
-                receivedAt: string;
-                requestCount: number;
-                /** Format: int64 */
-                revision: number;
-            }[];
+            items: components["schemas"]["NetworkSummary"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_OperatorEntry: {
             /** @description The items. */
-            items: (components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
-                /** @description Made where it was entered. */
-                entryId: string;
-                /**
-                 * Format: date-time
-                 * @description When it was entered, by the connector's clock.
-                 */
-                madeAt: string;
-                /** @description Who. */
-                madeBy: string;
-                /**
-                 * Format: date-time
-                 * @description When it came here.
-                 */
-                receivedAt: string;
-            })[];
+            items: components["schemas"]["OperatorEntry"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_OperatorOperation: {
             /** @description The items. */
-            items: (components["schemas"]["OperationKey"] & {
-                buttons: components["schemas"]["Buttons"];
-                description?: string | null;
-                /** @description The fields that take entered values. */
-                fields: components["schemas"]["OperatorField"][];
-                name?: string | null;
-                networkName?: string | null;
-                /** @description `PRODUCTION`, `INSPECTION` or `TRANSPORTATION`. */
-                operationType: string;
-                /** Format: date-time */
-                plannedEnd?: string | null;
-                /** Format: double */
-                plannedQuantity?: number | null;
-                /** Format: date-time */
-                plannedStart?: string | null;
-                quantityUnit?: string | null;
-                /** @description By the entries so far. */
-                standing: components["schemas"]["Standing"];
-            })[];
+            items: components["schemas"]["OperatorOperation"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PartnerLeaks: {
             /** @description The items. */
-            items: (components["schemas"]["LeakBudget"] & {
-                /** @description The organisation: a requester or a recipient. */
-                partner: string;
-            })[];
+            items: components["schemas"]["PartnerLeaks"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PartnerSummary: {
             /** @description The items. */
-            items: (components["schemas"]["LeakSummary"] & {
-                /** @description The organisation: a requester or a recipient. */
-                partner: string;
-            })[];
+            items: components["schemas"]["PartnerSummary"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PeerCertificate: {
             /** @description The items. */
-            items: {
-                /** @description The length of its RSA key in bits. */
-                keyBits?: number | null;
-                /** @description Who it names. */
-                subject: string;
-                /** @description SHA-1 thumbprint, hex. */
-                thumbprint: string;
-                /** @description Whether we trust it. */
-                trust: components["schemas"]["TrustState"];
-                /**
-                 * Format: date-time
-                 * @description From when it is valid.
-                 */
-                validFrom?: string | null;
-                /**
-                 * Format: date-time
-                 * @description Until when it is valid.
-                 */
-                validTo?: string | null;
-            }[];
+            items: components["schemas"]["PeerCertificate"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PolicyUse: {
             /** @description The items. */
-            items: (components["schemas"]["Statement"] & {
-                /** @description The field. */
-                key: Record<string, never>;
-                /** @description What it would read with the draft. */
-                statementThen: string;
-                /** @description The same as codes with parameters. */
-                statementThenParts: components["schemas"]["StatementPart"][];
-            })[];
+            items: components["schemas"]["PolicyUse"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PolicyView: {
             /** @description The items. */
-            items: (components["schemas"]["Versioned_NamedPolicy"] & components["schemas"]["Statement"] & {
-                /** @description How many mapped fields take it by name. */
-                fieldCount: number;
-                /** @description The recipients that it is set for. */
-                recipients: string[];
-            })[];
+            items: components["schemas"]["PolicyView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_RecipientView: {
             /** @description The items. */
-            items: {
-                /** @description How many mapped fields it gets. */
-                fieldCount: number;
-                /** @description The organisation. */
-                recipient: string;
-                set?: components["schemas"]["RecipientPolicy"] | null;
-            }[];
+            items: components["schemas"]["RecipientView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_RuleDecision: {
             /** @description The items. */
-            items: {
-                /** @description `ACCEPT` or `REFUSE`. */
-                action: string;
-                /**
-                 * Format: int32
-                 * @description The consent that this made.
-                 */
-                consentVersion: number;
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                decidedAt: string;
-                /** @description The field. */
-                field: Record<string, never>;
-                /** @description Its number, as text. */
-                id: string;
-                /** @description The rules, in the versions that decided. */
-                rules: components["schemas"]["DocumentVersion"][];
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                undoneAt?: string | null;
-                /** @description Who undid it. */
-                undoneBy?: string | null;
-            }[];
+            items: components["schemas"]["RuleDecision"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Setting: {
             /** @description The items. */
-            items: {
-                /** @description What it is without being said, as TOML; none where it is absent then. */
-                default?: string | null;
-                /** @description It is set to something that is not shown. */
-                isHidden: boolean;
-                /** @description Its name. */
-                key: string;
-                /** @description What it means. */
-                meaning: string;
-                /** @description Who says so: a line of the file or a variable of the environment. */
-                origin?: string | null;
-                /** @description The section it stands in; empty at the top. */
-                section: string;
-                /** @description What it was set to, as TOML; none where the default holds. Secrets are not shown. */
-                value?: string | null;
-            }[];
+            items: components["schemas"]["Setting"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_SourceView: {
             /** @description The items. */
-            items: (Record<string, never> & components["schemas"]["SourceStatus"])[];
+            items: components["schemas"]["SourceView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_StoredComment: {
             /** @description The items. */
-            items: {
-                /** @description Who says it. */
-                authorId: string;
-                /** @description The request talked about, if one. */
-                dynamicDataRequestId?: string | null;
-                /** @description The field talked about, if one. */
-                fieldName?: string | null;
-                /**
-                 * Format: int64
-                 * @description Its number.
-                 */
-                id: number;
-                /** @description Said by this factory. */
-                isOwn: boolean;
-                /** @description What is said. */
-                text: string;
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                writtenAt: string;
-            }[];
+            items: components["schemas"]["StoredComment"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_StoredRevocation: {
             /** @description The items. */
-            items: (components["schemas"]["RevocationReceipt"] & {
-                /**
-                 * Format: int32
-                 * @description Reports that were on their way when the consent ended, of which the platform has said since that it holds them.
-                 */
-                arrivedSince: number;
-                /**
-                 * Format: int32
-                 * @description Reports of which it is still not known whether they arrived.
-                 */
-                open: number;
-                /** @description The key it is verified with, hexadecimal. */
-                publicKey: string;
-                /** @description The Ed25519 signature over that text, hexadecimal. */
-                signature: string;
-                /** @description The exact text that was signed. */
-                signedText: string;
-            })[];
+            items: components["schemas"]["StoredRevocation"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_TemplateView: {
             /** @description The items. */
-            items: (components["schemas"]["MappingTemplate"] & {
-                /** @description Who changed it last. */
-                author: string;
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                changedAt: string;
-            })[];
+            items: components["schemas"]["TemplateView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_UserView: {
             /** @description The items. */
-            items: {
-                role: components["schemas"]["Role"];
-                userName: string;
-            }[];
+            items: components["schemas"]["UserView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_VersionView: {
             /** @description The items. */
-            items: {
-                /** @description Who published it. */
-                author?: string | null;
-                /** @description What differs from the version before; none for the oldest. */
-                changes: components["schemas"]["MappingChange"][];
-                /** @description It is the mapping of the field now. */
-                isCurrent: boolean;
-                /** @description The mapping. */
-                mapping: components["schemas"]["Mapping"];
-                /** @description Where it came from, where not from the editor. */
-                note?: string | null;
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                publishedAt: string;
-                /**
-                 * Format: int32
-                 * @description Counts from 1.
-                 */
-                version: number;
-            }[];
+            items: components["schemas"]["VersionView"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Versioned_NamedPolicy: {
             /** @description The items. */
-            items: (components["schemas"]["DocumentVersion"] & {
-                /** @description What it says. */
-                disclosure: components["schemas"]["DisclosurePolicy"];
-                /** @description It is kept, but offered and applied no more. */
-                isRetired?: boolean;
-                /** @description What it is called. */
-                name: string;
-            } & {
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                changedAt: string;
-                /** @description Who changed it last. */
-                changedBy: string;
-            })[];
+            items: components["schemas"]["Versioned_NamedPolicy"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Versioned_Rule: {
             /** @description The items. */
-            items: (components["schemas"]["DocumentVersion"] & {
-                /** @description What is done with them. */
-                action: components["schemas"]["RuleAction"];
-                /** @description The precision, with `ACCEPT` and `PREFILL`. */
-                disclosure?: components["schemas"]["DisclosurePolicy"];
-                /** @description It is applied to new requests; otherwise it is kept, and can be looked at. */
-                isEnabled?: boolean;
-                /** @description What it is called. */
-                name: string;
-                /** @description A named policy that holds beside it: the strictest of both. */
-                policyId?: string | null;
-                /** @description What the partner is told, with `REFUSE`. */
-                reason?: string | null;
-                /**
-                 * @description Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
-                 *     a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
-                 */
-                valueSource?: string | null;
-                /** @description Which fields it means. */
-                when: components["schemas"]["RuleCondition"];
-            } & {
-                /**
-                 * Format: date-time
-                 * @description When.
-                 */
-                changedAt: string;
-                /** @description Who changed it last. */
-                changedBy: string;
-            })[];
+            items: components["schemas"]["Versioned_Rule"][];
             /** @description Where the next page begins; none on the last. */
             nextCursor?: string | null;
         };
@@ -10747,8 +4903,7 @@ export interface components {
              * @description The base of an integer: 2 to 36.
              */
             radix?: number | null;
-            /** @description The type of the value. */
-            to: components["schemas"]["TypeName"];
+            to: string;
         };
         /** @description What one partner learns. */
         PartnerLeaks: components["schemas"]["LeakBudget"] & {
@@ -10793,15 +4948,13 @@ export interface components {
         Placed: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
         /** @description What became of a mapping. */
         PlacedMapping: {
-            /** @description Its field. */
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
             /** @description What became of it. */
             outcome: components["schemas"]["Placed"];
         };
         /** @description What a change of a policy would do to a field. */
         PolicyUse: components["schemas"]["Statement"] & {
-            /** @description The field. */
-            key: Record<string, never>;
+            key: components["schemas"]["FieldKey"];
             /** @description What it would read with the draft. */
             statementThen: string;
             /** @description The same as codes with parameters. */
@@ -10968,8 +5121,7 @@ export interface components {
             hasEnded: boolean;
             /** @description It has waited for more than a day. */
             isOverdue: boolean;
-            /** @description Its address. */
-            key: Record<string, never>;
+            key: components["schemas"]["RequestKey"];
             /** @description What the network is called. */
             networkName?: string | null;
             /**
@@ -10977,8 +5129,7 @@ export interface components {
              * @description Since when it waits for an engineer, while a field of it is undecided.
              */
             openSince?: string | null;
-            /** @description The operation it asks about, without its requests. */
-            operation: Record<string, never>;
+            operation: components["schemas"]["OperationSummary"];
             /** @description What for. */
             purpose: string;
             /**
@@ -11012,8 +5163,7 @@ export interface components {
         RevocationBody: {
             /** @description Of it, only those of this request. */
             dynamicDataRequestId?: string | null;
-            /** @description These fields. */
-            fields?: Record<string, never>[];
+            fields?: components["schemas"]["FieldKey"][];
             /** @description How the fields are decided from now on: `PENDING` (without it) or `REFUSED`. */
             mappingState?: string | null;
             /** @description Of it, only those about this operation. */
@@ -11059,8 +5209,7 @@ export interface components {
              * @description The number of the consent that ended.
              */
             consentVersion: number;
-            /** @description The field. */
-            field: Record<string, never>;
+            field: components["schemas"]["FieldKey"];
         };
         /** @description What had left of a data set. */
         RevokedWriter: {
@@ -11093,8 +5242,7 @@ export interface components {
             lastSentSequence?: number | null;
             /** @description Who could see it. */
             recipientList: string[];
-            /** @description What it reported about. */
-            request: Record<string, never>;
+            request: components["schemas"]["RequestKey"];
             /** @description Queued and taken back: they never left. */
             takenBack: components["schemas"]["Sequences"][];
         };
@@ -11122,11 +5270,7 @@ export interface components {
             policyId?: string | null;
             /** @description What the partner is told, with `REFUSE`. */
             reason?: string | null;
-            /**
-             * @description Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that the field had before
-             *     a change of its request, or that of an equal field of the same operation; without one the engineer is asked.
-             */
-            valueSource?: string | null;
+            valueSource?: components["schemas"]["ValueSource"] | null;
             /** @description Which fields it means. */
             when: components["schemas"]["RuleCondition"];
         };
@@ -11142,11 +5286,7 @@ export interface components {
              * @default []
              */
             dataTypes: string[];
-            /**
-             * @description The field's name, where `*` stands for anything; upper and lower case are alike.
-             * @default null
-             */
-            namePattern: string | null;
+            namePattern?: string | null;
             /**
              * @description Organisations. A rule that accepts or pre-fills means requests of which the requester and *every* recipient are
              *     among them; a rule that refuses, requests of which any is.
@@ -11178,8 +5318,7 @@ export interface components {
              * @description When.
              */
             decidedAt: string;
-            /** @description The field. */
-            field: Record<string, never>;
+            field: components["schemas"]["FieldKey"];
             /** @description Its number, as text. */
             id: string;
             /** @description The rules, in the versions that decided. */
@@ -11194,10 +5333,8 @@ export interface components {
         };
         /** @description A field that a rule means. */
         RuleMatch: {
-            /** @description The field. */
-            key: Record<string, never>;
-            /** @description `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided. */
-            mappingState: string;
+            key: components["schemas"]["FieldKey"];
+            mappingState: components["schemas"]["MappingState"];
             /** @description What the rule says. */
             offer: components["schemas"]["RuleOfferView"];
             /** @description It is undecided and no engineer has left it open: the rule would decide now. */
@@ -11209,14 +5346,12 @@ export interface components {
             action: components["schemas"]["RuleAction"];
             /** @description The precision. */
             disclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description The mapping, with the source `MAPPING`. */
-            mapping?: Record<string, never> | null;
+            mapping?: components["schemas"]["Mapping"] | null;
             /** @description What the partner would be told. */
             reason?: string | null;
             /** @description The rules, the one that gives reason and source first. */
             rules: components["schemas"]["RuleReference"][];
-            /** @description Where values would come from. */
-            valueSource?: string | null;
+            valueSource?: components["schemas"]["ValueSource"] | null;
         };
         /** @description What a rule would match. */
         RulePreview: {
@@ -11500,8 +5635,7 @@ export interface components {
             /** @description Its state. */
             state: components["schemas"]["SourceState"];
         };
-        /** @description A source with its configuration and how it stands. */
-        SourceView: Record<string, never> & components["schemas"]["SourceStatus"];
+        SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
         /** @description How an operation stands by its entries. */
         Standing: {
             /**
@@ -11519,7 +5653,7 @@ export interface components {
              * @description When the last entry was made.
              */
             lastEntryAt?: string | null;
-            problem?: components["schemas"]["Problem"] | null;
+            problem?: components["schemas"]["OperatorProblem"] | null;
             /**
              * Format: double
              * @description Scrap counted with the buttons.
@@ -11630,13 +5764,8 @@ export interface components {
         /** @description How the connector stands. */
         Status: {
             factoryId: string;
-            /**
-             * @description Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`), since when, and which
-             *     other connector (`holder`, `contender`) has the factory's credential, too.
-             */
-            lease: Record<string, never>;
-            /** @description The link to the platform: `state` (connecting, up, down, stopped), since when, and why. */
-            link: Record<string, never>;
+            lease: components["schemas"]["LeaseStatus"];
+            link: components["schemas"]["LinkStatus"] | null;
             /**
              * Format: date-time
              * @description Its own clock, to tell ages by.
@@ -11644,12 +5773,10 @@ export interface components {
             now: string;
             /** @description The local servers. */
             sources: components["schemas"]["SourceStatus"][];
-            /** @description What waits to leave. */
-            spool: Record<string, never>;
+            spool: components["schemas"]["SpoolStatus"];
             /** Format: date-time */
             startedAt: string;
-            /** @description The OPC UA server. */
-            twin: Record<string, never>;
+            twin: components["schemas"]["TwinStatus"];
             version: string;
         };
         /**
@@ -11924,9 +6051,9 @@ export interface components {
             status: number;
             /** @description The status' name, where it is a well-known one. */
             statusName?: string | null;
-            type?: components["schemas"]["TypeName"] | null;
+            type?: string | null;
             /** @description The value. */
-            value: Record<string, never>;
+            value: unknown;
         };
         /** @description What became of a trial. */
         Trial: components["schemas"]["Trace"] & {
@@ -12172,6 +6299,63 @@ export interface components {
              */
             utcOffsetMinutes?: number;
         };
+        RequestKey: {
+            operationNetworkId: string;
+            operationId: string;
+            dynamicDataRequestId: string;
+        };
+        /** @enum {string} */
+        MappingState: "PENDING" | "MAPPED" | "REFUSED";
+        /** @enum {string} */
+        ValueSource: "MAPPING" | "MANUAL" | "EXTERNAL";
+        OperationSummary: {
+            operationId: string;
+            operationType: string;
+            name?: string | null;
+            plannedStart?: string | null;
+            plannedEnd?: string | null;
+        };
+        LinkStatus: {
+            state: string;
+            since?: string | null;
+            lastAcceptedAt?: string | null;
+            lastReceiptedAt?: string | null;
+            backlog?: number;
+            reason?: string | null;
+        };
+        LeaseParty: {
+            instanceId: string;
+            host: string;
+            since: string;
+            lastHeardAt: string;
+        };
+        LeaseStatus: {
+            /** @enum {string} */
+            state: "ASKING" | "HELD" | "REFUSED";
+            since: string;
+            host: string;
+            leaseNumber?: number | null;
+            holder?: components["schemas"]["LeaseParty"] | null;
+            contender?: components["schemas"]["LeaseParty"] | null;
+        };
+        SpoolStatus: {
+            waiting: number;
+            sent: number;
+            bytes: number;
+            oldestAt?: string | null;
+        };
+        TwinStatus: {
+            endpointUrl?: string | null;
+        };
+        OperatorProblem: {
+            text: string;
+            since: string;
+            toldBy: string;
+        };
+        Versioned_Rule: components["schemas"]["DocumentVersion"] & components["schemas"]["Rule"] & {
+            changedBy: string;
+            changedAt: string;
+        };
     };
     responses: never;
     parameters: never;
@@ -12181,82 +6365,3 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export type operations = Record<string, never>;
-
-/** The paths that the daemon of this build answers: a page offers nothing else. */
-export const PATHS: readonly string[] = [
-  "/api/v1/application-certificate",
-  "/api/v1/application-certificate/request",
-  "/api/v1/client-authorities",
-  "/api/v1/client-authorities/{thumbprint}",
-  "/api/v1/client-certificates",
-  "/api/v1/client-certificates/{thumbprint}",
-  "/api/v1/client-revocation-lists",
-  "/api/v1/client-revocation-lists/{revocationListId}",
-  "/api/v1/configuration",
-  "/api/v1/dead-letters",
-  "/api/v1/events",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions",
-  "/api/v1/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback",
-  "/api/v1/inbox",
-  "/api/v1/leak-budgets",
-  "/api/v1/leak-budgets/summary",
-  "/api/v1/ledger",
-  "/api/v1/ledger/checkpoints",
-  "/api/v1/ledger/export",
-  "/api/v1/ledger/fields",
-  "/api/v1/ledger/verification",
-  "/api/v1/mapping-templates",
-  "/api/v1/mapping-templates/{templateId}",
-  "/api/v1/mapping-templates/{templateId}/fill",
-  "/api/v1/mappings/export",
-  "/api/v1/mappings/import",
-  "/api/v1/mappings/survey",
-  "/api/v1/operation-networks",
-  "/api/v1/operation-networks/{operationNetworkId}",
-  "/api/v1/operation-networks/{operationNetworkId}/comments",
-  "/api/v1/operation-networks/{operationNetworkId}/news",
-  "/api/v1/operator/entries",
-  "/api/v1/operator/operations",
-  "/api/v1/policies",
-  "/api/v1/policies/{policyId}",
-  "/api/v1/policies/{policyId}/preview",
-  "/api/v1/policies/{policyId}/versions",
-  "/api/v1/recipients",
-  "/api/v1/recipients/{recipient}/policy",
-  "/api/v1/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}",
-  "/api/v1/revocations",
-  "/api/v1/revocations/{revocationId}",
-  "/api/v1/revocations/{revocationId}/print",
-  "/api/v1/rule-decisions",
-  "/api/v1/rule-decisions/{id}/undo",
-  "/api/v1/rules",
-  "/api/v1/rules/apply",
-  "/api/v1/rules/preview",
-  "/api/v1/rules/{ruleId}",
-  "/api/v1/rules/{ruleId}/versions",
-  "/api/v1/session",
-  "/api/v1/source-certificates",
-  "/api/v1/source-certificates/{thumbprint}",
-  "/api/v1/sources",
-  "/api/v1/sources/{sourceId}",
-  "/api/v1/sources/{sourceId}/nodes",
-  "/api/v1/sources/{sourceId}/search",
-  "/api/v1/sources/{sourceId}/value",
-  "/api/v1/spool",
-  "/api/v1/status",
-  "/api/v1/users",
-  "/api/v1/users/{userName}"
-]

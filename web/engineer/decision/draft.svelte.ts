@@ -6,10 +6,9 @@ import type {
   InboxRequest,
   Mapping,
   MappingInput,
-  Step,
   ValueSource,
 } from '../api/types'
-import { newStep } from './step-catalogue'
+import { newStep, type Step } from './step-catalogue'
 
 /** What the engineer is about to decide on a field; nothing of it counts before consent. */
 export class Draft {
@@ -44,7 +43,9 @@ export class Draft {
   }
 
   get mapping(): Mapping | undefined {
-    return this.source === 'MAPPING' ? { inputs: this.inputs, steps: this.steps } : undefined
+    if (this.source !== 'MAPPING') return undefined
+    // The connector checks the parameters and says what is wrong with them.
+    return { inputs: this.inputs, steps: this.steps as Mapping['steps'] }
   }
 
   /** Whether there is anything to consent to. */
@@ -112,7 +113,7 @@ export class Draft {
     ]
     this.source = 'MAPPING'
     this.inputs = structuredClone(mapping.inputs)
-    this.steps = structuredClone(mapping.steps)
+    this.steps = structuredClone(mapping.steps ?? [])
     return () => {
       this.source = source
       this.inputs = inputs as MappingInput[]

@@ -1,5 +1,5 @@
 import { Problem } from '@/transport/problem'
-import { connector } from '../api/client'
+import { connector, FIELD } from '../api/client'
 import type { Diagnostic, FieldKey, Preview } from '../api/types'
 import { tidy, type Draft } from './draft.svelte'
 
@@ -44,7 +44,11 @@ export class PreviewRun {
     const run = async (): Promise<void> => {
       this.isRunning = true
       try {
-        const value = await connector.preview(key, JSON.parse(text) as typeof body, running.signal)
+        const value = await connector.post(`${FIELD}/preview`, {
+          path: key,
+          body: JSON.parse(text) as typeof body,
+          signal: running.signal,
+        })
         if (running.signal.aborted) return
         this.value = value
         this.problem = undefined

@@ -1,4 +1,8 @@
-import type { Step } from '../api/types'
+/** Function of a mapping in the editor, which shows any function by its catalogue. */
+export interface Step {
+  function: string
+  [parameter: string]: unknown
+}
 
 /** How a parameter of a function is entered. */
 export type ParameterKind =

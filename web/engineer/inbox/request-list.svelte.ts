@@ -1,6 +1,6 @@
 import { Problem } from '@/transport/problem'
 import { Resource } from '@/transport/resource.svelte'
-import { connector } from '../api/client'
+import { connector, REQUEST } from '../api/client'
 import type { FieldKey, InboxAnswer, InboxQuery, InboxRequest } from '../api/types'
 
 /** Requests that are read at once while somebody scrolls, and at most. */
@@ -40,7 +40,7 @@ export class RequestList {
     this.#isReading = true
     this.problem = undefined
     try {
-      const next = await connector.inbox({ ...query, cursor, limit: PAGE })
+      const next = await connector.get('/inbox', { query: { ...query, cursor, limit: PAGE } })
       if (query === this.#query) this.answer.amend((known) => joined(known, next))
     } catch (failure) {
       this.problem = Problem.from(failure)
@@ -70,7 +70,7 @@ export async function requestOf(
   signal: AbortSignal,
 ): Promise<{ items: InboxRequest[] }> {
   try {
-    return { items: [await connector.request(key, signal)] }
+    return { items: [await connector.get(REQUEST, { path: key, signal })] }
   } catch (failure) {
     if (Problem.from(failure).status === 404) return { items: [] }
     throw failure
@@ -78,18 +78,21 @@ export async function requestOf(
 }
 
 async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Promise<InboxAnswer> {
-  let answer = await connector.inbox({ ...query, limit: Math.min(count, PAGE_MAX) }, signal)
+  let answer = await connector.get('/inbox', {
+    query: { ...query, limit: Math.min(count, PAGE_MAX) },
+    signal,
+  })
   while (answer.nextCursor && answer.items.length < count)
     answer = joined(
       answer,
-      await connector.inbox(
-        {
+      await connector.get('/inbox', {
+        query: {
           ...query,
           cursor: answer.nextCursor,
           limit: Math.min(count - answer.items.length, PAGE_MAX),
         },
         signal,
-      ),
+      }),
     )
   return answer
 }

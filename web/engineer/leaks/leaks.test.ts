@@ -15,6 +15,7 @@ const leak = (fieldName: string, more: Partial<FieldLeak> = {}): FieldLeak => ({
     fieldName,
   },
   statement: 'Every value.',
+  statementParts: [],
   measured: { candidates: 100, released: 24, hours: 2 },
   timeResolutionMs: 0,
   ...more,

@@ -1,19 +1,7 @@
-import type { FieldKey } from '../api/types'
+import type { FieldKey, LedgerQuery } from '../api/types'
 
-/** Which part of which chain, in the words of the connector's API. */
-export interface LedgerFilter {
-  recipient?: string
-  /** RFC 3339: recorded then or later. */
-  from?: string
-  /** RFC 3339: recorded before then. */
-  until?: string
-  kind?: EntryKind
-  /** What the entries are about: a network, or more exactly as far as these go. */
-  operationNetworkId?: string
-  operationId?: string
-  dynamicDataRequestId?: string
-  fieldName?: string
-}
+/** Part of the ledger: a recipient, a time, a kind of entry, a subject. */
+export type LedgerFilter = Omit<LedgerQuery, 'kind' | 'after' | 'limit'> & { kind?: EntryKind }
 
 export const ENTRY_KINDS = [
   'CONSENT',

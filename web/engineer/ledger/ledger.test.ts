@@ -14,6 +14,8 @@ const entry = (sequence: number, more: Partial<LedgerEntry> = {}): LedgerEntry =
   recipientId: 'acme',
   kind: 'SENT',
   hash: 'ab'.repeat(32),
+  precision: {},
+  precisionParts: {},
   dataSetWriterId: 3,
   firstSequence: sequence,
   lastSequence: sequence,

@@ -1,5 +1,13 @@
 import type { Tone } from '@/design/tone'
+import type { LinkStatus, Status } from '../api/types'
 import { texts } from '../language/texts'
+
+/** Status with a link: one that is not configured until the connector is enrolled. */
+export type LinkedStatus = Omit<Status, 'link'> & { link: LinkStatus }
+
+export function withLink({ link, ...others }: Status): LinkedStatus {
+  return { ...others, link: link ?? { state: 'notConfigured', backlog: others.spool.waiting } }
+}
 
 /** The link's state in words; a state we have no words for as it is. */
 export function linkText(state: string): string {

@@ -17,6 +17,7 @@ const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as Field
 const PATH = '/fields/n/turn/progress/made/mapping-status'
 const at = '2026-01-02T03:04:05Z'
 const well: MappingStatus = {
+  mappingId: 'n/turn/progress/made',
   target: key,
   received: 1000,
   yielded: 998,
@@ -68,7 +69,14 @@ describe('a mapping at work', () => {
     status = {
       ...well,
       faults: 3,
-      lastFault: { at, message: 'ReferenceError: x is not defined', step: 1, line: 2, column: 7 },
+      lastFault: {
+        at,
+        kind: 'scriptError',
+        message: 'ReferenceError: x is not defined',
+        step: 1,
+        line: 2,
+        column: 7,
+      },
       inputs: [
         { ...input, name: 'parts', clockAheadMs: 2 * HOUR_MS },
         { ...input, name: 'seldom', clockAheadMs: -3 * HOUR_MS },

@@ -38,6 +38,7 @@ function status(fieldName: string, other: Partial<MappingStatus> = {}): MappingS
   const inputs = [{ name: 'a', value: { value: 1, status: 0 }, receivedAt: at, clockAheadMs: 2 }]
   return {
     ...counts,
+    mappingId: fieldName,
     target,
     inputs,
     circuit: { state: 'closed' },
@@ -61,7 +62,7 @@ const every: { health: MappingHealth; status: MappingStatus }[] = [
     health: 'FAILING',
     status: status('label', {
       faults: 3,
-      lastFault: { at, message: 'out of order', step: 1, line: 2, column: 7 },
+      lastFault: { at, kind: 'scriptError', message: 'out of order', step: 1, line: 2, column: 7 },
     }),
   },
   {

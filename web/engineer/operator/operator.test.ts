@@ -41,7 +41,7 @@ class Connector {
     const outcomes = entries.map((entry): EntryOutcome => {
       const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
       if (!isKnown) this.taken.push(entry)
-      return { entryId: entry.entryId, result: isKnown ? 'REPEATED' : 'TAKEN' }
+      return { entryId: entry.entryId, result: isKnown ? 'REPEATED' : 'TAKEN', fields: [] }
     })
     return Promise.resolve(outcomes)
   }
@@ -172,6 +172,7 @@ describe('entries on their way', () => {
           entries.map(({ entryId }) => ({
             entryId,
             result: 'REFUSED' as const,
+            fields: [],
             message: 'The operation was withdrawn.',
           })),
         ),

@@ -49,7 +49,7 @@ export class Outbox {
     keep: Keep,
     ondelivered: () => void,
     send: Send = async (sentAt, entries) =>
-      (await connector.operatorEntries(sentAt, entries)).items,
+      (await connector.post('/operator/entries', { body: { sentAt, entries } })).items,
   ) {
     this.#keep = keep
     this.#ondelivered = ondelivered

@@ -45,7 +45,10 @@ export class Shift {
 
   async #read(signal: AbortSignal): Promise<OperatorOperation[]> {
     const { from, until } = today()
-    const { items } = await connector.operatorOperations(from, until, signal)
+    const { items } = await connector.get('/operator/operations', {
+      query: { from, until },
+      signal,
+    })
     void this.#keep.putOperations(clock.now, items).catch(() => undefined)
     return items
   }

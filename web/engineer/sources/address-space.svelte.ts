@@ -100,7 +100,11 @@ export class AddressSpace {
       await Promise.all(
         wanted.map(async ({ nodeId }) => {
           const value = await connector
-            .value(this.#sourceId, nodeId, running.signal)
+            .get('/sources/{sourceId}/value', {
+              path: { sourceId: this.#sourceId },
+              query: { node: nodeId },
+              signal: running.signal,
+            })
             .catch(() => undefined)
           if (value !== undefined && !running.signal.aborted) this.values.set(nodeId, value)
         }),
@@ -118,11 +122,10 @@ export class AddressSpace {
     this.#loading.add(parent)
     try {
       const known = this.#children.get(parent)
-      const page = await connector.nodes(
-        this.#sourceId,
-        parent === ROOT ? undefined : parent,
-        known?.next,
-      )
+      const page = await connector.get('/sources/{sourceId}/nodes', {
+        path: { sourceId: this.#sourceId },
+        query: { parent: parent === ROOT ? undefined : parent, cursor: known?.next },
+      })
       this.#children.set(parent, {
         nodes: [...(known?.nodes ?? []), ...page.items],
         next: page.nextCursor ?? undefined,

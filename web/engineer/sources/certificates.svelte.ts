@@ -115,5 +115,13 @@ export function trustServer(
   isTrusted: boolean,
   list: Pick<Resource<ShownCertificate[]>, 'refresh'>,
 ): Promise<void> {
-  return setTrust((wanted) => connector.trust(certificate.thumbprint, wanted), isTrusted, list)
+  return setTrust(
+    (wanted) =>
+      connector.put('/source-certificates/{thumbprint}', {
+        path: { thumbprint: certificate.thumbprint },
+        body: { isTrusted: wanted },
+      }),
+    isTrusted,
+    list,
+  )
 }

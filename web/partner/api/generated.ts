@@ -1,7 +1,7 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
-    "/api/v1/collaborations": {
+    "/collaborations": {
         parameters: {
             query?: never;
             header?: never;
@@ -24,42 +24,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_Collaboration"];
-                    };
-                };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -87,60 +51,6 @@ export interface paths {
                         "application/json": components["schemas"]["Collaboration"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -149,7 +59,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/collaborations/{collaborationId}/factories/{factoryId}": {
+    "/collaborations/{collaborationId}/factories/{factoryId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -178,60 +88,6 @@ export interface paths {
                         "application/json": components["schemas"]["Collaboration"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -241,7 +97,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/collaborations/{collaborationId}/members/{organisationId}": {
+    "/collaborations/{collaborationId}/members/{organisationId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -270,60 +126,6 @@ export interface paths {
                         "application/json": components["schemas"]["Collaboration"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -333,7 +135,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/dead-letters": {
+    "/dead-letters": {
         parameters: {
             query?: never;
             header?: never;
@@ -363,42 +165,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_DeadLetterView"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -409,7 +175,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/dead-letters/{deadLetterId}/replay": {
+    "/dead-letters/{deadLetterId}/replay": {
         parameters: {
             query?: never;
             header?: never;
@@ -438,60 +204,6 @@ export interface paths {
                         "application/json": components["schemas"]["Replayed"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -500,7 +212,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/enrolments": {
+    "/enrolments": {
         parameters: {
             query?: never;
             header?: never;
@@ -531,60 +243,6 @@ export interface paths {
                         "application/json": components["schemas"]["Enrolment"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -593,7 +251,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories": {
+    "/factories": {
         parameters: {
             query?: never;
             header?: never;
@@ -616,42 +274,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_Factory"];
-                    };
-                };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -679,60 +301,6 @@ export interface paths {
                         "application/json": components["schemas"]["Factory"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -741,7 +309,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories/{factoryId}/credentials": {
+    "/factories/{factoryId}/credentials": {
         parameters: {
             query?: never;
             header?: never;
@@ -771,60 +339,6 @@ export interface paths {
                         "application/json": components["schemas"]["Revoked"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -832,7 +346,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories/{factoryId}/enrolment-tokens": {
+    "/factories/{factoryId}/enrolment-tokens": {
         parameters: {
             query?: never;
             header?: never;
@@ -861,60 +375,6 @@ export interface paths {
                         "application/json": components["schemas"]["TokenView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -923,7 +383,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories/{factoryId}/lease": {
+    "/factories/{factoryId}/lease": {
         parameters: {
             query?: never;
             header?: never;
@@ -950,42 +410,6 @@ export interface paths {
                         "application/json": components["schemas"]["LeaseView"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -996,7 +420,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories/{factoryId}/lease/handovers": {
+    "/factories/{factoryId}/lease/handovers": {
         parameters: {
             query?: never;
             header?: never;
@@ -1032,60 +456,6 @@ export interface paths {
                         "application/json": components["schemas"]["LeaseView"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -1094,7 +464,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/factories/{factoryId}/writers": {
+    "/factories/{factoryId}/writers": {
         parameters: {
             query?: never;
             header?: never;
@@ -1121,42 +491,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_WriterView"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1167,7 +501,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/live": {
+    "/live": {
         parameters: {
             query?: never;
             header?: never;
@@ -1198,42 +532,6 @@ export interface paths {
                         "text/event-stream": string;
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1244,7 +542,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks": {
+    "/operation-networks": {
         parameters: {
             query?: never;
             header?: never;
@@ -1274,42 +572,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_NetworkSummary"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1320,7 +582,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}": {
+    "/operation-networks/{operationNetworkId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -1345,42 +607,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["NetworkView"];
-                    };
-                };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -1414,60 +640,6 @@ export interface paths {
                         "application/json": components["schemas"]["Changed"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         post?: never;
@@ -1491,60 +663,6 @@ export interface paths {
                         "application/json": components["schemas"]["Changed"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -1552,7 +670,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}/comments": {
+    "/operation-networks/{operationNetworkId}/comments": {
         parameters: {
             query?: never;
             header?: never;
@@ -1584,42 +702,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_CommentEntry"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -1647,60 +729,6 @@ export interface paths {
                         "application/json": components["schemas"]["CommentEntry"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -1709,7 +737,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests": {
+    "/operation-networks/{operationNetworkId}/operations/{operationId}/requests": {
         parameters: {
             query?: never;
             header?: never;
@@ -1732,7 +760,7 @@ export interface paths {
             /** @description A dynamic data request (wire contract) */
             requestBody: {
                 content: {
-                    "application/json": Record<string, never>;
+                    "application/json": unknown;
                 };
             };
             responses: {
@@ -1744,60 +772,6 @@ export interface paths {
                         "application/json": components["schemas"]["Changed"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -1806,7 +780,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}": {
+    "/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}": {
         parameters: {
             query?: never;
             header?: never;
@@ -1838,60 +812,6 @@ export interface paths {
                         "application/json": components["schemas"]["Changed"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -1899,7 +819,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/organisations": {
+    "/organisations": {
         parameters: {
             query?: never;
             header?: never;
@@ -1922,42 +842,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_Organisation"];
-                    };
-                };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -1985,60 +869,6 @@ export interface paths {
                         "application/json": components["schemas"]["Organisation"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2047,7 +877,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/reports": {
+    "/reports": {
         parameters: {
             query?: never;
             header?: never;
@@ -2063,7 +893,7 @@ export interface paths {
                     /** @description Only of this request. */
                     request?: string;
                     /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
-                    after?: number;
+                    after?: string;
                     /** @description Most entries wanted, 1 to 1000. */
                     limit?: number;
                     /** @description The newest entries instead of the oldest; still in the order of their arrival, and without a next page. */
@@ -2083,42 +913,6 @@ export interface paths {
                         "application/json": components["schemas"]["Page_Report"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -2129,7 +923,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/session": {
+    "/session": {
         parameters: {
             query?: never;
             header?: never;
@@ -2160,69 +954,6 @@ export interface paths {
                         "application/json": components["schemas"]["Session"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Too many attempts */
-                429: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2231,7 +962,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/status": {
+    "/status": {
         parameters: {
             query?: never;
             header?: never;
@@ -2256,42 +987,6 @@ export interface paths {
                         "application/json": components["schemas"]["Status"];
                     };
                 };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         put?: never;
@@ -2302,7 +997,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/tools": {
+    "/tools": {
         parameters: {
             query?: never;
             header?: never;
@@ -2325,42 +1020,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["Page_Tool"];
-                    };
-                };
-                /** @description A parameter is wrong. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -2388,60 +1047,6 @@ export interface paths {
                         "application/json": components["schemas"]["Tool"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         delete?: never;
@@ -2450,7 +1055,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/tools/{toolId}/credentials": {
+    "/tools/{toolId}/credentials": {
         parameters: {
             query?: never;
             header?: never;
@@ -2479,60 +1084,6 @@ export interface paths {
                         "application/json": components["schemas"]["ToolCredential"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         /** Takes all credentials of a tool away and cuts its connections. */
@@ -2555,60 +1106,6 @@ export interface paths {
                         "application/json": components["schemas"]["Revoked"];
                     };
                 };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
             };
         };
         options?: never;
@@ -2616,7 +1113,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/users/{userName}": {
+    "/users/{userName}": {
         parameters: {
             query?: never;
             header?: never;
@@ -2647,60 +1144,6 @@ export interface paths {
                     };
                     content: {
                         "application/json": components["schemas"]["UserView"];
-                    };
-                };
-                /** @description The request cannot be understood. */
-                400: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Nobody is signed in. */
-                401: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description The role does not allow it, or the CSRF token is wrong. */
-                403: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not exist, or the viewer has no part in it. */
-                404: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description It does not fit the present state. */
-                409: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
-                    };
-                };
-                /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
-                422: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/problem+json": components["schemas"]["Problem"];
                     };
                 };
             };
@@ -2820,7 +1263,7 @@ export interface components {
             /** @description The connector's own secret. */
             password: string;
             /** @description What logical addresses are called there. */
-            profile: Record<string, never>;
+            profile: unknown;
             /** @description The authority that vouches for the broker; absent where the system's roots do. */
             rootCertificatePem?: string | null;
             /** @description The name to sign in with. */
@@ -2875,8 +1318,7 @@ export interface components {
              * @description When it was decided.
              */
             decidedAt?: string | null;
-            /** @description The precision that recipients get. */
-            disclosure?: Record<string, never> | null;
+            disclosure?: components["schemas"]["DisclosureStatement"] | null;
             /**
              * Format: int32
              * @description The writer's epoch.
@@ -2912,8 +1354,7 @@ export interface components {
             sourceTimestamp?: string | null;
             /** @description Its quality, by the standard's name. */
             status?: string | null;
-            /** @description The newest value; 64-bit integers are texts. */
-            value?: Record<string, never> | null;
+            value?: unknown;
             /** @description Its OPC UA built-in type, by name. */
             valueType?: string | null;
         };
@@ -2942,10 +1383,7 @@ export interface components {
              */
             leaseNumber: number;
         };
-        /**
-         * @description Where a field stands.
-         * @enum {string}
-         */
+        /** @description Where a field stands. */
         MappingState: "PENDING" | "MAPPED" | "REFUSED";
         /** @description A network in a list. */
         NetworkSummary: {
@@ -2994,8 +1432,7 @@ export interface components {
             fields: components["schemas"]["FieldView"][];
             /** @description The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses nothing. */
             lastEventId: string;
-            /** @description The whole network (wire contract `operation-network`). */
-            network: Record<string, never>;
+            network: components["schemas"]["OperationNetwork"];
             /** @description How each operation stands, as far as the viewer's fields tell. */
             operations: components["schemas"]["OperationProgress"][];
             /** @description What each factory was sent. */
@@ -3118,297 +1555,63 @@ export interface components {
         /** @description A page of a list. */
         Page_Collaboration: {
             /** @description The entries. */
-            items: {
-                /** @description Its id. */
-                collaborationId: string;
-                /**
-                 * Format: date-time
-                 * @description Since when it is here.
-                 */
-                createdAt: string;
-                /** @description The factories that take part, by id. */
-                factories: string[];
-                /** @description The organisations that take part, by id. */
-                members: string[];
-                /** @description What people call it. */
-                name: string;
-            }[];
+            items: components["schemas"]["Collaboration"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_CommentEntry: {
             /** @description The entries. */
-            items: {
-                /** @description Who says it. */
-                authorId: string;
-                /**
-                 * Format: int64
-                 * @description Its number, counting up.
-                 */
-                commentId: number;
-                /**
-                 * Format: date-time
-                 * @description When it came here.
-                 */
-                createdAt: string;
-                /** @description The request talked about. */
-                dynamicDataRequestId?: string | null;
-                /** @description The factory that takes part in the talk. */
-                factoryId: string;
-                /** @description The field talked about. */
-                fieldName?: string | null;
-                /** @description Whether it came from the factory. */
-                isFromFactory: boolean;
-                /** @description What is said. */
-                text: string;
-            }[];
+            items: components["schemas"]["CommentEntry"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_DeadLetterView: {
             /** @description The entries. */
-            items: {
-                /** @description Where it was sent to. */
-                address: string;
-                /**
-                 * Format: date-time
-                 * @description When it was set aside.
-                 */
-                at: string;
-                /**
-                 * Format: int64
-                 * @description How large its body is.
-                 */
-                bytes: number;
-                /** @description A stable code, as `FORGED_PUBLISHER`. */
-                code: string;
-                /** @description `ingest-<number>` or `broker-<number>`. */
-                id: string;
-                messageId?: string | null;
-                /** @description Why, for people. */
-                reason: string;
-                /**
-                 * Format: date-time
-                 * @description When it was tried again, if it was.
-                 */
-                replayedAt?: string | null;
-                subject?: string | null;
-            }[];
+            items: components["schemas"]["DeadLetterView"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Factory: {
             /** @description The entries. */
-            items: {
-                /**
-                 * Format: date-time
-                 * @description Since when it is known here.
-                 */
-                createdAt: string;
-                /**
-                 * Format: date-time
-                 * @description When its connector enrolled last; absent before.
-                 */
-                enrolledAt?: string | null;
-                /** @description Its id, also its PublisherId and part of its addresses. */
-                factoryId: string;
-                /**
-                 * Format: date-time
-                 * @description When a report of it arrived last.
-                 */
-                lastReportAt?: string | null;
-                /**
-                 * Format: date-time
-                 * @description When anything of it arrived last, keep-alives included.
-                 */
-                lastSeenAt?: string | null;
-                /** @description What people call it. */
-                name: string;
-                /** @description Whose it is. */
-                organisationId: string;
-                /** @description What its publisher said of itself last (`ua-status`), as `Operational`. */
-                publisherState?: string | null;
-            }[];
+            items: components["schemas"]["Factory"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_NetworkSummary: {
             /** @description The entries. */
-            items: {
-                /** @description The collaboration it belongs to. */
-                collaborationId: string;
-                /**
-                 * Format: date-time
-                 * @description When a report about it that the viewer may see arrived last.
-                 */
-                lastReportAt?: string | null;
-                /** @description What people call it. */
-                name?: string | null;
-                /** @description Its id. */
-                operationNetworkId: string;
-                /**
-                 * Format: int64
-                 * @description How many parts of it were rejected.
-                 */
-                partsRejected: number;
-                /**
-                 * Format: int64
-                 * @description How many parts of it wait for a factory's answer.
-                 */
-                partsUnanswered: number;
-                /**
-                 * Format: int64
-                 * @description Its newest revision.
-                 */
-                revision: number;
-                /**
-                 * Format: date-time
-                 * @description When that was made.
-                 */
-                updatedAt: string;
-                /**
-                 * Format: date-time
-                 * @description When it was withdrawn, if it was.
-                 */
-                withdrawnAt?: string | null;
-            }[];
+            items: components["schemas"]["NetworkSummary"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Organisation: {
             /** @description The entries. */
-            items: {
-                /**
-                 * Format: date-time
-                 * @description Since when it is here.
-                 */
-                createdAt: string;
-                /** @description What people call it. */
-                name: string;
-                /** @description Its id. */
-                organisationId: string;
-            }[];
+            items: components["schemas"]["Organisation"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Report: {
             /** @description The entries. */
-            items: (components["schemas"]["RequestKey"] & {
-                /**
-                 * Format: int32
-                 * @description The writer.
-                 */
-                dataSetWriterId: number;
-                /**
-                 * Format: int32
-                 * @description Its epoch.
-                 */
-                epoch: number;
-                /** @description Who reported. */
-                factoryId: string;
-                /** @description Field name to `{value, status, sourceTimestamp}`. */
-                fields: Record<string, never>;
-                /** @description Whether it came late, after newer ones. */
-                isReplay: boolean;
-                /**
-                 * Format: date-time
-                 * @description When it arrived.
-                 */
-                receivedAt: string;
-                /**
-                 * Format: int64
-                 * @description Its number on this platform, counting up in the order of arrival.
-                 */
-                reportId: number;
-                /** @description The report's name. */
-                reportName: string;
-                /**
-                 * Format: date-time
-                 * @description When the connector made it.
-                 */
-                reportTimestamp?: string | null;
-                /**
-                 * Format: int32
-                 * @description The sequence number within the epoch.
-                 */
-                sequence: number;
-                /**
-                 * Format: date-time
-                 * @description The newest source time among the fields.
-                 */
-                shopfloorTimestamp?: string | null;
-            })[];
+            items: components["schemas"]["Report"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Tool: {
             /** @description The entries. */
-            items: {
-                /**
-                 * Format: date-time
-                 * @description Since when it is known here.
-                 */
-                createdAt: string;
-                /** @description What people call it. */
-                name: string;
-                /** @description Whose it is. */
-                organisationId: string;
-                /** @description Its id, also part of its addresses. */
-                toolId: string;
-            }[];
+            items: components["schemas"]["Tool"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_WriterView: {
             /** @description The entries. */
-            items: {
-                /** Format: int32 */
-                dataSetWriterId: number;
-                /**
-                 * Format: int64
-                 * @description Repeats that were discarded.
-                 */
-                duplicates: number;
-                /** Format: int32 */
-                epoch: number;
-                /** @description Numbers that the factory announced will never come. */
-                gaps: components["schemas"]["GapView"][];
-                /**
-                 * Format: date-time
-                 * @description When a keep-alive arrived last.
-                 */
-                lastKeepAliveAt?: string | null;
-                /**
-                 * Format: date-time
-                 * @description When a report arrived last.
-                 */
-                lastReportAt?: string | null;
-                /** @description The lowest numbers below it that are missing, at most 1000. */
-                missing: number[];
-                /**
-                 * Format: int64
-                 * @description How many numbers are missing in all.
-                 */
-                missingCount: number;
-                /**
-                 * Format: int64
-                 * @description Reports that arrived, repeats not counted.
-                 */
-                received: number;
-                /**
-                 * Format: int32
-                 * @description The highest sequence number held.
-                 */
-                throughSequence?: number | null;
-            }[];
+            items: components["schemas"]["WriterView"][];
             /** @description Where the next page begins; absent on the last one. */
             nextCursor?: string | null;
         };
@@ -3428,8 +1631,7 @@ export interface components {
             factoryId: string;
             /** @description What people call it. */
             factoryName?: string | null;
-            /** @description Why it was rejected. */
-            faultList: Record<string, never>[];
+            faultList: components["schemas"]["ProblemFault"][];
             /** @description True where the part ends the network at the factory. */
             isWithdrawal: boolean;
             /**
@@ -3516,8 +1718,7 @@ export interface components {
         /** @description A whole network to put in place. */
         PutBody: {
             collaborationId: string;
-            /** @description The whole network (wire contract `operation-network`), each operation with `owningFactoryId`. */
-            operationNetwork: Record<string, never>;
+            operationNetwork: components["schemas"]["OperationNetwork"];
         };
         /** @description What a user is to be. */
         PutUser: {
@@ -3546,8 +1747,9 @@ export interface components {
             epoch: number;
             /** @description Who reported. */
             factoryId: string;
-            /** @description Field name to `{value, status, sourceTimestamp}`. */
-            fields: Record<string, never>;
+            fields: {
+                [key: string]: components["schemas"]["ReportedValue"];
+            };
             /** @description Whether it came late, after newer ones. */
             isReplay: boolean;
             /**
@@ -3619,16 +1821,16 @@ export interface components {
         /** @description How the platform stands, with evidence. */
         Status: {
             /** @description Who is connected to the embedded broker; for administrators. */
-            connections?: Record<string, never>[] | null;
+            connections?: unknown[] | null;
             /** @description How the link to the broker stands. */
-            link?: Record<string, never> | null;
+            link?: unknown;
             /**
              * Format: date-time
              * @description Its own clock, to tell ages by.
              */
             now: string;
             /** @description The queues of the embedded broker; for administrators. */
-            queues?: Record<string, never>[] | null;
+            queues?: unknown[] | null;
             /**
              * Format: date-time
              * @description When it started.
@@ -3719,6 +1921,303 @@ export interface components {
              */
             throughSequence?: number | null;
         };
+        /** @description A message id, unique per message; written as a UUIDv7 by our own senders. */
+        MessageId: string;
+        /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
+        FactoryId: string;
+        /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
+        CollaborationId: string;
+        /** @description A network of operations, or the part of it that concerns one factory. */
+        OperationNetwork: {
+            /** @description Unique on a platform. */
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
+            /** @description What people call it. */
+            name?: string | null;
+            /** @description More about it. */
+            description?: string | null;
+            /** @description The operations, stubs of neighbours included. */
+            operationList: components["schemas"]["Operation"][];
+            /** @description The relations between them. */
+            operationRelationList?: components["schemas"]["OperationRelation"][];
+        };
+        /** @description An operation network, unique on a platform. */
+        OperationNetworkId: string;
+        /** @description A production, inspection or transportation step. */
+        Operation: {
+            /** @description Unique within the network. */
+            operationId: components["schemas"]["OperationId"];
+            /** @description What people call it. */
+            name?: string | null;
+            /** @description More about it. */
+            description?: string | null;
+            /** @description A neighbour's operation that a relation names: only type, id, name and owner. */
+            stub?: boolean;
+            /** @description The factory that carries it out; always present on stubs and in whole networks. */
+            owningFactoryId?: components["schemas"]["FactoryId"] | null;
+            /** @description When it should start. */
+            plannedStart?: components["schemas"]["DateTime"] | null;
+            /** @description When it should be finished. */
+            plannedEnd?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: double
+             * @description How much of it, in [`Self::quantity_unit`].
+             */
+            plannedQuantity?: number | null;
+            /** @description The unit of the planned quantity: a UNECE common code or one of its aliases (`PIECE`). */
+            quantityUnit?: string | null;
+            /** @description What equipment it needs. */
+            equipmentRequirementList?: components["schemas"]["EquipmentRequirement"][];
+            /** @description What partners want to know about it. */
+            dynamicDataRequestList?: components["schemas"]["DynamicDataRequest"][];
+        } & ({
+            /** @constant */
+            operationType: "PRODUCTION";
+            /** @description What is made. */
+            productId?: string | null;
+        } | {
+            /** @constant */
+            operationType: "INSPECTION";
+            /** @description The operation whose result is inspected. */
+            inspectedOperationId?: components["schemas"]["OperationId"] | null;
+            /** @description What is measured or judged. */
+            characteristic?: string | null;
+        } | {
+            /** @constant */
+            operationType: "TRANSPORTATION";
+            /** @description Where from. */
+            origin?: string | null;
+            /** @description Where to. */
+            destination?: string | null;
+        });
+        /** @description An operation, unique within its network. */
+        OperationId: string;
+        /**
+         * Format: date-time
+         * @description An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
+         */
+        DateTime: string;
+        /** @description Equipment that an operation needs. */
+        EquipmentRequirement: {
+            /** @description Unique within the network. */
+            equipmentRequirementId: components["schemas"]["EquipmentRequirementId"];
+            /** @description The class of equipment, as `ROBOT`. */
+            equipmentType: string;
+            /** @description IRI of a capability the equipment must have. */
+            capability?: string | null;
+            /**
+             * Format: double
+             * @description How many.
+             */
+            quantity?: number | null;
+            /** @description A concrete asset, as in its status data sets. */
+            assetId?: components["schemas"]["AssetId"] | null;
+        };
+        /** @description An equipment requirement, unique within its network. */
+        EquipmentRequirementId: string;
+        /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
+        AssetId: string;
+        /** @description A partner's wish to hear about an operation. One request is one DataSetWriter. */
+        DynamicDataRequest: {
+            /** @description Unique within the network. */
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            /** @description The tool that posted the request. */
+            dynamicDataRequestPublisherId?: components["schemas"]["ToolId"] | null;
+            /** @description The organisation that asks. */
+            requesterId: components["schemas"]["OrganisationId"];
+            /** @description The organisations that may see the answers; nobody else does. */
+            recipientList: components["schemas"]["OrganisationId"][];
+            /** @description What the data is wanted for, in words. */
+            purpose: string;
+            /** @description From when answers are wanted; at once where absent. */
+            validFrom?: components["schemas"]["DateTime"] | null;
+            /** @description Until when answers are wanted; without end where absent. */
+            validUntil?: components["schemas"]["DateTime"] | null;
+            /** @description More about the request. */
+            description?: string | null;
+            /** @description The buffer or store the request is about. */
+            bufferId?: string | null;
+            /**
+             * Format: uint32
+             * @description How often per [`Self::update_frequency_unit`] the partner wants to hear.
+             */
+            updateFrequency?: number | null;
+            /** @description The period that [`Self::update_frequency`] divides. */
+            updateFrequencyUnit?: components["schemas"]["UpdateFrequencyUnit"] | null;
+            /** @description The composition of the report. */
+            reportDataFormat: components["schemas"]["ReportDataFormat"];
+        };
+        /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
+        DynamicDataRequestId: string;
+        /** @description A partner's tool that asks for data and receives reports. */
+        ToolId: string;
+        /** @description An organisation that takes part in collaborations. */
+        OrganisationId: string;
+        /**
+         * @description The period of an update frequency.
+         * @enum {string}
+         */
+        UpdateFrequencyUnit: "SECOND" | "MINUTE" | "HOUR" | "DAY" | "WEEK";
+        /** @description The fields of a report, under its name. */
+        ReportDataFormat: {
+            /** @description The report's name; the first payload member. */
+            reportName: string;
+            /** @description The fields, in payload order. */
+            reportFieldList: components["schemas"]["ReportField"][];
+        };
+        /** @description One value that a partner wants to know. */
+        ReportField: {
+            /** @description The field's name; unique within the report. */
+            name: components["schemas"]["FieldName"];
+            /** @description Its built-in type: id 1 to 25 or name. */
+            type: components["schemas"]["FieldType"];
+            /**
+             * Format: int32
+             * @description OPC UA ValueRank: -1 scalar, 1 array, n matrix of n dimensions.
+             */
+            valueRank?: number;
+            /** @description More about the field. */
+            description?: string | null;
+            /** @description The unit: a UNECE common code or one of its aliases (`PIECE`). */
+            unit?: string | null;
+            /** @description What the field means; progress and forecasts rest on it, never on names. */
+            semantic?: components["schemas"]["Semantic"] | null;
+        };
+        /** @description The name of a report field: a key of the payload. */
+        FieldName: string;
+        /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
+        FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
+        /** @description What a field means: one of the names, or an IRI. */
+        Semantic: ("PRODUCED_QUANTITY" | "GOOD_QUANTITY" | "SCRAP_QUANTITY" | "PERCENT_COMPLETE" | "OPERATION_STATE" | "ACTUAL_START" | "ACTUAL_END" | "EXPECTED_END") | string;
+        /** @description "The successor's start or finish depends on the predecessor's." */
+        OperationRelation: {
+            /** @description Unique within the network. */
+            operationRelationId: components["schemas"]["OperationRelationId"];
+            /** @description How the two depend. */
+            relationType: components["schemas"]["RelationType"];
+            /** @description The operation that comes first. */
+            predecessorOperationId: components["schemas"]["OperationId"];
+            /** @description The operation that waits. */
+            successorOperationId: components["schemas"]["OperationId"];
+            /** @description Bounds on the dependency. */
+            conditionList?: components["schemas"]["RelationCondition"][];
+        };
+        /** @description A relation between two operations, unique within its network. */
+        OperationRelationId: string;
+        /**
+         * @description Which end of the predecessor precedes which end of the successor.
+         * @enum {string}
+         */
+        RelationType: "FINISH_TO_START" | "START_TO_START" | "FINISH_TO_FINISH" | "START_TO_FINISH";
+        /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
+        RelationCondition: {
+            /** @description Unique within the network. */
+            conditionId: components["schemas"]["ConditionId"];
+            /** @description What is bounded. */
+            conditionKind: components["schemas"]["ConditionKind"];
+            /** @description The bound of an absolute kind; it applies to the successor. */
+            time?: components["schemas"]["DateTime"] | null;
+            /** @description The bound of a gap, between the two ends that the relation type names. */
+            duration?: components["schemas"]["IsoDuration"] | null;
+        };
+        /** @description A condition of a relation, unique within its network. */
+        ConditionId: string;
+        /**
+         * @description The kinds of condition.
+         * @enum {string}
+         */
+        ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
+        /**
+         * Format: duration
+         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`). Years and months
+         *     have no fixed length and are refused. Digits beyond the microsecond are dropped on reading: as OPC UA's Duration, a
+         *     Double of milliseconds, a hundred years stay exact to that.
+         */
+        IsoDuration: string;
+        /** @description A kind of status data set of an asset. */
+        AssetKind: "POSE" | "POWER" | "CONDITION" | "SAFETY";
+        /** @description In words and numbers, how a value is coarsened before it leaves. */
+        DisclosureStatement: {
+            /** @description One sentence for people. */
+            description: string;
+            /**
+             * Format: double
+             * @description Values are rounded to multiples of this, in the field's unit.
+             */
+            roundingStep?: number | null;
+            /**
+             * Format: uint8
+             * @description Values have at most so many significant digits.
+             */
+            significantDigits?: number | null;
+            /** @description One value per window of time. */
+            aggregate?: components["schemas"]["AggregateStatement"] | null;
+            /**
+             * Format: uint64
+             * @description At most one value per this many milliseconds.
+             */
+            minimumIntervalMs?: number | null;
+            /** @description At most so many values per period; all of these hold. */
+            rateLimitList?: components["schemas"]["RateStatement"][];
+            /**
+             * Format: uint64
+             * @description Times are rounded down to multiples of this many milliseconds.
+             */
+            timeStepMs?: number | null;
+            /**
+             * Format: uint64
+             * @description Values leave this many milliseconds late.
+             */
+            delayMs?: number | null;
+            /** @description Values are these bounds: of each the greatest not above it, in the field's unit. */
+            bandList?: number[];
+            /** @description Values leave within these hours only; all of them hold. */
+            hoursList?: components["schemas"]["HoursStatement"][];
+            /** @description Nothing leaves in certain states; which these are is not told. */
+            isWithheldInStates?: boolean;
+        };
+        /** @description What is made of a window's values. */
+        AggregateStatement: {
+            /** @description Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over time. */
+            function: string;
+            /**
+             * Format: uint64
+             * @description Length of a window in milliseconds; windows are multiples of it since 1970.
+             */
+            windowMs: number;
+        };
+        /** @description At most so many values within any period of this length. */
+        RateStatement: {
+            /**
+             * Format: uint32
+             * @description How many values.
+             */
+            values: number;
+            /**
+             * Format: uint64
+             * @description The period in milliseconds.
+             */
+            periodMs: number;
+        };
+        /** @description Hours of the plant's clock. */
+        HoursStatement: {
+            /** @description The days, `MONDAY` to `SUNDAY`. */
+            dayList: string[];
+            /** @description The first minute, `HH:MM`. */
+            from: string;
+            /** @description The first minute no more, `HH:MM`. */
+            until: string;
+            /**
+             * Format: int16
+             * @description How far the plant's clock is ahead of UTC, in minutes.
+             * @default 0
+             */
+            utcOffsetMinutes: number;
+        };
+        ReportedValue: {
+            value: unknown;
+            status?: string | null;
+            sourceTimestamp?: string | null;
+        };
     };
     responses: never;
     parameters: never;
@@ -3728,32 +2227,3 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export type operations = Record<string, never>;
-
-/** The paths that the daemon of this build answers: a page offers nothing else. */
-export const PATHS: readonly string[] = [
-  "/api/v1/collaborations",
-  "/api/v1/collaborations/{collaborationId}/factories/{factoryId}",
-  "/api/v1/collaborations/{collaborationId}/members/{organisationId}",
-  "/api/v1/dead-letters",
-  "/api/v1/dead-letters/{deadLetterId}/replay",
-  "/api/v1/enrolments",
-  "/api/v1/factories",
-  "/api/v1/factories/{factoryId}/credentials",
-  "/api/v1/factories/{factoryId}/enrolment-tokens",
-  "/api/v1/factories/{factoryId}/lease",
-  "/api/v1/factories/{factoryId}/lease/handovers",
-  "/api/v1/factories/{factoryId}/writers",
-  "/api/v1/live",
-  "/api/v1/operation-networks",
-  "/api/v1/operation-networks/{operationNetworkId}",
-  "/api/v1/operation-networks/{operationNetworkId}/comments",
-  "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests",
-  "/api/v1/operation-networks/{operationNetworkId}/operations/{operationId}/requests/{dynamicDataRequestId}",
-  "/api/v1/organisations",
-  "/api/v1/reports",
-  "/api/v1/session",
-  "/api/v1/status",
-  "/api/v1/tools",
-  "/api/v1/tools/{toolId}/credentials",
-  "/api/v1/users/{userName}"
-]

@@ -17,7 +17,10 @@ export async function newestReports(
   dynamicDataRequestId: string,
   signal: AbortSignal,
 ): Promise<Point[]> {
-  const { items } = await platform.newestReports(networkId, dynamicDataRequestId, KEPT, signal)
+  const { items } = await platform.get('/reports', {
+    query: { network: networkId, request: dynamicDataRequestId, newest: true, limit: KEPT },
+    signal,
+  })
   return items.map((report) => ({
     at: report.reportTimestamp ?? report.receivedAt,
     fields: Object.fromEntries(

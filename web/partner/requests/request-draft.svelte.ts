@@ -1,8 +1,14 @@
-import type { DynamicDataRequest, NetworkView, Operation, UpdateFrequencyUnit } from '../api/types'
+import type {
+  DynamicDataRequest,
+  NetworkView,
+  Operation,
+  ReportField,
+  UpdateFrequencyUnit,
+} from '../api/types'
 
 interface FieldDraft {
   name: string
-  type: string
+  type: ReportField['type']
   unit: string
   semantic: string
 }

@@ -1,16 +1,6 @@
-/** Where what the connector answers is not yet what the pages show. */
-import type { LedgerEntry, LinkStatus, Page, Status } from './types'
+import type { LedgerEntry } from '../api/types'
 
-/** The status while the connector may not be enrolled yet: then it has no link. */
-export type StatusAnswer = Omit<Status, 'link'> & { link: LinkStatus | null }
-
-export function statusOf({ link, ...others }: StatusAnswer): Status {
-  return { ...others, link: link ?? { state: 'notConfigured', backlog: others.spool.waiting } }
-}
-
-export type LedgerAnswer = Page<LedgerEntry> & { recipients: string[] }
-
-/** Members of a report that say where it belongs; all others are fields and their units. */
+/** Members of a report that name its request; all others are fields and their units. */
 const HEADER = [
   'reportName',
   'dynamicDataRequestId',
@@ -19,12 +9,11 @@ const HEADER = [
   'shopfloorTimestamp',
 ]
 
-/** Entries with the payload of their report taken apart: where it belongs, and the fields with their values. */
-export function ledgerOf(answer: LedgerAnswer): LedgerAnswer {
-  return { ...answer, items: answer.items.map(entryOf) }
-}
-
-function entryOf(entry: LedgerEntry): LedgerEntry {
+/**
+ * The entry with the payload of its report taken apart: the request that it belongs to, and the
+ * fields with their values.
+ */
+export function entryOf(entry: LedgerEntry): LedgerEntry {
   const payload = entry.value ?? {}
   const isField = (name: string): boolean =>
     !HEADER.includes(name) && !(name.endsWith('Unit') && name.slice(0, -4) in payload)
