@@ -130,7 +130,7 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     await expect(consent).toBeEnabled()
   })
 
-  await test.step('an error in a script is told where it stands, and keeps from consenting', async () => {
+  await test.step('a script error is shown at its line and prevents consent', async () => {
     await engineer.getByRole('combobox', { name: 'Add a function' }).selectOption('script')
     const code = engineer.locator('.code .cm-content')
     await code.click()
@@ -149,7 +149,7 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     const message = engineer.getByRole('region', { name: 'Message to the partner' })
     await expect(message).toContainText(REQUEST)
     await engineer.getByLabel('Rounding step').fill('5')
-    await expect(engineer.getByText('The partner is told:')).toContainText(/multiples of 5/)
+    await expect(engineer.getByText('Description for the partner:')).toContainText(/multiples of 5/)
     await expect.poll(async () => shownIn(await message.textContent()) % 5).toBe(0)
   })
 

@@ -71,7 +71,7 @@ export async function signedIn(
   return page
 }
 
-/** What the API says, asked with the page's own session. */
+/** Answer of the API to the session of the page. */
 export async function api<T>(request: APIRequestContext, site: Site, path: string): Promise<T> {
   const response = await request.get(`${site.url.replace(/\/$/, '')}/api/v1${path}`)
   expect(response.ok(), `GET ${path} gave ${response.status()}`).toBe(true)
@@ -107,11 +107,6 @@ export interface Place {
   name: string
   hash: string
   act?: (page: Page) => Promise<void>
-}
-
-/** Whether the daemon of this build answers a path. */
-async function offers(request: APIRequestContext, site: Site, path: string): Promise<boolean> {
-  return (await request.get(`${site.url.replace(/\/$/, '')}/api/v1${path}`)).ok()
 }
 
 /** Every place in an app that has a page of its own, with real ids in it. */
@@ -207,9 +202,9 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
         ]
       : []),
     {
-      name: 'conversation',
+      name: 'comments',
       hash: '#/inbox',
-      act: (shown) => press(shown, /^(remarks|bemerkungen|new remark|neue bemerkung)$/i),
+      act: (shown) => press(shown, /^(comments|kommentare|new comment|neuer kommentar)$/i),
     },
     { name: 'revocation', hash: '#/inbox', act: (shown) => press(shown, /^(revoke|widerrufen)$/i) },
     ...at(
@@ -279,16 +274,12 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
     },
     { name: 'ledger', hash: '#/ledger' },
     { name: 'ledger-filtered', hash: '#/ledger', act: filterAndVerify },
-    ...((await offers(page.request, site, '/users'))
-      ? [
-          { name: 'users', hash: '#/users' },
-          {
-            name: 'user',
-            hash: '#/users',
-            act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i),
-          },
-        ]
-      : []),
+    { name: 'users', hash: '#/users' },
+    {
+      name: 'user',
+      hash: '#/users',
+      act: (shown) => press(shown, /^(add a person|person hinzufügen)$/i),
+    },
     { name: 'link', hash: '#/link' },
     { name: 'settings', hash: '#/settings' },
   ]

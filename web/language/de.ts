@@ -48,7 +48,7 @@ export const de: Words = {
     offlineTitle: 'Der Server ist nicht erreichbar',
     offline:
       'Die Seite versucht es von selbst weiter. Prüfen Sie das Netzwerkkabel oder fragen Sie den Betreiber dieses Servers.',
-    failed: 'Das hat nicht geklappt',
+    failed: 'Die Anfrage ist fehlgeschlagen',
     details: 'Einzelheiten',
   },
   age: {

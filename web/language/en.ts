@@ -9,8 +9,8 @@ export const en = {
     signOut: 'Sign out',
     refused: 'User name or password is not right.',
     throttled: 'Too many attempts. Wait a moment, then try again.',
-    expired: 'Your session has ended. Sign in again to go on.',
-    noCookie: 'This browser did not keep the session. Allow cookies for this address.',
+    expired: 'Your session has ended. Sign in again.',
+    noCookie: 'This browser did not store the session. Allow cookies for this address.',
     role: {
       engineer: 'Engineer',
       operator: 'Operator',
@@ -36,7 +36,7 @@ export const en = {
     interrupted: 'Updates interrupted',
     since: (age: string) => `since ${age}`,
     explainInterrupted:
-      'What you see is the last known state. It catches up by itself when the connection is back.',
+      'This page shows the last known state. It is updated when the connection is back.',
   },
   resource: {
     loading: 'Loading …',
@@ -44,8 +44,8 @@ export const en = {
     stale: (age: string) => `Could not refresh. This was read ${age}.`,
     offlineTitle: 'The server cannot be reached',
     offline:
-      'The page tries again by itself. Check the network cable or ask whoever runs this server.',
-    failed: 'That did not work',
+      'The page retries automatically. Check the network or ask the operator of this server.',
+    failed: 'The request failed',
     details: 'Details',
   },
   age: {
@@ -123,7 +123,7 @@ export const en = {
     uncertain: 'Uncertain',
     bad: 'Bad',
   } as Record<string, string>,
-  /** The words in which a factory tells its partners a precision. */
+  /** Description of a precision for partners. */
   statement: {
     unchanged: 'every change, as it is',
     aggregates: {

@@ -2,7 +2,7 @@ import { isoDuration, shortMoment, span } from '@/format/time'
 import { words } from '@/language/words'
 
 /** An operation as graph and timeline draw it, whoever owns it. */
-export interface DrawnOperation {
+export interface GraphOperation {
   operationId: string
   name: string
   operationType: string
@@ -29,7 +29,7 @@ export interface DrawnCondition {
   duration?: string | null | undefined
 }
 
-export interface DrawnRelation {
+export interface GraphRelation {
   operationRelationId: string
   relationType: string
   predecessorOperationId: string
@@ -46,7 +46,7 @@ export function conditionText(condition: DrawnCondition): string {
 }
 
 /** How far an operation is, 0 to 1: by its own word, else by quantities. */
-export function completion(operation: DrawnOperation): number | undefined {
+export function completion(operation: GraphOperation): number | undefined {
   if (operation.percentComplete !== undefined)
     return Math.min(1, Math.max(0, operation.percentComplete / 100))
   if (operation.quantity === undefined || !operation.plannedQuantity) return undefined

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest'
 import { layered, type LayoutSizes } from './layout'
-import { completion, conditionText, type DrawnOperation } from './model'
+import { completion, conditionText, type GraphOperation } from './model'
 import { timescale } from './timescale'
 
 const SIZES: LayoutSizes = { boxWidth: 100, boxHeight: 50, gapX: 20, gapY: 10, margin: 5 }
@@ -38,7 +38,7 @@ describe('layered', () => {
   })
 })
 
-const operation = (more: Partial<DrawnOperation>): DrawnOperation => ({
+const operation = (more: Partial<GraphOperation>): GraphOperation => ({
   operationId: 'o',
   name: 'o',
   operationType: 'PRODUCTION',

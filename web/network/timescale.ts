@@ -1,4 +1,4 @@
-import type { DrawnOperation } from './model'
+import type { GraphOperation } from './model'
 
 /** A stretch of time and the ticks to draw on it. */
 export interface Timescale {
@@ -35,7 +35,7 @@ const TICKS_MAX = 5
 
 /** A scale on which all planned and actual times and the present have a place; `undefined` without any. */
 export function timescale(
-  operations: readonly DrawnOperation[],
+  operations: readonly GraphOperation[],
   now: number,
 ): Timescale | undefined {
   const moments = operations

@@ -3,8 +3,8 @@ import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
 import type { DisclosureStatement, FieldState, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
-import { saying } from './live/saying'
-import { drawnOperations } from './networks/drawn'
+import { eventText } from './live/event-text'
+import { graphOperations } from './networks/graph-model'
 import { takeEvent, takeProgress } from './networks/events'
 import { series, takeReport, type Point } from './operation/history'
 import { precisionText } from './operation/precision'
@@ -107,7 +107,7 @@ describe('live values', () => {
       quantity: 4,
       isStateInferred: false,
     })
-    expect(drawnOperations(resource.value ?? view())[0]).toMatchObject({
+    expect(graphOperations(resource.value ?? view())[0]).toMatchObject({
       state: 'Running',
       quantity: 4,
       plannedQuantity: 12,
@@ -129,11 +129,11 @@ describe('live values', () => {
 
 describe('an operation', () => {
   it('counts its fields by state', () => {
-    expect(drawnOperations(view())[0]?.fields).toEqual({ mapped: 1, refused: 0, pending: 1 })
+    expect(graphOperations(view())[0]?.fields).toEqual({ mapped: 1, refused: 0, pending: 1 })
   })
   it('takes its times from fields by their meaning', () => {
     const begun = state({ key: { ...key, fieldName: 'begun' }, value: '2026-11-21T06:00:00Z' })
-    expect(drawnOperations(view([state(), begun]))[0]?.actualStart).toBe('2026-11-21T06:00:00Z')
+    expect(graphOperations(view([state(), begun]))[0]?.actualStart).toBe('2026-11-21T06:00:00Z')
   })
 })
 
@@ -184,12 +184,12 @@ describe('a request', () => {
 })
 
 it('events are told on one line', () => {
-  expect(saying({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({
+  expect(eventText({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({
     where: 'F / n / o / r / made',
     what: 'Refused · Secret.',
   })
   const { fieldName: _, ...request } = key
-  expect(saying({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({
+  expect(eventText({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({
     where: 'F / n / o / r',
     what: 'made 4',
   })

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
 import type { Field, InboxRequest } from '../api/types'
-import { plant } from '../plant.svelte'
+import { connectorStore } from '../connector-store.svelte'
 import InboxPage from './InboxPage.svelte'
 import { matching } from './matching'
 import { RequestList, requestOf } from './request-list.svelte'
@@ -75,7 +75,7 @@ function inbox(asked: Asked): unknown {
 beforeEach(async () => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role: 'ENGINEER', csrfToken: 't' } }
   serve({ 'GET /inbox': inbox })
-  await plant.totals.refresh()
+  await connectorStore.totals.refresh()
 })
 afterEach(() => {
   vi.unstubAllGlobals()
@@ -177,7 +177,9 @@ describe('the inbox', () => {
     const log = serve({ 'GET /inbox': inbox })
     const { container } = render(InboxPage)
     await screen.findByText('Lot 0')
-    plant.put(field(0, 'power', { mappingState: 'REFUSED', decisionReason: 'That is ours.' }))
+    connectorStore.put(
+      field(0, 'power', { mappingState: 'REFUSED', decisionReason: 'That is ours.' }),
+    )
     expect(await screen.findByText('That is ours.')).toBeTruthy()
     expect(container.querySelectorAll('tr[data-field=power]').length).toBeGreaterThan(1)
     await vi.waitFor(() => expect(log.map(parameters)).toContainEqual({ limit: '1' }))
@@ -186,7 +188,7 @@ describe('the inbox', () => {
   it('says that nothing matches, and that nobody has asked yet', async () => {
     render(InboxPage)
     await userEvent.type(await screen.findByLabelText('Search requests and fields'), 'unheard')
-    expect(await screen.findByText('Nothing matches')).toBeTruthy()
+    expect(await screen.findByText('No match')).toBeTruthy()
     serve({ 'GET /inbox': () => ({ items: [], count: 0, totals: { ...totals, requests: 0 } }) })
     await userEvent.clear(screen.getByLabelText('Search requests and fields'))
     expect(await screen.findByText('No requests yet')).toBeTruthy()

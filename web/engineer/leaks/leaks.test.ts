@@ -119,7 +119,7 @@ describe('the leak budget', () => {
     )
     expect(screen.getByText('1 conclusion possible')).toBeTruthy()
   })
-  it('says in the reader’s language what partners are told', async () => {
+  it('shows the description for partners in the reader’s language', async () => {
     language.choose('de')
     const statementParts: StatementPart[] = [
       { code: 'ROUNDED', step: 10, unit: 'PIECE' },
@@ -140,7 +140,7 @@ describe('the leak budget', () => {
     expect(
       await screen.findByText('Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.'),
     ).toBeTruthy()
-    expect(screen.getByText(/^Der Plan sagt nicht, wie lange ein Stück dauert/)).toBeTruthy()
+    expect(screen.getByText(/^Der Plan nennt keine Zeit je Stück/)).toBeTruthy()
   })
   it('takes the server’s words for a conclusion it does not know', async () => {
     const warnings = [
@@ -164,7 +164,7 @@ describe('the leak budget', () => {
   it('has a word for nothing, and for trouble', async () => {
     serve({ 'GET /leak-budgets': () => ({ items: [] }) })
     const { unmount } = render(LeaksPage)
-    expect(await screen.findByText('Nobody learns anything')).toBeTruthy()
+    expect(await screen.findByText('Nothing is disclosed')).toBeTruthy()
     unmount()
     serve({ 'GET /leak-budgets': () => problem(500, 'The books are closed.') })
     render(LeaksPage)

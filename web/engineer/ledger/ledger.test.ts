@@ -194,7 +194,7 @@ describe('the ledger', () => {
   it('begins with the field that one came from', async () => {
     const log = serve({ ...nothing, 'GET /ledger': () => ({ recipients: ['acme'], items: [] }) })
     render(LedgerPage, { about: { recipient: 'acme', ...key('mill', 'count') } })
-    expect(await screen.findByText('Nothing like that')).toBeTruthy()
+    expect(await screen.findByText('No match')).toBeTruthy()
     expect(screen.getByLabelText('Request or field')).toHaveProperty(
       'value',
       'n / mill / R / count',

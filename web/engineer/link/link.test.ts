@@ -17,7 +17,7 @@ const lease = (more: Partial<LeaseStatus>): LeaseStatus => ({
 })
 
 describe('two connectors with one credential', () => {
-  it('are told by the one that is refused, with the other one’s name and what to do', () => {
+  it('are reported by the refused one, with the other one’s name and a remedy', () => {
     render(LeaseNote, { lease: lease({ state: 'REFUSED', holder: party('spare-pc:/copy') }) })
     const { textContent } = screen.getByRole('alert')
     for (const part of [
@@ -28,14 +28,14 @@ describe('two connectors with one credential', () => {
     ])
       expect(textContent).toContain(part)
   })
-  it('are told by the one that speaks', () => {
+  it('are reported by the one that holds the lease', () => {
     render(LeaseNote, { lease: lease({ contender: party('laboratory:/copy') }) })
     const { textContent } = screen.getByRole('alert')
     for (const part of ['It was refused', 'laboratory:/copy', 'stop it'])
       expect(textContent).toContain(part)
   })
   it.each([undefined, lease({}), lease({ state: 'ASKING' })])(
-    'are not told where there is one',
+    'are not reported where there is one',
     (alone) => {
       render(LeaseNote, { lease: alone })
       expect(screen.queryByRole('alert')).toBeNull()

@@ -3,7 +3,7 @@ import { statusText } from '@/format/status'
 import { moment, span } from '@/format/time'
 import type { HealthCounts, MappingHealth, MappingStatus } from '../api/types'
 import { texts } from '../language/texts'
-import { placeOf } from '../mapping-life/work'
+import { placeOf } from '../mapping-status/status-text'
 
 /** The worst first. */
 export const HEALTHS = [
@@ -49,8 +49,8 @@ export function whyOf(
     case 'RESTING': {
       const rest =
         circuit.state === 'resting'
-          ? texts.work.restsUntil(moment(circuit.until))
-          : texts.work.trying
+          ? texts.mappingStatus.pausedUntil(moment(circuit.until))
+          : texts.mappingStatus.trying
       return fault ? `${fault} ${rest}` : rest
     }
     case 'FAILING':
@@ -65,7 +65,7 @@ export function whyOf(
     case 'DOUBTFUL':
       return statusText(lastCandidate?.status)
     case 'CLOCK_AHEAD':
-      return texts.work.clockAhead(
+      return texts.mappingStatus.clockAhead(
         span(Math.max(...inputs.map((input) => input.clockAheadMs ?? 0))),
       )
     case 'WELL':

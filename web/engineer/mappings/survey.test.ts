@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { serve, type Asked } from '../../vitest.server'
 import type { HealthCounts, MappingHealth, MappingStatus, MappingSurvey } from '../api/types'
-import Troubled from '../overview/Troubled.svelte'
+import FailingMappings from '../overview/FailingMappings.svelte'
 import SurveyPanel from './SurveyPanel.svelte'
 
 const HOUR_MS = 3_600_000
@@ -85,7 +85,7 @@ const every: { health: MappingHealth; status: MappingStatus }[] = [
   { health: 'WELL', status: status('made') },
 ]
 
-function show(component: typeof SurveyPanel | typeof Troubled): Asked[] {
+function show(component: typeof SurveyPanel | typeof FailingMappings): Asked[] {
   const log = serve({ 'GET /mappings/survey': () => survey })
   render(component)
   return log
@@ -101,26 +101,26 @@ afterEach(() => {
   vi.unstubAllGlobals()
 })
 
-describe('all mappings in use', () => {
-  it('says of each what ails it, the worst first, and leads to its field', async () => {
+describe('the status of all mappings', () => {
+  it('lists each with its problem and a link to its field, the worst first', async () => {
     show(SurveyPanel)
     expect((await screen.findByRole('link', { name: 'label' })).getAttribute('href')).toContain(
       'fields/n/turn/progress/label',
     )
     const said = text()
     const words = [
-      'Rests',
-      'did not keep to its budget',
-      'Fails',
+      'Paused',
+      'exceeded its budget',
+      'Failing',
       'out of order (Function 2, line 2, column 7)',
-      'Waits',
-      'No value has come yet of: b.',
-      'Doubtful',
+      'Waiting',
+      'No value received yet from: b.',
+      'Uncertain',
       'Clock ahead',
       'is 2 h',
-      'Well',
+      'Good',
     ]
-    const places = words.map((word) => said.indexOf(word, said.indexOf('How it does')))
+    const places = words.map((word) => said.indexOf(word, said.indexOf('Status')))
     expect(places).toEqual([...places].sort((one, other) => one - other))
     expect(places).not.toContain(-1)
     expect(said).toContain('The first 6 of 75 are shown.')
@@ -128,13 +128,13 @@ describe('all mappings in use', () => {
     expect(said).toContain('170 ms')
   })
 
-  it('shows those that are doing so, and offers only what there is', async () => {
+  it('is filtered by a status, of those that occur', async () => {
     survey.counts = { ...none, failing: 1, well: 5 }
     const log = show(SurveyPanel)
     expect(
       (await screen.findAllByRole('radio')).map((radio) => (radio as HTMLInputElement).value),
     ).toEqual(['ALL', 'FAILING', 'WELL'])
-    await userEvent.click(screen.getByRole('radio', { name: 'Fails 1' }))
+    await userEvent.click(screen.getByRole('radio', { name: 'Failing 1' }))
     await vi.waitFor(() =>
       expect(log.at(-1)?.path).toBe('/mappings/survey?limit=50&health=FAILING'),
     )
@@ -148,17 +148,17 @@ describe('all mappings in use', () => {
 })
 
 describe('the overview', () => {
-  it('says how many mappings fail, and nothing while none does', async () => {
-    show(Troubled)
-    expect(await screen.findByText('2 mappings fail')).toBeTruthy()
-    expect(screen.getByRole('link', { name: 'Look at them' }).getAttribute('href')).toContain(
+  it('shows the number of failing mappings, and nothing while there is none', async () => {
+    show(FailingMappings)
+    expect(await screen.findByText('2 mappings are failing')).toBeTruthy()
+    expect(screen.getByRole('link', { name: 'Show them' }).getAttribute('href')).toContain(
       'mappings',
     )
   })
 
   it('is quiet while none fails', async () => {
     survey.counts = { ...none, waiting: 3, well: 2 }
-    const log = show(Troubled)
+    const log = show(FailingMappings)
     await vi.waitFor(() => expect(log).toHaveLength(1))
     expect(text()).not.toContain('fail')
   })

@@ -1,27 +1,27 @@
 import type { OperatorOperation } from '../api/types'
 
-/** What a person at a machine says, as it is kept until the connector has it. */
-export type Said =
+/** Action of a person at a machine. */
+export type EntryAction =
   | { action: 'START' }
   | { action: 'DONE' }
   | { action: 'ADD'; quantity: number; piece: 'GOOD' | 'SCRAP' }
   | { action: 'PROBLEM'; text: string }
   | { action: 'VALUE'; dynamicDataRequestId: string; fieldName: string; value: unknown }
 
-export type Entry = Said & {
+export type Entry = EntryAction & {
   entryId: string
   operationNetworkId: string
   operationId: string
   madeAt: string
 }
 
-/** An entry with who made it: on a shared tablet each person's entries are delivered under that person's own name. */
-export interface KeptEntry {
+/** Entry with its author: on a shared tablet each person's entries are sent in that person's name. */
+export interface StoredEntry {
   entry: Entry
   userName: string
 }
 
-/** How an operation stands once everything that waits to be sent has arrived. */
+/** Expected state of an operation once all entries that wait to be sent have arrived. */
 export interface Expected {
   state: string | null
   good: number
@@ -30,7 +30,7 @@ export interface Expected {
   waiting: number
 }
 
-/** The connector's word with the entries laid over it that it does not have yet, in the order in which they were made. */
+/** Applies the entries that the connector does not have yet to its state, in order of their time. */
 export function expected(operation: OperatorOperation, waiting: readonly Entry[]): Expected {
   const { standing } = operation
   const own = waiting.filter(
@@ -71,14 +71,14 @@ export function expected(operation: OperatorOperation, waiting: readonly Entry[]
 
 const DAYS_AHEAD = 7
 
-/** From this place's midnight to the next, and a week on: `until` is where what is asked for ends, `tomorrow` where today does. */
+/** Local midnights: today's (`from`), tomorrow's, and a week ahead, where the query ends (`until`). */
 export function today(now = new Date()): { from: string; tomorrow: string; until: string } {
   const midnight = (days: number): string =>
     new Date(now.getFullYear(), now.getMonth(), now.getDate() + days).toISOString()
   return { from: midnight(0), tomorrow: midnight(1), until: midnight(DAYS_AHEAD) }
 }
 
-/** This moment, as it is written. */
+/** Present time in ISO 8601. */
 export function moment(): string {
   return new Date().toISOString()
 }

@@ -2,9 +2,9 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import type { EntryOutcome, OperatorOperation } from '../api/types'
-import { expected, today, type Entry, type KeptEntry } from './entries'
-import type { Keep } from './kept-entries'
-import { Outbox } from './outbox.svelte'
+import { expected, today, type Entry, type StoredEntry } from './entries'
+import type { EntryStorage } from './entry-storage'
+import { EntryQueue } from './entry-queue.svelte'
 
 const place = { operationNetworkId: 'n', operationId: 'o' }
 const operation = (more: Partial<OperatorOperation['standing']> = {}): OperatorOperation => ({
@@ -16,15 +16,15 @@ const operation = (more: Partial<OperatorOperation['standing']> = {}): OperatorO
 })
 
 /** A disk that outlives pages. */
-class Disk implements Keep {
-  kept: KeptEntry[] = []
-  entries = (): Promise<KeptEntry[]> => Promise.resolve([...this.kept])
-  put = (entry: KeptEntry): Promise<void> => {
-    this.kept.push(entry)
+class Disk implements EntryStorage {
+  stored: StoredEntry[] = []
+  entries = (): Promise<StoredEntry[]> => Promise.resolve([...this.stored])
+  put = (entry: StoredEntry): Promise<void> => {
+    this.stored.push(entry)
     return Promise.resolve()
   }
   drop = (entryId: string): Promise<void> => {
-    this.kept = this.kept.filter(({ entry }) => entry.entryId !== entryId)
+    this.stored = this.stored.filter(({ entry }) => entry.entryId !== entryId)
     return Promise.resolve()
   }
   operations = (): Promise<undefined> => Promise.resolve(undefined)
@@ -107,9 +107,9 @@ describe('what a card shows', () => {
 describe('entries on their way', () => {
   let disk: Disk
   let connector: Connector
-  const open = (): { outbox: Outbox; close: () => void } => {
-    const outbox = new Outbox(disk, () => undefined, connector.send)
-    return { outbox, close: outbox.open() }
+  const open = (): { queue: EntryQueue; close: () => void } => {
+    const queue = new EntryQueue(disk, () => undefined, connector.send)
+    return { queue, close: queue.open() }
   }
   beforeEach(() => {
     vi.useFakeTimers()
@@ -122,19 +122,19 @@ describe('entries on their way', () => {
   })
 
   it('leave the queue when the connector answered for them', async () => {
-    const { outbox, close } = open()
-    outbox.say(place, { action: 'START' })
-    expect(outbox.own).toHaveLength(1)
+    const { queue, close } = open()
+    queue.record(place, { action: 'START' })
+    expect(queue.own).toHaveLength(1)
     await vi.advanceTimersByTimeAsync(10)
-    expect([connector.taken.length, outbox.own.length, disk.kept.length]).toEqual([1, 0, 0])
+    expect([connector.taken.length, queue.own.length, disk.stored.length]).toEqual([1, 0, 0])
     close()
   })
-  it('wait on the disk through an outage and a reload, keep id and time, and count once', async () => {
+  it('stay on the disk through an outage and a reload with id and time, and count once', async () => {
     connector.isReachable = false
     const before = open()
-    const entry = before.outbox.say(place, { action: 'ADD', quantity: 1, piece: 'GOOD' })
+    const entry = before.queue.record(place, { action: 'ADD', quantity: 1, piece: 'GOOD' })
     await vi.advanceTimersByTimeAsync(60_000)
-    expect(before.outbox.failingSince).toBeDefined()
+    expect(before.queue.failingSince).toBeDefined()
     before.close()
 
     connector.isReachable = true
@@ -142,7 +142,7 @@ describe('entries on their way', () => {
     const after = open()
     await vi.advanceTimersByTimeAsync(10)
     expect(connector.taken).toEqual([entry])
-    expect([after.outbox.own.length, disk.kept.length, after.outbox.failingSince]).toEqual([
+    expect([after.queue.own.length, disk.stored.length, after.queue.failingSince]).toEqual([
       0,
       0,
       undefined,
@@ -152,7 +152,7 @@ describe('entries on their way', () => {
   it('of another person wait for that person', async () => {
     connector.isReachable = false
     const eva = open()
-    eva.outbox.say(place, { action: 'START' })
+    eva.queue.record(place, { action: 'START' })
     await vi.advanceTimersByTimeAsync(10)
     eva.close()
 
@@ -160,11 +160,11 @@ describe('entries on their way', () => {
     signIn('otto')
     const otto = open()
     await vi.advanceTimersByTimeAsync(10)
-    expect([otto.outbox.own.length, otto.outbox.foreign, connector.taken.length]).toEqual([0, 1, 0])
+    expect([otto.queue.own.length, otto.queue.foreign, connector.taken.length]).toEqual([0, 1, 0])
     otto.close()
   })
-  it('that are refused are told and leave', async () => {
-    const outbox = new Outbox(
+  it('that are refused are shown and removed from the queue', async () => {
+    const queue = new EntryQueue(
       disk,
       () => undefined,
       (_, entries) =>
@@ -177,13 +177,13 @@ describe('entries on their way', () => {
           })),
         ),
     )
-    const close = outbox.open()
-    const { entryId } = outbox.say(place, { action: 'DONE' })
+    const close = queue.open()
+    const { entryId } = queue.record(place, { action: 'DONE' })
     await vi.advanceTimersByTimeAsync(10)
-    expect(outbox.refused.map(({ message }) => message)).toEqual(['The operation was withdrawn.'])
-    expect(disk.kept).toEqual([])
-    outbox.forgive(entryId)
-    expect(outbox.refused).toEqual([])
+    expect(queue.refused.map(({ message }) => message)).toEqual(['The operation was withdrawn.'])
+    expect(disk.stored).toEqual([])
+    queue.dismiss(entryId)
+    expect(queue.refused).toEqual([])
     close()
   })
 })

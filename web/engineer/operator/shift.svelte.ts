@@ -3,28 +3,28 @@ import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed } from '../api/client'
 import type { OperatorOperation } from '../api/types'
 import { today } from './entries'
-import { keepPage } from './keep-page'
-import { BrowserKeep } from './kept-entries'
-import { Outbox } from './outbox.svelte'
+import { storePage } from './offline-page'
+import { BrowserEntryStorage } from './entry-storage'
+import { EntryQueue } from './entry-queue.svelte'
 
 const EVERY_MS = 20_000
 
-/** What the operator's page works on: today's operations, and the entries on their way. */
+/** State of the operator's page: today's operations and the queue of entries. */
 export class Shift {
-  readonly #keep = new BrowserKeep()
+  readonly #storage = new BrowserEntryStorage()
   readonly operations = new Resource<OperatorOperation[]>((signal) => this.#read(signal))
-  readonly outbox = new Outbox(this.#keep, () => {
+  readonly queue = new EntryQueue(this.#storage, () => {
     this.operations.refreshSoon()
   })
 
-  /** Starts reading, listening and delivering. Returns how to stop. */
+  /** Starts reading, listening and delivering. Returns a function that stops. */
   open(): () => void {
     void this.#start()
-    keepPage().catch(() => undefined)
+    storePage().catch(() => undefined)
     const stops = [
-      this.outbox.open(),
+      this.queue.open(),
       feed.keepFresh(['operator', 'inbox'], this.operations),
-      feed.onCatchUp(() => void this.outbox.deliver()),
+      feed.onCatchUp(() => void this.queue.deliver()),
       poll(EVERY_MS, this.operations),
     ]
     return () => {
@@ -33,12 +33,12 @@ export class Shift {
     }
   }
 
-  /** First what was last seen, marked with its age, then what is. */
+  /** Shows the operations that were read last, marked with their age, then reads them again. */
   async #start(): Promise<void> {
-    const kept = await this.#keep.operations().catch(() => undefined)
-    if (kept !== undefined && this.operations.value === undefined) {
-      this.operations.value = kept.items
-      this.operations.readAt = kept.at
+    const stored = await this.#storage.operations().catch(() => undefined)
+    if (stored !== undefined && this.operations.value === undefined) {
+      this.operations.value = stored.items
+      this.operations.readAt = stored.at
     }
     await this.operations.refresh()
   }
@@ -49,7 +49,7 @@ export class Shift {
       query: { from, until },
       signal,
     })
-    void this.#keep.putOperations(clock.now, items).catch(() => undefined)
+    void this.#storage.putOperations(clock.now, items).catch(() => undefined)
     return items
   }
 }

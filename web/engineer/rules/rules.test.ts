@@ -52,7 +52,7 @@ afterEach(() => {
 })
 
 describe('policies and rules', () => {
-  it('have each a word for nothing', async () => {
+  it('have a text for each empty list', async () => {
     connector({
       'GET /rules': () => nothing,
       'GET /policies': () => nothing,
@@ -62,8 +62,8 @@ describe('policies and rules', () => {
     for (const text of [
       'No rule yet',
       'No named policy yet.',
-      'Nobody asks yet.',
-      'Rules have decided nothing yet.',
+      'No partner asks yet.',
+      'No rule has decided yet.',
     ])
       expect(await screen.findByText(text)).toBeTruthy()
   })

@@ -141,21 +141,21 @@ describe('certificates of OPC UA clients', () => {
   it('have authorities, which need current revocation lists', async () => {
     twin()
     render(ClientCertificates)
-    await screen.findByText('Trusted with all its clients')
+    await screen.findByText('Trusted, with all its clients')
     const panel = (name: string): string =>
       screen.getByRole('region', { name }).textContent.replace(/\s+/g, ' ')
     expect(panel('Authorities of OPC UA clients')).toMatch(
-      /CN=Root.*Outdated Its clients stay outside.*CN=Between In between.*issued by CN=Root.*Current/,
+      /CN=Root.*Outdated Its clients are rejected.*CN=Between Intermediate authority.*issued by CN=Root.*Current/,
     )
     expect(panel('Revocation lists')).toMatch(
-      /CN=Between Signed by nobody known here.*3.*Ends soon/,
+      /CN=Between Signed by an unknown authority.*3.*Ends soon/,
     )
   })
 
   it('have authorities and lists that can be removed, after a question', async () => {
     const log = twin()
     render(ClientCertificates)
-    for (const [button, told] of [
+    for (const [button, message] of [
       ['Remove: CN=Root', 'Authority removed.'],
       ['Remove: CN=Between', 'Revocation list removed.'],
     ] as const) {
@@ -165,7 +165,7 @@ describe('certificates of OPC UA clients', () => {
       await userEvent.click(
         within(screen.getByRole('dialog')).getByRole('button', { name: 'Remove' }),
       )
-      await vi.waitFor(() => expect(toasts.list.at(-1)?.text).toBe(told))
+      await vi.waitFor(() => expect(toasts.list.at(-1)?.text).toBe(message))
     }
     expect(log.filter(({ method }) => method === 'DELETE').map(({ path }) => path)).toEqual([
       '/client-authorities/ca01',
@@ -178,7 +178,7 @@ describe('certificates of OPC UA clients', () => {
     const log = twin()
     render(ClientCertificates)
     await userEvent.click(await screen.findByRole('button', { name: 'Trust: CN=Planner' }))
-    expect(await screen.findByRole('button', { name: 'Trust no longer: CN=Planner' })).toBeTruthy()
+    expect(await screen.findByRole('button', { name: 'Stop trusting: CN=Planner' })).toBeTruthy()
     toasts.list[0]?.action?.run()
     expect(await screen.findByRole('button', { name: 'Trust: CN=Planner' })).toBeTruthy()
     expect(changes(log)).toEqual([{ isTrusted: true }, { isTrusted: false }])

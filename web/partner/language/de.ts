@@ -10,7 +10,7 @@ export const de: Texts = {
   },
   networks: {
     title: 'Vorgangsnetze',
-    subtitle: 'Was Sie gemeinsam herstellen, und wie weit es ist',
+    subtitle: 'Gemeinsame Herstellung und ihr Fortschritt',
     add: 'Netz hinzufügen',
     empty: 'Noch kein Netz',
     emptyText:
@@ -33,7 +33,7 @@ export const de: Texts = {
   },
   network: {
     graph: 'Vorgänge',
-    timeline: 'Plan und Wirklichkeit',
+    timeline: 'Geplant und tatsächlich',
     parts: 'Antworten der Fabriken',
     part: {
       SENT: 'Gesendet, noch keine Antwort',
@@ -106,7 +106,7 @@ export const de: Texts = {
   },
   factories: {
     title: 'Fabriken',
-    subtitle: 'Wessen Anbindungen hierher berichten, und die Belege dafür',
+    subtitle: 'Anbindungen, die hierher berichten, mit Belegen',
     add: 'Fabrik hinzufügen',
     empty: 'Noch keine Fabrik',
     emptyText: 'Fügen Sie eine Fabrik hinzu und geben Sie ihrem Ingenieur einen Aufnahmeschlüssel.',
@@ -114,12 +114,12 @@ export const de: Texts = {
     idHint: 'Buchstaben, Ziffern, - und _. Später nicht mehr zu ändern.',
     name: 'Name',
     organisation: 'Organisation',
-    lastHeard: 'Zuletzt gehört',
+    lastHeard: 'Letzter Kontakt',
     enrolled: 'Aufgenommen',
     notEnrolled: 'Noch nicht aufgenommen',
     heard: 'Berichtet',
     silent: 'Still',
-    never: 'Nie gehört',
+    never: 'Noch kein Kontakt',
     enrol: 'Aufnahmeschlüssel erstellen',
     tokenTitle: 'Aufnahmeschlüssel',
     tokenText:
@@ -133,7 +133,7 @@ export const de: Texts = {
     revoked: 'Die Zugangsdaten sind widerrufen.',
     writers: 'Datensatzschreiber',
     writersHint:
-      'Jeder Bericht ist nummeriert. Hier steht, was ankam, was fehlt und was doppelt kam.',
+      'Jeder Bericht ist nummeriert. Die Tabelle zeigt, welche angekommen, verloren oder wiederholt sind.',
     noWriters: 'Noch ist kein Bericht angekommen.',
     writer: 'Schreiber',
     epoch: 'Epoche',
@@ -152,18 +152,19 @@ export const de: Texts = {
     },
   },
   lease: {
-    title: 'Wer für die Fabrik spricht',
-    hint: 'Von allen laufenden Anbindungen mit den Zugangsdaten der Fabrik darf nur eine berichten. Eine Kopie daneben wird abgewiesen.',
+    title: 'Sendeberechtigung der Fabrik',
+    hint: 'Nur eine der laufenden Anbindungen mit den Zugangsdaten der Fabrik hat die Sendeberechtigung. Jede andere wird abgewiesen.',
     holder: 'Anbindung',
     refused: 'Abgewiesen',
     second:
-      'Beide laufen. Halten Sie eine an; die abgewiesene kommt nur zu Wort, wenn Sie es ihr geben.',
-    undecided: 'Sie kommt von selbst zu Wort, wenn von der anderen nichts mehr zu hören ist.',
-    handOver: 'Das Wort übergeben',
-    handOverTitle: 'Das Wort übergeben?',
+      'Beide laufen. Halten Sie eine an. Die abgewiesene erhält die Sendeberechtigung nur, wenn Sie sie übergeben.',
+    undecided:
+      'Sie erhält die Sendeberechtigung automatisch, wenn die andere nicht mehr antwortet.',
+    handOver: 'Sendeberechtigung übergeben',
+    handOverTitle: 'Sendeberechtigung übergeben?',
     handOverText: (host: string) =>
-      `Ab jetzt spricht ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Was die andere nicht gesendet hat, bleibt dort.`,
-    handedOver: 'Das Wort ist übergeben.',
+      `Ab jetzt berichtet ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Berichte, die die andere nicht gesendet hat, bleiben dort.`,
+    handedOver: 'Die Sendeberechtigung ist übergeben.',
   },
   live: {
     title: 'Live-Strom',

@@ -8,7 +8,7 @@ export const en = {
   },
   networks: {
     title: 'Operation networks',
-    subtitle: 'What you make together, and how far it is',
+    subtitle: 'Joint production and its progress',
     add: 'Add a network',
     empty: 'No network yet',
     emptyText:
@@ -29,7 +29,7 @@ export const en = {
   },
   network: {
     graph: 'Operations',
-    timeline: 'Plan and reality',
+    timeline: 'Planned and actual',
     parts: 'Answers of the factories',
     part: {
       SENT: 'Sent, no answer yet',
@@ -53,7 +53,7 @@ export const en = {
     lastReport: 'Last report ',
     equipment: 'Equipment',
     requests: 'Data requests',
-    noRequests: 'Nobody asks for data about this operation yet.',
+    noRequests: 'No one has requested data about this operation yet.',
     newRequest: 'Request data',
     field: 'Field',
     state: 'State',
@@ -103,7 +103,7 @@ export const en = {
   },
   factories: {
     title: 'Factories',
-    subtitle: 'Whose connectors report here, and the evidence for it',
+    subtitle: 'Connectors that report here, with evidence',
     add: 'Add a factory',
     empty: 'No factory yet',
     emptyText: 'Add a factory and hand its engineer an enrolment token.',
@@ -111,16 +111,16 @@ export const en = {
     idHint: 'Letters, digits, - and _. It cannot be changed later.',
     name: 'Name',
     organisation: 'Organisation',
-    lastHeard: 'Last heard',
+    lastHeard: 'Last contact',
     enrolled: 'Enrolled',
     notEnrolled: 'Not enrolled yet',
     heard: 'Reports',
     silent: 'Silent',
-    never: 'Never heard',
+    never: 'No contact yet',
     enrol: 'Create an enrolment token',
     tokenTitle: 'Enrolment token',
     tokenText:
-      'This token is shown once. Give it to the factory’s engineer on a safe way; it works a single time.',
+      'This token is shown once. Send it to the factory’s engineer over a safe channel; it works once.',
     tokenExpires: 'expires ',
     command: 'At the factory',
     revoke: 'Revoke the credentials',
@@ -130,7 +130,7 @@ export const en = {
     revoked: 'The credentials are revoked.',
     writers: 'Data set writers',
     writersHint:
-      'Every report is numbered. Here is what arrived, what is missing and what came twice.',
+      'Every report is numbered. This table shows which arrived, are missing or were repeated.',
     noWriters: 'No report has arrived yet.',
     writer: 'Writer',
     epoch: 'Epoch',
@@ -149,17 +149,17 @@ export const en = {
     } as Record<string, string>,
   },
   lease: {
-    title: 'Who speaks for the factory',
-    hint: 'Of all running connectors with the factory’s credential only one may report. A copy beside it is refused.',
+    title: 'Lease of the factory',
+    hint: 'Only one of the running connectors with the factory’s credential holds the lease and may report. Any other is refused.',
     holder: 'Connector',
     refused: 'Refused',
     second:
-      'Both are running. Stop one of them; the refused one gets the lease only if you hand it over.',
-    undecided: 'It gets the lease by itself if nothing more is heard of the other one.',
+      'Both are running. Stop one of them. The refused one gets the lease only if you hand it over.',
+    undecided: 'It gets the lease automatically if the other one stops responding.',
     handOver: 'Hand the lease over',
     handOverTitle: 'Hand the lease over?',
     handOverText: (host: string) =>
-      `From now on ${host} speaks for the factory, and the other connector is refused. What the other one has not sent stays there.`,
+      `From now on ${host} reports for the factory, and the other connector is refused. Reports that the other one has not sent stay there.`,
     handedOver: 'The lease is handed over.',
   },
   live: {

@@ -3,7 +3,7 @@ import type { ledger as English } from '../en/ledger'
 export const ledger: typeof English = {
   ledger: {
     title: 'Ausgangsbuch',
-    subtitle: 'Jeder Wert, der hinausging: für wen, wie genau, unter welcher Einwilligung',
+    subtitle: 'Jeder Wert, der hinausging: mit Empfänger, Genauigkeit und Einwilligung',
     verify: 'Kette prüfen',
     verifying: 'Wird geprüft …',
     valid: (entries: string) =>
@@ -19,14 +19,14 @@ export const ledger: typeof English = {
     value: 'Wert',
     outcome: 'Verbleib',
     hash: 'Prüfwert',
-    filters: 'Welche Einträge',
+    filters: 'Filter',
     from: 'Von',
     until: 'Bis',
     anyTime: 'Jede Zeit',
     export: 'Ausgeben',
     formats: { jsonl: 'JSON-Zeilen', csv: 'CSV', html: 'Zum Drucken' },
-    none: 'Nichts dergleichen',
-    noneText: 'Kein Eintrag dieser Kette ist, was Sie suchen.',
+    none: 'Kein Treffer',
+    noneText: 'Kein Eintrag dieser Kette passt.',
     anyKind: 'Jeder',
     subject: 'Anfrage oder Feld',
     subjectExample: 'Netz / Vorgang / Anfrage / Feld',
@@ -47,14 +47,14 @@ export const ledger: typeof English = {
     pruned: 'Nach Ablauf entfernte Einträge',
     checkpoints: 'Unterschriebene Prüfpunkte',
     checkpointsHint:
-      'Einmal am Tag wird unterschrieben, wo jede Kette endet. Wer einen Prüfpunkt anderswo aufhebt, kann später beweisen, was das Ausgangsbuch damals enthielt.',
+      'Einmal am Tag wird das Ende jeder Kette unterschrieben. Bewahren Sie einen Prüfpunkt anderswo auf, um später zu beweisen, was das Ausgangsbuch enthielt.',
     noCheckpoints: 'Der erste entsteht binnen eines Tages nach dem ersten Eintrag.',
     chainEnds: 'Enden der Ketten',
     signedText: 'Unterschriebener Text',
     receipts: 'Unterschriebene Quittungen',
     key: 'Öffentlicher Schlüssel',
     keyHint:
-      'Alles Unterschriebene trägt die Unterschrift dieses Schlüssels. Vergleichen Sie ihn mit dem, den Sie notiert haben.',
+      'Alle Unterschriften stammen von diesem Schlüssel. Vergleichen Sie ihn mit dem, den Sie notiert haben.',
     kind: {
       queued: 'Eingereiht',
       sent: 'Gesendet',

@@ -5,7 +5,7 @@ export const operator: typeof English = {
     page: 'Bedienung',
     title: 'Vorgänge von heute',
     subtitle:
-      'Was Sie hier drücken, wird sofort festgehalten und gesendet, sobald die Anbindung erreichbar ist.',
+      'Eingaben werden sofort festgehalten und gesendet, sobald die Anbindung erreichbar ist.',
     empty: 'Heute ist nichts einzugeben',
     emptyText: 'Vorgänge erscheinen hier, wenn eines ihrer Felder von Hand gefüllt wird.',
     later: 'Die nächsten Tage',
@@ -24,11 +24,11 @@ export const operator: typeof English = {
     addedGood: (n: string) => `${n} gut gezählt.`,
     addedScrap: (n: string) => `${n} Ausschuss gezählt.`,
     entered: (name: string) => `${name} eingegeben.`,
-    problemTold: 'Störung festgehalten. Der Vorgang ist unterbrochen.',
+    problemRecorded: 'Störung festgehalten. Der Vorgang ist unterbrochen.',
     problemTitle: 'Was ist los?',
     problemOther: 'Etwas anderes',
     problemHint:
-      'Diese Worte bleiben im Werk. Partner sehen nur, dass der Vorgang unterbrochen ist.',
+      'Dieser Text bleibt in der Fabrik. Partner sehen nur, dass der Vorgang unterbrochen ist.',
     problems: [
       'Maschine steht',
       'Material fehlt',
@@ -50,10 +50,10 @@ export const operator: typeof English = {
     offline: (n: number) =>
       n === 1 ? '1 Eintrag liegt auf diesem Gerät.' : `${n} Einträge liegen auf diesem Gerät.`,
     offlineText: (age: string) =>
-      `Die Anbindung antwortet nicht mehr (${age}). Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden von selbst gesendet.`,
-    foreign: (n: number) => `${n} weitere warten, bis sich hier anmeldet, wer sie gemacht hat.`,
-    forgetful:
-      'Dieser Browser behält nichts auf der Platte: Schließen Sie die Seite nicht, bevor alles angekommen ist.',
+      `Die Anbindung antwortet nicht mehr (${age}). Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden automatisch gesendet.`,
+    foreign: (n: number) => `${n} weitere warten, bis sich ihr Verfasser hier anmeldet.`,
+    volatile:
+      'Dieser Browser kann keine Einträge speichern: Schließen Sie die Seite nicht, bevor alles angekommen ist.',
     refused: (operation: string) => `Ein Eintrag zu ${operation} wurde nicht angenommen.`,
     waitingHere: (n: number) =>
       n === 1 ? '1 Eintrag noch nicht gesendet' : `${n} Einträge noch nicht gesendet`,

@@ -12,9 +12,9 @@ export const overview: typeof English = {
   },
   overview: {
     title: 'Übersicht',
-    journey: 'Der Weg eines Werts',
-    journeyHint:
-      'Von Ihren Maschinen zu Ihren Partnern. Durch die Freigabe geht nichts, was Sie nicht geöffnet haben.',
+    path: 'Weg eines Werts',
+    pathHint:
+      'Von Ihren Maschinen zu Ihren Partnern. Nur Felder, die Sie geöffnet haben, passieren die Freigabe.',
     machines: 'Maschinen',
     machinesState: (live: number, all: number) => `${live} von ${all} Quellen verbunden`,
     inputs: (live: number, all: number) => `${live} von ${all} Eingängen live`,
@@ -39,7 +39,7 @@ export const overview: typeof English = {
       n === 1 ? '1 Rückschluss ist möglich' : `${n} Rückschlüsse sind möglich`,
     toDecide: 'Wartet auf Ihre Entscheidung',
     nothingToDecide: 'Über jedes angefragte Feld ist entschieden.',
-    whatLeaves: 'Was jetzt hinausgeht',
+    whatLeaves: 'Geht jetzt hinaus',
     moreLeaves: (n: string) => `${n} weitere im Eingang`,
     nothingLeaves: 'Kein Feld ist offen: Nichts verlässt diese Fabrik.',
     field: 'Feld',
@@ -60,7 +60,7 @@ export const overview: typeof English = {
     requestText: 'Nichts zu tun: Die Anfrage erscheint von selbst.',
     requestCame: (n: number) => (n === 1 ? '1 Feld ist angefragt.' : `${n} Felder sind angefragt.`),
     decide: 'Über das erste Feld entscheiden',
-    decideText: 'Vorschlag übernehmen, ansehen, was hinausginge, einwilligen.',
+    decideText: 'Vorschlag übernehmen, Vorschau prüfen, einwilligen.',
   },
   link: {
     title: 'Verbindung und Ausgangspuffer',
@@ -90,19 +90,19 @@ export const overview: typeof English = {
     subject: 'Betreff',
   },
   lease: {
-    title: 'Spricht für die Fabrik',
+    title: 'Sendeberechtigung der Fabrik',
     state: {
       ASKING: 'Die Plattform hat noch nicht geantwortet',
       HELD: 'Diese Anbindung',
       REFUSED: 'Eine andere Anbindung',
     },
     refused:
-      'Eine andere Anbindung spricht für diese Fabrik. Von hier geht nichts hinaus; Werte werden aufgehoben.',
+      'Eine andere Anbindung hat die Sendeberechtigung dieser Fabrik. Von hier geht nichts hinaus; Werte werden gespeichert.',
     contested: 'Eine zweite Anbindung mit den Zugangsdaten dieser läuft. Sie wurde abgewiesen.',
     own: 'Diese Anbindung:',
     other: 'Die andere:',
     refusedRemedy:
-      'Halten Sie eine der beiden an. Gibt es die andere nicht mehr, kann ein Verwalter der Plattform auf der Seite der Fabrik dieser das Wort geben.',
+      'Halten Sie eine der beiden an. Gibt es die andere nicht mehr, kann ein Verwalter der Plattform auf der Seite der Fabrik die Sendeberechtigung an diese übergeben.',
     contestedRemedy:
       'Suchen Sie die andere und halten Sie sie an: Wahrscheinlich wurde sie aus einer Kopie des Datenverzeichnisses dieser Anbindung gestartet.',
   },
@@ -118,7 +118,7 @@ export const overview: typeof English = {
     roles: {
       ENGINEER: 'entscheiden, zuordnen, einrichten',
       OPERATOR: 'Werte zu Vorgängen eingeben',
-      VIEWER: 'zusehen',
+      VIEWER: 'ansehen',
     } as Record<string, string>,
     newPassword: 'Neues Passwort',
     passwordHint: 'Mindestens zehn Zeichen. Ein paar Wörter merken sich leichter als Zeichen.',

@@ -18,7 +18,7 @@ export const sources: typeof English = {
     securityNone: 'Keine (nur in einem vertrauten Netz)',
     securityExactly: 'Wie eingerichtet',
     identity: 'Anmelden als',
-    anonymous: 'Niemand Bestimmtes',
+    anonymous: 'Anonym',
     withUser: 'Benutzername und Passwort',
     userName: 'Benutzername',
     password: 'Passwort',
@@ -98,9 +98,9 @@ export const sources: typeof English = {
         remedy: 'Nichts zu tun: Sie wird von selbst wieder aufgebaut.',
       },
       stalled: {
-        what: 'Die Verbindung war verstummt',
+        what: 'Der Server hat nicht mehr geantwortet',
         remedy:
-          'Nichts zu tun: Eine neue Sitzung wird aufgebaut. Geschieht das oft, sehen Sie nach dem Server.',
+          'Nichts zu tun: Eine neue Sitzung wird aufgebaut. Geschieht das oft, prüfen Sie den Server.',
       },
       refused: { what: 'Der Server hat abgelehnt', remedy: 'Sein Protokoll sagt, warum.' },
       configuration: {
@@ -113,8 +113,8 @@ export const sources: typeof English = {
     title: 'Zertifikate der Server',
     clients: 'Zertifikate von OPC-UA-Clients',
     clientsHint:
-      'Clients, die am Zwilling angeklopft haben. Wem Sie vertrauen, der darf sich mit Benutzer und Passwort anmelden.',
-    noClients: 'Noch hat kein OPC-UA-Client angeklopft.',
+      'Clients, die sich mit dem Zwilling verbinden wollten. Ein vertrauter Client darf sich mit Benutzername und Passwort anmelden.',
+    noClients: 'Noch wollte sich kein OPC-UA-Client verbinden.',
     add: 'Zertifikat hinzufügen',
     added: 'Zertifikat hinzugefügt.',
     kind: 'Art',
@@ -136,8 +136,8 @@ export const sources: typeof English = {
     over: 'Abgelaufen',
     soon: 'Endet bald',
     early: 'Noch nicht gültig',
-    knock: 'Zuletzt abgewiesen',
-    knocked: (application: string | null, address: string | null) =>
+    rejectedLast: 'Zuletzt abgewiesen',
+    rejectedClient: (application: string | null, address: string | null) =>
       [application ?? '', address === null ? '' : `von ${address}`]
         .filter((part) => part !== '')
         .join(', '),
@@ -158,9 +158,9 @@ export const sources: typeof English = {
     trusted: 'Dem Zertifikat wird vertraut.',
     rejected: 'Dem Zertifikat wird nicht mehr vertraut.',
   },
-  ownCertificate: {
+  applicationCertificate: {
     title: 'Zertifikat des Zwillings',
-    hint: 'Was der Zwilling OPC-UA-Clients zeigt. Er stellt es selbst aus und erneuert es, wenn nicht eine Stelle Ihres Werks es ausstellen soll.',
+    hint: 'Das Zertifikat, das OPC-UA-Clients sehen. Der Zwilling stellt es aus und erneuert es, wenn Sie keines Ihrer Stelle installieren.',
     issuer: 'Ausgestellt von',
     selfSigned: 'Vom Zwilling selbst; er erneuert es rechtzeitig.',
     renewItself: 'Beantragen Sie es bei dieser Stelle neu, bevor es endet.',
@@ -173,7 +173,8 @@ export const sources: typeof English = {
     organization: 'Organisation (O)',
     optional: 'Darf leer bleiben.',
     newKey: 'Mit neuem Schlüssel, der ab der Installation gilt',
-    requested: 'Geben Sie dies Ihrer Stelle, und installieren Sie, was sie daraus macht.',
+    requested:
+      'Geben Sie dies Ihrer Stelle, und installieren Sie das Zertifikat, das sie ausstellt.',
     download: 'Als Datei',
     install: 'Ausgestelltes Zertifikat installieren',
     installNow: 'Installieren',
@@ -183,31 +184,31 @@ export const sources: typeof English = {
   },
   authorities: {
     title: 'Stellen, die OPC-UA-Clients Zertifikate ausstellen',
-    hint: 'Wer ein Zertifikat einer vertrauten Stelle zeigt, kommt ohne eigene Freigabe herein, solange die Stelle es nicht sperrt.',
+    hint: 'Ein Client mit einem Zertifikat einer vertrauten Stelle braucht keine eigene Freigabe, solange die Stelle es nicht sperrt.',
     none: 'Keine Stelle: Jeder Client braucht eine eigene Freigabe.',
     authority: 'Stelle',
     isTrusted: 'Vertraut mit allen ihren Clients',
-    isBetween: 'Zwischenstelle: führt zu einer anderen',
+    isBetween: 'Zwischenstelle',
     issuedBy: (issuer: string) => `ausgestellt von ${issuer}`,
     revocations: 'Sperrliste',
     current: 'Aktuell',
     missing: 'Fehlt',
     outdated: 'Veraltet',
-    stayOutside: 'Ihre Clients bleiben draußen, bis Sie die aktuelle hinzufügen.',
+    stayOutside: 'Ihre Clients werden abgewiesen, bis Sie die aktuelle Liste hinzufügen.',
     remove: 'Diese Stelle entfernen?',
     removeText: (subject: string) =>
-      `Clients mit einem Zertifikat von ${subject} bleiben ab ihrer nächsten Verbindung draußen. Um ihr wieder zu vertrauen, brauchen Sie ihre Datei.`,
+      `Clients mit einem Zertifikat von ${subject} werden ab ihrer nächsten Verbindung abgewiesen. Um der Stelle wieder zu vertrauen, brauchen Sie ihre Datei.`,
     removed: 'Stelle entfernt.',
   },
   revocationLists: {
     title: 'Sperrlisten',
-    hint: 'Was die Stellen gesperrt haben. Eine neue Liste ersetzt die alte der Stelle; fügen Sie sie hinzu, bevor die alte endet.',
+    hint: 'Zertifikate, die Stellen gesperrt haben. Eine neue Liste ersetzt die alte der Stelle; fügen Sie sie hinzu, bevor die alte abläuft.',
     none: 'Keine Sperrliste.',
     revoked: 'Gesperrt',
-    unknown: 'Von niemandem signiert, der hier bekannt ist',
+    unknown: 'Von einer unbekannten Stelle signiert',
     remove: 'Diese Sperrliste entfernen?',
     removeText: (issuer: string) =>
-      `Clients mit einem Zertifikat von ${issuer} bleiben draußen, bis es eine neue Liste gibt.`,
+      `Clients mit einem Zertifikat von ${issuer} werden abgewiesen, bis Sie eine neue Liste hinzufügen.`,
     removed: 'Sperrliste entfernt.',
   },
 }

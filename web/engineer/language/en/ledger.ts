@@ -1,7 +1,7 @@
 export const ledger = {
   ledger: {
     title: 'Ledger',
-    subtitle: 'Every value that left, for whom, in which precision, under which consent',
+    subtitle: 'Every value that left: its recipient, precision and consent',
     verify: 'Verify the chain',
     verifying: 'Verifying …',
     valid: (entries: string) =>
@@ -17,14 +17,14 @@ export const ledger = {
     value: 'Value',
     outcome: 'Outcome',
     hash: 'Hash',
-    filters: 'Which entries',
+    filters: 'Filter',
     from: 'From',
     until: 'Until',
     anyTime: 'Any time',
     export: 'Export',
     formats: { jsonl: 'JSON lines', csv: 'CSV', html: 'To print' },
-    none: 'Nothing like that',
-    noneText: 'No entry of this chain is what you look for.',
+    none: 'No match',
+    noneText: 'No entry of this chain matches.',
     anyKind: 'Any',
     subject: 'Request or field',
     subjectExample: 'Network / operation / request / field',
@@ -45,13 +45,13 @@ export const ledger = {
     pruned: 'Entries removed by retention',
     checkpoints: 'Signed checkpoints',
     checkpointsHint:
-      'A signed statement a day of where each chain ends. Keep one elsewhere, and you can prove later what the ledger held then.',
-    noCheckpoints: 'The first one is made within a day of the first entry.',
+      'Once a day, the end of each chain is signed. Store a checkpoint elsewhere to prove later what the ledger contained.',
+    noCheckpoints: 'The first one is made within a day after the first entry.',
     chainEnds: 'Ends of the chains',
     signedText: 'Signed text',
     receipts: 'Signed receipts',
     key: 'Public key',
-    keyHint: 'Everything signed was signed with this key. Compare it with the one you noted.',
+    keyHint: 'All signatures are made with this key. Compare it with the key that you noted.',
     kind: {
       queued: 'Queued',
       sent: 'Sent',

@@ -2,8 +2,7 @@ export const operator = {
   operator: {
     page: 'Operator',
     title: 'Today’s operations',
-    subtitle:
-      'What you press here is recorded at once and sent as soon as the connector can be reached.',
+    subtitle: 'Entries are recorded at once and sent as soon as the connector can be reached.',
     empty: 'Nothing to enter today',
     emptyText: 'Operations appear here when one of their fields is filled in by hand.',
     later: 'The next days',
@@ -22,11 +21,11 @@ export const operator = {
     addedGood: (n: string) => `${n} good counted.`,
     addedScrap: (n: string) => `${n} scrap counted.`,
     entered: (name: string) => `${name} entered.`,
-    problemTold: 'Problem recorded. The operation is interrupted.',
+    problemRecorded: 'Problem recorded. The operation is interrupted.',
     problemTitle: 'What is wrong?',
     problemOther: 'Something else',
     problemHint:
-      'These words stay in the plant. Partners see only that the operation is interrupted.',
+      'This text stays in the factory. Partners see only that the operation is interrupted.',
     problems: ['Machine stopped', 'Material missing', 'Tool worn or broken', 'Quality in doubt'],
     tell: 'Record',
     quantityTitle: 'How many pieces?',
@@ -42,10 +41,10 @@ export const operator = {
     offline: (n: number) =>
       n === 1 ? '1 entry is kept on this device.' : `${n} entries are kept on this device.`,
     offlineText: (age: string) =>
-      `The connector stopped answering ${age}. Go on working: entries keep their time and are sent by themselves.`,
-    foreign: (n: number) => `${n} more wait until the person who made them signs in here.`,
-    forgetful:
-      'This browser keeps nothing on disk: do not close the page before everything has arrived.',
+      `The connector stopped answering ${age}. Go on working: entries keep their time and are sent automatically.`,
+    foreign: (n: number) => `${n} more wait until their author signs in here.`,
+    volatile:
+      'This browser cannot store entries: do not close the page before everything has arrived.',
     refused: (operation: string) => `An entry for ${operation} was not accepted.`,
     waitingHere: (n: number) => (n === 1 ? '1 entry not sent yet' : `${n} entries not sent yet`),
     lastEntry: 'Last entry',

@@ -10,9 +10,9 @@ export const overview = {
   },
   overview: {
     title: 'Overview',
-    journey: 'The way of a value',
-    journeyHint:
-      'From your machines to your partners. Nothing passes the disclosure gate that you have not opened.',
+    path: 'Path of a value',
+    pathHint:
+      'From your machines to your partners. Only fields that you opened pass the disclosure gate.',
     machines: 'Machines',
     machinesState: (live: number, all: number) => `${live} of ${all} sources connected`,
     inputs: (live: number, all: number) => `${live} of ${all} inputs live`,
@@ -37,7 +37,7 @@ export const overview = {
       n === 1 ? '1 conclusion is possible' : `${n} conclusions are possible`,
     toDecide: 'Waiting for your decision',
     nothingToDecide: 'Every requested field is decided.',
-    whatLeaves: 'What leaves now',
+    whatLeaves: 'Disclosed now',
     moreLeaves: (n: string) => `${n} more in the inbox`,
     nothingLeaves: 'No field is open: nothing leaves this factory.',
     field: 'Field',
@@ -50,15 +50,15 @@ export const overview = {
     hint: 'From here to the first value that leaves this factory.',
     done: 'done',
     link: 'Join the platform',
-    linkText: 'The link is not up yet. Its page says why.',
+    linkText: 'The link is not connected yet. Its page says why.',
     source: 'Connect a machine',
-    sourceText: 'All it takes is the address of its OPC UA server.',
+    sourceText: 'You need the address of its OPC UA server.',
     sourceWaits: 'The source is not connected yet; its line says what to do.',
     request: 'A partner asks',
-    requestText: 'Nothing to do: the question appears by itself.',
+    requestText: 'Nothing to do: the request appears automatically.',
     requestCame: (n: number) => (n === 1 ? '1 field is asked for.' : `${n} fields are asked for.`),
     decide: 'Decide on the first field',
-    decideText: 'Take a suggestion, look at what would leave, consent.',
+    decideText: 'Take a suggestion, check the preview, consent.',
   },
   link: {
     title: 'Link and spool',
@@ -88,14 +88,14 @@ export const overview = {
     subject: 'Subject',
   },
   lease: {
-    title: 'Speaks for the factory',
+    title: 'Lease of the factory',
     state: {
       ASKING: 'The platform has not answered yet',
       HELD: 'This connector',
       REFUSED: 'Another connector',
     } as Record<string, string>,
     refused:
-      'Another connector speaks for this factory. Nothing leaves from here; values are kept.',
+      'Another connector holds the lease of this factory. Nothing leaves from here; values are stored.',
     contested: 'A second connector with this connector’s credential is running. It was refused.',
     own: 'This connector:',
     other: 'The other one:',
@@ -116,7 +116,7 @@ export const overview = {
     roles: {
       ENGINEER: 'decide, map, configure',
       OPERATOR: 'enter values for operations',
-      VIEWER: 'look',
+      VIEWER: 'view',
     } as Record<string, string>,
     newPassword: 'New password',
     passwordHint: 'At least ten characters. A few words are easier to remember than signs.',

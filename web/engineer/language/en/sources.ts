@@ -15,7 +15,7 @@ export const sources = {
     securityNone: 'None (only on a trusted network)',
     securityExactly: 'As configured',
     identity: 'Sign in as',
-    anonymous: 'Nobody in particular',
+    anonymous: 'Anonymous',
     withUser: 'User name and password',
     userName: 'User name',
     password: 'Password',
@@ -62,7 +62,7 @@ export const sources = {
       unreachable: {
         what: 'No answer from this address',
         remedy:
-          'Check that the server runs, the address, and the network between. It is tried again by itself.',
+          'Check that the server runs, its address, and the network. The connector retries automatically.',
       },
       noSuitableEndpoint: {
         what: 'The server offers no such security or sign-in',
@@ -79,11 +79,11 @@ export const sources = {
       clientCertificateRejected: {
         what: 'The server does not trust this connector yet',
         remedy:
-          'Ask whoever runs the server to trust this connector’s certificate, then wait a moment.',
+          'Ask the operator of the server to trust this connector’s certificate, then wait a moment.',
       },
       credentialsRejected: {
         what: 'User name or password is not right',
-        remedy: 'Correct them here, or ask whoever runs the server.',
+        remedy: 'Correct them here, or ask the operator of the server.',
       },
       serverFull: {
         what: 'The server has no room for another session',
@@ -91,11 +91,11 @@ export const sources = {
       },
       connectionLost: {
         what: 'The connection was lost',
-        remedy: 'Nothing to do: it is connected again by itself.',
+        remedy: 'Nothing to do: the connector reconnects automatically.',
       },
       stalled: {
-        what: 'The connection had gone silent',
-        remedy: 'Nothing to do: a new session is made. If it happens often, look at the server.',
+        what: 'The server stopped responding',
+        remedy: 'Nothing to do: a new session is created. If this happens often, check the server.',
       },
       refused: { what: 'The server refused', remedy: 'Its log says why.' },
       configuration: {
@@ -108,14 +108,14 @@ export const sources = {
     title: 'Certificates of servers',
     clients: 'Certificates of OPC UA clients',
     clientsHint:
-      'Clients that have knocked at the twin. One that you trust may sign in with its user and password.',
-    noClients: 'No OPC UA client has knocked yet.',
+      'Clients that tried to connect to the twin. A trusted client may sign in with user name and password.',
+    noClients: 'No OPC UA client has tried to connect yet.',
     add: 'Add a certificate',
     added: 'Certificate added.',
     kind: 'Kind',
     kinds: {
       CERTIFICATE: 'A client, or an authority to trust',
-      ISSUER: 'An authority in between',
+      ISSUER: 'An intermediate authority',
       REVOCATION_LIST: 'An authority’s list of revoked certificates',
     } as Record<string, string>,
     file: 'From a file',
@@ -131,8 +131,8 @@ export const sources = {
     over: 'Expired',
     soon: 'Ends soon',
     early: 'Not valid yet',
-    knock: 'Turned away last',
-    knocked: (application: string | null, address: string | null) =>
+    rejectedLast: 'Last rejected',
+    rejectedClient: (application: string | null, address: string | null) =>
       [application ?? '', address === null ? '' : `from ${address}`]
         .filter((part) => part !== '')
         .join(', '),
@@ -149,13 +149,13 @@ export const sources = {
     isTrusted: 'Trusted',
     isRejected: 'Waits for you',
     trust: 'Trust',
-    withdraw: 'Trust no longer',
+    withdraw: 'Stop trusting',
     trusted: 'Certificate trusted.',
     rejected: 'Certificate no longer trusted.',
   },
-  ownCertificate: {
+  applicationCertificate: {
     title: 'Certificate of the twin',
-    hint: 'What the twin shows OPC UA clients. It makes and renews its own, unless an authority of your plant is to issue it.',
+    hint: 'The certificate that OPC UA clients see. The twin makes and renews it, unless you install one of your authority.',
     issuer: 'Issued by',
     selfSigned: 'The twin itself; it renews it in time.',
     renewItself: 'Ask this authority again before it ends.',
@@ -168,7 +168,7 @@ export const sources = {
     organization: 'Organisation',
     optional: 'May stay empty.',
     newKey: 'With a new key, used once the certificate is installed',
-    requested: 'Give this to your authority, and install what it makes of it.',
+    requested: 'Give this to your authority, and install the certificate that it issues.',
     download: 'As a file',
     install: 'Install an issued certificate',
     installNow: 'Install',
@@ -178,31 +178,31 @@ export const sources = {
   },
   authorities: {
     title: 'Authorities of OPC UA clients',
-    hint: 'Whoever shows a certificate of a trusted authority comes in without an approval of its own, unless the authority revoked it.',
+    hint: 'A client with a certificate of a trusted authority needs no approval of its own, unless the authority revoked the certificate.',
     none: 'No authority: every client needs an approval of its own.',
     authority: 'Authority',
-    isTrusted: 'Trusted with all its clients',
-    isBetween: 'In between: leads to another one',
+    isTrusted: 'Trusted, with all its clients',
+    isBetween: 'Intermediate authority',
     issuedBy: (issuer: string) => `issued by ${issuer}`,
     revocations: 'Revocation list',
     current: 'Current',
     missing: 'Missing',
     outdated: 'Outdated',
-    stayOutside: 'Its clients stay outside until you add the current one.',
+    stayOutside: 'Its clients are rejected until you add the current list.',
     remove: 'Remove this authority?',
     removeText: (subject: string) =>
-      `Clients with a certificate of ${subject} stay outside from their next connection on. To trust it again you need its file.`,
+      `Clients with a certificate of ${subject} are rejected from their next connection on. To trust the authority again you need its file.`,
     removed: 'Authority removed.',
   },
   revocationLists: {
     title: 'Revocation lists',
-    hint: 'What the authorities revoked. A new list replaces the authority’s old one; add it before the old one ends.',
+    hint: 'Certificates that authorities revoked. A new list replaces the authority’s old one; add it before the old one expires.',
     none: 'No revocation list.',
     revoked: 'Revoked',
-    unknown: 'Signed by nobody known here',
+    unknown: 'Signed by an unknown authority',
     remove: 'Remove this revocation list?',
     removeText: (issuer: string) =>
-      `Clients with a certificate of ${issuer} stay outside until there is a new list.`,
+      `Clients with a certificate of ${issuer} are rejected until you add a new list.`,
     removed: 'Revocation list removed.',
   },
 }

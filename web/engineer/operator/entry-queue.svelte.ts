@@ -3,41 +3,42 @@ import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import { connector } from '../api/client'
 import type { EntryOutcome } from '../api/types'
-import { moment, type Entry, type KeptEntry, type Said } from './entries'
-import type { Keep } from './kept-entries'
+import { moment, type Entry, type StoredEntry, type EntryAction } from './entries'
+import type { EntryStorage } from './entry-storage'
 
 const BATCH = 200
 const PAUSE_MIN_MS = 1_000
 const PAUSE_MAX_MS = 20_000
 
-/** An entry that the connector would not take, with its reason. */
+/** Entry that the connector did not accept, with its reason. */
 export interface Refused {
   entry: Entry
   message: string
 }
 
-/** Where an entry belongs. */
-export type Place = Pick<Entry, 'operationNetworkId' | 'operationId'>
+/** Operation that an entry is about. */
+export type OperationKey = Pick<Entry, 'operationNetworkId' | 'operationId'>
 
-/** What is sent with a batch, and what comes back. */
+/** Sends a batch and returns an outcome for each entry that the connector knows now. */
 export type Send = (sentAt: string, entries: Entry[]) => Promise<EntryOutcome[]>
 
 /**
- * Entries on their way to the connector. Each has an id and a time of its own from the moment the button was pressed, is
- * on the browser's disk before it is sent, and stays there until the connector has answered for it: an outage, a closed
- * tab or a reload costs nothing, and a repeated delivery counts once.
+ * Queue of entries for the connector. An entry gets its id and time when the button is pressed, is
+ * stored on the browser's disk before it is sent, and stays there until the connector has answered
+ * for it. Nothing is lost by an outage, a closed tab or a reload, and a repeated delivery counts
+ * once.
  */
-export class Outbox {
-  kept = $state.raw<KeptEntry[]>([])
+export class EntryQueue {
+  stored = $state.raw<StoredEntry[]>([])
   refused = $state.raw<Refused[]>([])
-  /** Since when deliveries fail; nothing while they succeed. */
+  /** Time of the first of the failures in a row, in ms; undefined while deliveries succeed. */
   failingSince = $state<number | undefined>()
-  /** What an earlier page left is known; before that nobody can say that everything has arrived. */
+  /** The entries of an earlier page are read; before, nothing is said about what has arrived. */
   isRead = $state(false)
-  /** The browser keeps nothing: entries live as long as this page. */
-  isForgetful = $state(false)
+  /** The browser stores nothing: entries are lost when this page is closed. */
+  isVolatile = $state(false)
 
-  readonly #keep: Keep
+  readonly #storage: EntryStorage
   readonly #send: Send
   readonly #ondelivered: () => void
   #timer: ReturnType<typeof setTimeout> | undefined
@@ -46,40 +47,43 @@ export class Outbox {
   #isOpen = false
 
   constructor(
-    keep: Keep,
+    storage: EntryStorage,
     ondelivered: () => void,
     send: Send = async (sentAt, entries) =>
       (await connector.post('/operator/entries', { body: { sentAt, entries } })).items,
   ) {
-    this.#keep = keep
+    this.#storage = storage
     this.#ondelivered = ondelivered
     this.#send = send
   }
 
-  /** The entries of whoever is signed in: only these are delivered and counted. */
+  /** Entries of the person who is signed in: only these are delivered and counted. */
   get own(): Entry[] {
-    return this.kept.filter((kept) => kept.userName === this.#userName).map((kept) => kept.entry)
+    return this.stored.filter((each) => each.userName === this.#userName).map((each) => each.entry)
   }
 
-  /** How many wait for somebody else to sign in. */
+  /** Number of entries that wait until another person signs in. */
   get foreign(): number {
-    return this.kept.length - this.own.length
+    return this.stored.length - this.own.length
   }
 
-  /** Reads what an earlier page left and starts delivering. Returns how to stop. */
+  /** Reads the entries of an earlier page and starts delivering. Returns a function that stops. */
   open(): () => void {
     this.#isOpen = true
     const again = (): void => {
       this.#soon(0)
     }
     addEventListener('online', again)
-    void this.#keep
+    void this.#storage
       .entries()
-      .then((kept) => {
-        const known = kept.map((each) => each.entry.entryId)
-        this.kept = [...kept, ...this.kept.filter((each) => !known.includes(each.entry.entryId))]
+      .then((earlier) => {
+        const known = earlier.map((each) => each.entry.entryId)
+        this.stored = [
+          ...earlier,
+          ...this.stored.filter((each) => !known.includes(each.entry.entryId)),
+        ]
       })
-      .catch(() => (this.isForgetful = true))
+      .catch(() => (this.isVolatile = true))
       .finally(() => {
         this.isRead = true
         again()
@@ -91,25 +95,25 @@ export class Outbox {
     }
   }
 
-  /** Takes what somebody said, now. */
-  say(place: Place, said: Said): Entry {
-    const entry: Entry = { ...said, ...place, entryId: crypto.randomUUID(), madeAt: moment() }
-    const kept: KeptEntry = { entry, userName: this.#userName }
-    this.kept = [...this.kept, kept]
-    void this.#keep
-      .put(kept)
-      .catch(() => (this.isForgetful = true))
+  /** Stores an entry with the present time and delivers it soon. */
+  record(operation: OperationKey, action: EntryAction): Entry {
+    const entry: Entry = { ...action, ...operation, entryId: crypto.randomUUID(), madeAt: moment() }
+    const stored: StoredEntry = { entry, userName: this.#userName }
+    this.stored = [...this.stored, stored]
+    void this.#storage
+      .put(stored)
+      .catch(() => (this.isVolatile = true))
       .finally(() => {
         this.#soon(0)
       })
     return entry
   }
 
-  forgive(entryId: string): void {
+  dismiss(entryId: string): void {
     this.refused = this.refused.filter(({ entry }) => entry.entryId !== entryId)
   }
 
-  /** Delivers now what waits; called by itself after every entry, when the network is back and every few seconds. */
+  /** Delivers a batch now. It also runs after every entry, when the network is back and after pauses. */
   async deliver(): Promise<void> {
     const batch = this.own.slice(0, BATCH)
     if (this.#isSending || batch.length === 0) return
@@ -124,7 +128,8 @@ export class Outbox {
       if (this.own.length > 0) this.#soon(0)
     } catch (failure) {
       this.failingSince ??= clock.now
-      // The connector was restarted and no longer knows the session's token: with a fresh one the next attempt succeeds.
+      // A restarted connector does not know the token of the session: with a fresh one the next
+      // attempt succeeds.
       if (Problem.from(failure).status === 403) await session.resume()
       this.#soon(this.#pause)
       this.#pause = Math.min(this.#pause * 2, PAUSE_MAX_MS)
@@ -142,10 +147,10 @@ export class Outbox {
       if (entry === undefined) continue
       if (outcome.result === 'REFUSED')
         this.refused = [...this.refused, { entry, message: outcome.message ?? '' }]
-      await this.#keep.drop(outcome.entryId).catch(() => undefined)
+      await this.#storage.drop(outcome.entryId).catch(() => undefined)
     }
     const answered = outcomes.map((outcome) => outcome.entryId)
-    this.kept = this.kept.filter(({ entry }) => !answered.includes(entry.entryId))
+    this.stored = this.stored.filter(({ entry }) => !answered.includes(entry.entryId))
   }
 
   #soon(pauseMs: number): void {

@@ -2,20 +2,22 @@ import { numberText } from '@/format/value'
 import type { MappingFault, MappingStatus } from '../api/types'
 import { texts } from '../language/texts'
 
-/** Where a mapping went wrong. */
+/** Position of a fault: its function, and its line in a script. */
 export function placeOf(fault: MappingFault): string {
   const where =
-    fault.step == null ? texts.work.atEnd : texts.work.atFunction(numberText(fault.step + 1))
+    fault.step == null
+      ? texts.mappingStatus.atEnd
+      : texts.mappingStatus.atFunction(numberText(fault.step + 1))
   return fault.line == null
     ? where
-    : `${where}, ${texts.work.atLine(fault.line, fault.column ?? 1)}`
+    : `${where}, ${texts.mappingStatus.atLine(fault.line, fault.column ?? 1)}`
 }
 
-/** What a value costs on average; nothing while none came. */
+/** Mean computing time of a value; undefined while none was received. */
 export function timeForEach({ spentUs, received }: MappingStatus): string | undefined {
   if (received === 0) return undefined
   const us = Number((spentUs / received).toPrecision(2))
   return us < 1_000
-    ? texts.work.microseconds(numberText(us))
-    : texts.work.milliseconds(numberText(us / 1_000))
+    ? texts.mappingStatus.microseconds(numberText(us))
+    : texts.mappingStatus.milliseconds(numberText(us / 1_000))
 }

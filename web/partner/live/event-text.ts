@@ -4,13 +4,13 @@ import { words } from '@/language/words'
 import type { FieldState } from '../api/types'
 import { texts } from '../language/texts'
 
-export interface Saying {
+export interface EventText {
   where: string
   what: string
 }
 
-/** What an event says, on one line. */
-export function saying(event: unknown): Saying {
+/** Text of an event on one line, with the address that it is about. */
+export function eventText(event: unknown): EventText {
   if (event === null || typeof event !== 'object') return { where: '', what: String(event) }
   const members = event as Record<string, unknown>
   const key = (

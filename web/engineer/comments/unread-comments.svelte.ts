@@ -1,11 +1,11 @@
 import { SvelteSet } from 'svelte/reactivity'
 import { feed } from '../api/client'
 
-/** Networks in which somebody said something that nobody has looked at since, as far as this page was open. */
-class Talks {
+/** Networks with comments that arrived since this page was opened and were not read yet. */
+class UnreadComments {
   readonly #unread = new SvelteSet<string>()
 
-  /** Listens. Returns how to stop. */
+  /** Starts listening. Returns a function that stops. */
   open(): () => void {
     return feed.on('comment', (event) => {
       if (event !== null && typeof event === 'object' && 'operationNetworkId' in event)
@@ -22,4 +22,4 @@ class Talks {
   }
 }
 
-export const talks = new Talks()
+export const unreadComments = new UnreadComments()

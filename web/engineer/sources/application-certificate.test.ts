@@ -6,7 +6,7 @@ import { clock } from '@/format/clock.svelte'
 import { session } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import type { ApplicationCertificate } from '../api/types'
-import OwnCertificatePanel from './OwnCertificatePanel.svelte'
+import ApplicationCertificatePanel from './ApplicationCertificatePanel.svelte'
 
 const REQUEST = '-----BEGIN CERTIFICATE REQUEST-----\nMAMCAQE=\n-----END CERTIFICATE REQUEST-----'
 let own: ApplicationCertificate
@@ -47,7 +47,7 @@ afterEach(() => {
 describe('the certificate of the twin', () => {
   it('is shown with who issued it, for whom, and that it ends soon', async () => {
     twin()
-    render(OwnCertificatePanel)
+    render(ApplicationCertificatePanel)
     await screen.findByText('The twin itself; it renews it in time.')
     const text = screen
       .getByRole('region', { name: 'Certificate of the twin' })
@@ -59,7 +59,7 @@ describe('the certificate of the twin', () => {
 
   it('is requested of an authority, and what that made of it is installed', async () => {
     const log = twin()
-    render(OwnCertificatePanel)
+    render(ApplicationCertificatePanel)
     await userEvent.click(await screen.findByRole('button', { name: 'Request a certificate' }))
     let dialog = within(screen.getByRole('dialog'))
     await userEvent.type(dialog.getByLabelText('Organisation'), 'Plant Ltd')
@@ -93,7 +93,7 @@ describe('the certificate of the twin', () => {
   it('is not for everybody to change', async () => {
     twin()
     signIn('VIEWER')
-    render(OwnCertificatePanel)
+    render(ApplicationCertificatePanel)
     await screen.findByText('The twin itself; it renews it in time.')
     expect(screen.queryByRole('button')).toBeNull()
   })

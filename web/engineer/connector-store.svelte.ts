@@ -1,13 +1,13 @@
-/* eslint-disable svelte/prefer-svelte-reactivity -- what waits to be drawn and who shows requests is nobody's state to draw */
+/* eslint-disable svelte/prefer-svelte-reactivity -- pending fields and registrations are not drawn */
 import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed, FIELD } from './api/client'
 import type { Field, InboxRequest, InboxTotals, RequestKey } from './api/types'
 import { withLink, type LinkedStatus } from './link/link-state'
-import { talks } from './conversation/talks.svelte'
+import { unreadComments } from './comments/unread-comments.svelte'
 
-/** Events tell when a state changes; only asking tells how much waits, and when the last message left. */
+/** Events announce changes of state; the backlog and the time of the last message are polled. */
 const STATUS_EVERY_MS = 5_000
-/** Events tell of requests and decisions; only asking tells what time alone has changed: what is overdue or has ended. */
+/** Events announce requests and decisions; requests that became overdue or ended are polled. */
 const TOTALS_EVERY_MS = 300_000
 const TOGETHER_MS = 100
 
@@ -15,10 +15,10 @@ const TOGETHER_MS = 100
 type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' | 'refreshSoon'>
 
 /**
- * What every page of the connector's UI looks at: how the connector and the sum of all fields stand. The requests
- * themselves are as many as partners ask; each page reads those that it shows, and has them kept fresh here.
+ * Shared state of the pages: status of the connector and totals of all fields. Requests can be many,
+ * so each page reads those that it shows and registers them here to have them updated by events.
  */
-class Plant {
+class ConnectorStore {
   readonly status = new Resource<LinkedStatus>(async (signal) =>
     withLink(await connector.get('/status', { signal })),
   )
@@ -27,10 +27,10 @@ class Plant {
   )
   readonly pending = $derived(this.totals.value?.pending ?? 0)
   readonly #shown = new Set<Shown>()
-  readonly #news = new Map<string, Field>()
+  readonly #changed = new Map<string, Field>()
   #isDrawing = false
 
-  /** Starts reading and listening. Returns how to stop. */
+  /** Starts reading and listening. Returns a function that stops. */
   open(): () => void {
     feed.start()
     void this.status.refresh()
@@ -39,7 +39,7 @@ class Plant {
       feed.keepFresh(['status'], this.status),
       poll(STATUS_EVERY_MS, this.status),
       poll(TOTALS_EVERY_MS, this.totals),
-      talks.open(),
+      unreadComments.open(),
       feed.keepFresh(['inbox', 'decisions'], this),
       feed.on('field', (event) => {
         this.#take(event)
@@ -53,19 +53,19 @@ class Plant {
     }
   }
 
-  /** Keeps requests fresh for as long as a page shows them. Returns how to stop. */
+  /** Updates requests while a page shows them. Returns a function that stops. */
   keep(requests: Shown): () => void {
     this.#shown.add(requests)
     return () => this.#shown.delete(requests)
   }
 
-  /** Reads again what is shown, as after a change that may concern any request. */
+  /** Reads again all that is shown, after a change that may concern any request. */
   refreshSoon(): void {
     this.totals.refreshSoon()
     for (const requests of this.#shown) requests.refreshSoon()
   }
 
-  /** Puts a field that was decided in the place of the one we had. */
+  /** Replaces a field that was decided. */
   put(field: Field): void {
     this.#put([field])
     this.refreshSoon()
@@ -89,13 +89,13 @@ class Plant {
       shown.amendByEvent((page) => ({
         ...page,
         items: page.items.map((request) => {
-          const news = byRequest.get(nameOf(request.key))
-          if (news === undefined) return request
+          const changed = byRequest.get(nameOf(request.key))
+          if (changed === undefined) return request
           return {
             ...request,
             fields: request.fields.map((known) => ({
               ...known,
-              ...news.find((field) => field.key.fieldName === known.key.fieldName),
+              ...changed.find((field) => field.key.fieldName === known.key.fieldName),
             })),
           }
         }),
@@ -103,7 +103,7 @@ class Plant {
     }
   }
 
-  /** Events come as fast as machines run; the page is drawn a few times a second. */
+  /** Collects values of events, which may come often, so that the page is drawn a few times a second. */
   #take(event: unknown): void {
     if (event === null || typeof event !== 'object' || !('key' in event)) {
       this.refreshSoon()
@@ -112,7 +112,7 @@ class Plant {
     const field = event as Field
     const known = this.#known(field)
     if (known === undefined) return
-    // A decision has more members than the event tells: that field is read again.
+    // A decision has more members than its event: the field is read again.
     if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
       void connector.get(FIELD, { path: field.key }).then(
         (whole) => {
@@ -124,19 +124,19 @@ class Plant {
       )
       return
     }
-    this.#news.set(Object.values(field.key).join('/'), field)
+    this.#changed.set(Object.values(field.key).join('/'), field)
     if (this.#isDrawing) return
     this.#isDrawing = true
     setTimeout(() => {
       this.#isDrawing = false
-      const fields = [...this.#news.values()]
-      this.#news.clear()
+      const fields = [...this.#changed.values()]
+      this.#changed.clear()
       this.#put(fields)
     }, TOGETHER_MS)
   }
 }
 
-export const plant = new Plant()
+export const connectorStore = new ConnectorStore()
 
 export function nameOf(key: RequestKey): string {
   return `${key.operationNetworkId}/${key.operationId}/${key.dynamicDataRequestId}`

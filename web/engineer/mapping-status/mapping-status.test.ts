@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import type { Field, MappingStatus } from '../api/types'
-import WorkPanel from './WorkPanel.svelte'
+import StatusPanel from './StatusPanel.svelte'
 
 const HOUR_MS = 3_600_000
 const key = {
@@ -43,7 +43,7 @@ function show(): Asked[] {
       return status
     },
   })
-  render(WorkPanel, { field })
+  render(StatusPanel, { field })
   return log
 }
 
@@ -55,16 +55,16 @@ afterEach(() => {
   vi.unstubAllGlobals()
 })
 
-describe('a mapping at work', () => {
-  it('says what came in, what went out and what it took, and leaves out what never was', async () => {
+describe('the status of a mapping', () => {
+  it('shows the numbers of values and the time per value, without counters that are zero', async () => {
     show()
     expect(await screen.findByText('parts')).toBeTruthy()
-    expect(text()).toContain('Came in 1,000 Went on 998 Time for each 2.5 µs Repeats 2 Faults 0')
+    expect(text()).toContain('Received 1,000 Produced 998 Time per value 2.5 µs Repeats 2 Faults 0')
     expect(text()).not.toContain('Late')
     expect(text()).not.toMatch(/clock is|Measured/)
   })
 
-  it('says where it failed and that a machine’s clock is hours off', async () => {
+  it('shows the position of a fault and a machine clock that is hours off', async () => {
     const [input] = well.inputs
     status = {
       ...well,
@@ -86,23 +86,23 @@ describe('a mapping at work', () => {
     expect(await screen.findByText('ReferenceError: x is not defined')).toBeTruthy()
     expect(text()).toContain('Function 2, line 2, column 7')
     expect(text()).toMatch(/clock is 2 h\w* ahead/)
-    expect(text()).toMatch(/Measured 3 h\w* before it came/)
+    expect(text()).toMatch(/Measured 3 h\w* before it was received/)
   })
 
-  it('lets a script that rests be run again by hand', async () => {
+  it('has a button that retries a paused script', async () => {
     status = { ...well, circuit: { state: 'resting', until: at } }
     const log = show()
-    await userEvent.click(await screen.findByRole('button', { name: 'Let it run now' }))
-    await vi.waitFor(() => expect(screen.queryByText('A script rests')).toBeNull())
+    await userEvent.click(await screen.findByRole('button', { name: 'Retry now' }))
+    await vi.waitFor(() => expect(screen.queryByText('A script is paused')).toBeNull())
     expect(log.some(({ method, path }) => method === 'POST' && path === `${PATH}/restart`)).toBe(
       true,
     )
   })
 
-  it('shows nothing of a mapping that has ended', async () => {
+  it('is not shown for a mapping that has ended', async () => {
     const log = serve({})
-    render(WorkPanel, { field })
+    render(StatusPanel, { field })
     await vi.waitFor(() => expect(log).toHaveLength(1))
-    expect(screen.queryByText('At work')).toBeNull()
+    expect(screen.queryByText('Mapping status')).toBeNull()
   })
 })

@@ -2,7 +2,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest'
 import { Resource } from '@/transport/resource.svelte'
 import { serve } from '../vitest.server'
 import type { InboxRequest } from './api/types'
-import { plant } from './plant.svelte'
+import { connectorStore } from './connector-store.svelte'
 
 class FakeEventSource extends EventTarget {
   static newest: FakeEventSource | undefined
@@ -38,7 +38,7 @@ describe('what every page looks at', () => {
     const log = serve({ 'GET /inbox': () => ({ items: [], count: 0, totals }) })
     const counted = (): number => log.filter(({ path }) => path === '/inbox?limit=1').length
     const read = vi.fn(() => Promise.resolve({ items: [] as InboxRequest[] }))
-    const stops = [plant.open(), plant.keep(new Resource(read))]
+    const stops = [connectorStore.open(), connectorStore.keep(new Resource(read))]
     await vi.advanceTimersByTimeAsync(60_000)
     expect([counted(), read.mock.calls.length]).toEqual([1, 0])
 
@@ -50,11 +50,11 @@ describe('what every page looks at', () => {
     for (const stop of stops) stop()
   })
 
-  it('leaves it to them to tell of decisions about fields that no page shows', async () => {
+  it('leaves decisions on fields that no page shows to the other events', async () => {
     vi.useFakeTimers()
     vi.stubGlobal('EventSource', FakeEventSource)
     const log = serve({})
-    const stop = plant.open()
+    const stop = connectorStore.open()
     await vi.advanceTimersByTimeAsync(1_000)
     const before = log.filter(({ path }) => path.startsWith('/inbox')).length
     const key = {

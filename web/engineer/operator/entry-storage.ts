@@ -1,10 +1,10 @@
 import type { OperatorOperation } from '../api/types'
-import type { KeptEntry } from './entries'
+import type { StoredEntry } from './entries'
 
-/** What a tablet keeps across reloads and restarts while the connector is out of reach. */
-export interface Keep {
-  entries(): Promise<KeptEntry[]>
-  put(entry: KeptEntry): Promise<void>
+/** Storage of a tablet that survives reloads and restarts while the connector is out of reach. */
+export interface EntryStorage {
+  entries(): Promise<StoredEntry[]>
+  put(entry: StoredEntry): Promise<void>
   drop(entryId: string): Promise<void>
   operations(): Promise<{ at: number; items: OperatorOperation[] } | undefined>
   putOperations(at: number, items: OperatorOperation[]): Promise<void>
@@ -16,8 +16,8 @@ const ENTRIES = 'entries'
 const SHOWN = 'shown'
 const OPERATIONS = 'operations'
 
-/** In this browser's database. */
-export class BrowserKeep implements Keep {
+/** Storage in the browser's IndexedDB. */
+export class BrowserEntryStorage implements EntryStorage {
   readonly #database: Promise<IDBDatabase>
 
   constructor() {
@@ -31,22 +31,22 @@ export class BrowserKeep implements Keep {
         resolve(opening.result)
       }
       opening.onerror = () => {
-        reject(opening.error ?? new Error('This browser keeps no database for the page.'))
+        reject(opening.error ?? new Error('This browser has no database for the page.'))
       }
     })
     this.#database.catch(() => undefined)
   }
 
-  async entries(): Promise<KeptEntry[]> {
-    const kept = await this.#run<KeptEntry[]>(
+  async entries(): Promise<StoredEntry[]> {
+    const kept = await this.#run<StoredEntry[]>(
       ENTRIES,
       'readonly',
-      (store) => store.getAll() as IDBRequest<KeptEntry[]>,
+      (store) => store.getAll() as IDBRequest<StoredEntry[]>,
     )
     return kept.toSorted((a, b) => a.entry.madeAt.localeCompare(b.entry.madeAt))
   }
 
-  async put(entry: KeptEntry): Promise<void> {
+  async put(entry: StoredEntry): Promise<void> {
     await this.#run(ENTRIES, 'readwrite', (store) => store.put(entry))
   }
 
@@ -81,7 +81,7 @@ export class BrowserKeep implements Keep {
         resolve(asked.result)
       }
       transaction.onabort = transaction.onerror = () => {
-        reject(transaction.error ?? new Error('The browser could not keep this.'))
+        reject(transaction.error ?? new Error('The browser could not store this.'))
       }
     })
   }

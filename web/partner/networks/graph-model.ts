@@ -1,9 +1,9 @@
 import { valueNumber } from '@/format/value'
-import type { DrawnOperation, DrawnRelation } from '@/network/model'
+import type { GraphOperation, GraphRelation } from '@/network/model'
 import type { FieldState, NetworkView } from '../api/types'
 
-/** The operations of a network with everything that is known about their progress. */
-export function drawnOperations(view: NetworkView): DrawnOperation[] {
+/** Operations of a network with their progress. */
+export function graphOperations(view: NetworkView): GraphOperation[] {
   return view.network.operationList.map((operation) => {
     const progress = view.operations.find((each) => each.operationId === operation.operationId)
     const fields = view.fields.filter((field) => field.key.operationId === operation.operationId)
@@ -36,16 +36,16 @@ export function drawnOperations(view: NetworkView): DrawnOperation[] {
   })
 }
 
-export function drawnRelations(view: NetworkView): DrawnRelation[] {
+export function graphRelations(view: NetworkView): GraphRelation[] {
   return (view.network.operationRelationList ?? []).map((relation) => ({
     ...relation,
     conditionList: relation.conditionList ?? [],
   }))
 }
 
-/** The share of all planned work that is done, where anything is planned. */
+/** Share of all planned work that is done, in percent; undefined where nothing is planned. */
 export function overall(view: NetworkView): number | undefined {
-  const shares = drawnOperations(view)
+  const shares = graphOperations(view)
     .map(
       (operation) =>
         operation.percentComplete ??
@@ -59,7 +59,7 @@ export function overall(view: NetworkView): number | undefined {
     : shares.reduce((sum, share) => sum + Math.min(100, share), 0) / shares.length
 }
 
-/** What a report said under a meaning, as a moment. */
+/** Reported time of a field with this semantic. */
 function meaning(view: NetworkView, operationId: string, semantic: string): string | undefined {
   const operation = view.network.operationList.find((each) => each.operationId === operationId)
   for (const request of operation?.dynamicDataRequestList ?? []) {
