@@ -13,8 +13,8 @@ use std::{
 
 use asi_model::{DataValue, DateTime};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle, Published,
-    Step, TargetKey,
+    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
+    PublishRequest, Step, TargetKey,
 };
 use serde_json::json;
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
@@ -59,7 +59,7 @@ impl Running {
         let mappings = (0..)
             .map(TargetKey)
             .zip(0..count)
-            .map(|(target, index)| Published::new(mapping(index, steps), target));
+            .map(|(target, index)| PublishRequest::new(mapping(index, steps), target));
         for result in self.handle.put_many(mappings.collect()).await.expect("the engine runs") {
             result.expect("the mapping is fine");
         }

@@ -19,18 +19,19 @@ mod trial;
 use std::sync::Arc;
 
 use asi_model::DataValue;
+use mapping::{
+    Candidate, Mapping, MappingDiagnostic, MappingId, MappingInput, PublishRequest, TargetKey,
+    TransformState,
+    transform::{Plan, compile},
+};
 use serde::{Deserialize, Serialize};
 use shop_floor::{InputChange, ShopFloorError};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::{
-    diagnostic::MappingDiagnostic,
     dry_run::{DryRunSample, SAMPLES_MAX, Trace},
     inputs::Inputs,
-    mapping::{Mapping, MappingId, MappingInput},
     script::config::ScriptConfig,
-    state::TransformState,
-    transform::{Plan, compile},
 };
 pub use history::HistoryConfig;
 pub use service::MappingEngine;
@@ -63,46 +64,6 @@ impl Default for MappingEngineConfig {
             history: HistoryConfig::default(),
             script: ScriptConfig::default(),
         }
-    }
-}
-
-/// The consumer's own key of the field that a mapping is for; it comes back with each of the
-/// mapping's candidates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct TargetKey(pub i64);
-
-/// What a field may get: a value for the disclosure gate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
-    /// Whose value it is.
-    pub target: TargetKey,
-    /// Value, status and times. Of the field's type, or without value and Bad.
-    pub value: DataValue,
-    /// What the functions remember once this value is out; to be committed with it. `None` where
-    /// nothing is remembered, or a later candidate of the same batch carries it.
-    pub state: Option<TransformState>,
-}
-
-/// A mapping with what a former run left.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Published {
-    /// The mapping.
-    pub mapping: Arc<Mapping>,
-    /// Its field, in the consumer's words.
-    pub target: TargetKey,
-    /// What its functions remembered.
-    pub state: Option<TransformState>,
-    /// Its last candidate; shown as last usable value until the source gives one.
-    pub last: Option<DataValue>,
-    /// It runs on live values for its status alone: it yields no candidates.
-    pub is_shadow: bool,
-}
-
-impl Published {
-    /// A mapping that begins anew.
-    #[must_use]
-    pub fn new(mapping: impl Into<Arc<Mapping>>, target: TargetKey) -> Self {
-        Self { mapping: mapping.into(), target, state: None, last: None, is_shadow: false }
     }
 }
 
@@ -169,11 +130,11 @@ impl MappingEngineHandle {
     /// [`EngineError::Stopped`].
     pub async fn put_many(
         &self,
-        published: Vec<Published>,
+        requests: Vec<PublishRequest>,
     ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
-        let mut results = Vec::with_capacity(published.len());
-        let mut compiled = Vec::with_capacity(published.len());
-        for Published { mapping, target, state, last, is_shadow } in published {
+        let mut results = Vec::with_capacity(requests.len());
+        let mut compiled = Vec::with_capacity(requests.len());
+        for PublishRequest { mapping, target, state, last, is_shadow } in requests {
             let (plan, diagnostics) = compile(&mapping);
             results.push(match plan {
                 Some(plan) => {

@@ -5,37 +5,26 @@
 //! worker processes - and yields *candidates*: values with status and times that the disclosure
 //! gate then judges. It ends there.
 
-pub mod comparison;
-mod convert;
-mod diagnostic;
 mod dry_run;
 mod engine;
-pub mod exchange;
-mod expression;
-mod fault;
 mod inputs;
-pub mod mapping;
-mod number;
-mod path;
-mod quality;
 mod script;
-mod script_source;
-mod state;
-mod stored;
-pub mod suggestion;
-mod text;
-mod transform;
 
-pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
-pub use dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue};
-pub use engine::{
-    Candidate, CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine,
-    MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey,
-    Published, SurveyedMapping, TargetKey,
+// The documents and their transforms have a pure crate of their own; users of the engine need not
+// name it.
+pub use ::mapping;
+pub use mapping::{
+    Candidate, DiagnosticCode, Fault, FaultKind, FaultRecord, Literal, Mapping, MappingDiagnostic,
+    MappingId, MappingInput, Number, PublishRequest, PublishRequest as Published, Severity, Step,
+    TargetKey, TraceStep, TracedFault, TracedValue, TransformState, TypeName, comparison, exchange,
+    suggestion,
 };
-pub use fault::{Fault, FaultKind, FaultRecord};
+
+pub use dry_run::{DryRunSample, Trace, TraceRun};
+pub use engine::{
+    CircuitState, EngineError, HealthCounts, HistoryConfig, InputStatus, MappingEngine,
+    MappingEngineConfig, MappingEngineHandle, MappingHealth, MappingStatus, MappingSurvey,
+    SurveyedMapping,
+};
 pub use inputs::Inputs;
-pub use mapping::{Literal, Mapping, MappingId, MappingInput, Step, TypeName};
-pub use number::Number;
 pub use script::config::{ScriptConfig, ScriptEngine};
-pub use state::TransformState;

@@ -15,9 +15,8 @@ pub(crate) mod worker;
 use std::{sync::Arc, time::Duration};
 
 use asi_model::StatusCode;
+use mapping::{Fault, FaultKind};
 use script_protocol::{FaultKind as Kind, ScriptFault};
-
-use crate::fault::{Fault, FaultKind};
 
 /// What a call came to.
 #[derive(Debug, Clone)]

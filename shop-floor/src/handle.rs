@@ -10,7 +10,6 @@ use crate::{
     MonitorRequest, OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId,
     SourceStatus, TrustState, VariableList,
     certificates::CertificateShelf,
-    input::PATH_ELEMENTS_MAX,
     service::{Floor, Registry},
     source::{self, Connection, Entry},
 };
@@ -429,7 +428,7 @@ fn check_options(options: &MonitorOptions) -> Result<(), ShopFloorError> {
     if options
         .browse_path
         .as_ref()
-        .is_some_and(|path| path.0.is_empty() || path.0.len() > PATH_ELEMENTS_MAX)
+        .is_some_and(|path| path.0.is_empty() || path.0.len() > shop_floor_model::PATH_ELEMENTS_MAX)
     {
         return invalid("a browse path must have 1 to 64 elements");
     }

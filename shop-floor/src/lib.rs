@@ -17,8 +17,6 @@ mod certificates;
 mod config;
 mod error;
 mod handle;
-mod input;
-mod node;
 mod outbox;
 mod service;
 mod source;
@@ -26,18 +24,17 @@ mod status;
 
 pub use certificates::{OwnCertificate, PeerCertificate, TrustState};
 pub use config::{
-    Config, EndpointOffer, Identity, InvalidSourceId, MessageSecurity, Password, SecurityChoice,
-    SecurityPolicy, SourceConfig, SourceId,
+    Config, EndpointOffer, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy,
+    SourceConfig,
 };
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
-pub use input::{
-    BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest,
-};
-pub use node::{
-    BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList,
-};
 pub use service::ShopFloor;
+pub use shop_floor_model::{
+    BrowsePath, BrowsedNode, CallOutcome, InputChange, InputKey, InvalidBrowsePath,
+    InvalidSourceId, ListedVariable, MonitorOptions, MonitorRequest, NodeClass, SourceId, TypeName,
+    UnitName, VariableList,
+};
 pub use status::{
     ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState,
     SourceStatus,

@@ -158,10 +158,12 @@ fn heavy_dependencies_enter_at_one_place() {
 #[test]
 fn cloud_and_plant_never_import_each_other() {
     const PLATFORM: [&str; 2] = ["platform", "broker"];
-    const PLANT: [&str; 6] = [
+    const PLANT: [&str; 8] = [
         "factory-connector",
         "twin",
         "shop-floor",
+        "shop-floor-model",
+        "mapping",
         "mapping-engine",
         "script-protocol",
         "opcua-stack",

@@ -5,12 +5,16 @@ mod scripts;
 use std::{collections::HashMap, sync::Arc, time::Instant};
 
 use asi_model::{DataValue, DateTime};
+use mapping::{
+    Candidate, FaultRecord, MappingId, MappingInput,
+    transform::{Reaction, Transform},
+};
 use script_protocol::ScriptId;
 use shop_floor::{InputChange, InputKey, MonitorRequest};
 use smallvec::SmallVec;
 
 use super::{
-    Candidate, Compiled, EngineError, MappingEngineConfig,
+    Compiled, EngineError, MappingEngineConfig,
     history::History,
     inventory::{Entry, Inventory},
     plans::Plans,
@@ -19,14 +23,7 @@ use super::{
     survey::{MappingHealth, MappingSurvey},
     timers::Timers,
 };
-use crate::{
-    dry_run::DryRunSample,
-    fault::FaultRecord,
-    inputs::Inputs,
-    mapping::{MappingId, MappingInput},
-    script::lane::Lane,
-    transform::{Reaction, Transform},
-};
+use crate::{dry_run::DryRunSample, inputs::Inputs, script::lane::Lane};
 
 pub(super) use scripts::yielded_of;
 

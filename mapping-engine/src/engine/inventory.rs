@@ -3,17 +3,12 @@
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use asi_model::DateTime;
+use mapping::{FaultRecord, Mapping, MappingId, TargetKey, transform::Transform};
 use script_protocol::ScriptId;
 use shop_floor::InputKey;
 use smallvec::SmallVec;
 
-use super::TargetKey;
-use crate::{
-    fault::FaultRecord,
-    mapping::{Mapping, MappingId},
-    script::breaker::Breaker,
-    transform::Transform,
-};
+use crate::script::breaker::Breaker;
 
 /// A mapping at work.
 #[derive(Debug)]

@@ -3,14 +3,13 @@
 //! A plan says nothing about whose values enter it: series of like machines have one plan together,
 //! which is in the processor's cache when the next of them has a value, and takes memory once.
 
+use mapping::{Mapping, transform::Plan};
 use std::{
     hash::{DefaultHasher, Hash as _, Hasher as _},
     sync::{Arc, Weak},
 };
 
 use hashbrown::HashTable;
-
-use crate::{mapping::Mapping, transform::Plan};
 
 /// The plans in use.
 #[derive(Debug, Default)]
@@ -71,7 +70,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::transform::compile;
+    use mapping::transform::compile;
 
     fn mapping(field: &str, node: &str, factor: impl Into<serde_json::Value>) -> Arc<Mapping> {
         let factor = factor.into();

@@ -7,11 +7,11 @@ use std::{collections::HashMap, hash::BuildHasher as _, sync::Arc};
 use asi_model::NodeId;
 use foldhash::fast::RandomState;
 use hashbrown::HashTable;
+use mapping::MappingInput;
 use shop_floor::{InputKey, MonitorRequest, SourceId};
 use smallvec::SmallVec;
 
 use super::history::History;
-use crate::mapping::MappingInput;
 
 /// A mapping's input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

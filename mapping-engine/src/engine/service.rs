@@ -3,6 +3,7 @@
 use std::{sync::Arc, time::SystemTime};
 
 use asi_model::DateTime;
+use mapping::Candidate;
 use shop_floor::InputChange;
 use tokio::{
     sync::mpsc,
@@ -12,7 +13,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use super::{
-    Candidate, Command, MappingEngineConfig,
+    Command, MappingEngineConfig,
     core::Core,
     trial::{self, Trial},
 };

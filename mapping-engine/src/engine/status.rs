@@ -3,15 +3,11 @@
 use std::time::Duration;
 
 use asi_model::{DataValue, DateTime, FieldKey};
+use mapping::{FaultRecord, FieldKeySchema, MappingId, TracedValue};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::inventory::Entry;
-use crate::{
-    dry_run::TracedValue,
-    fault::FaultRecord,
-    mapping::{FieldKeySchema, MappingId},
-};
 
 /// How a mapping is doing, for its page.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]

@@ -4,6 +4,11 @@
 use std::{sync::Arc, time::Duration};
 
 use asi_model::DateTime;
+use mapping::{
+    DiagnosticCode, FaultKind, MappingDiagnostic, Step, TraceStep, TracedFault, TracedValue,
+    TransformState,
+    transform::{Plan, Reaction, ScriptCall, ScriptYield, Transform},
+};
 use script_protocol::{Call, CallValue, InputValue, Load, ScriptId};
 use tokio::{
     sync::{mpsc, oneshot},
@@ -13,13 +18,8 @@ use tokio_util::sync::CancellationToken;
 
 use super::core::yielded_of;
 use crate::{
-    diagnostic::{DiagnosticCode, MappingDiagnostic},
-    dry_run::{DryRunSample, Trace, TraceRun, TraceStep, TracedFault, TracedValue},
-    fault::FaultKind,
-    mapping::Step,
+    dry_run::{DryRunSample, Trace, TraceRun},
     script::{config::ScriptConfig, values, worker::ScriptWorker},
-    state::TransformState,
-    transform::{Plan, Reaction, ScriptCall, ScriptYield, Transform},
 };
 
 /// A worker for trials ends after so much time without any.

@@ -4,6 +4,7 @@
 //! the other while the other waits for it. While a batch is under way calls gather; so batches grow
 //! with the load and an idle worker answers at once.
 
+use mapping::{Fault, transform::ScriptCall};
 use std::{
     collections::{HashMap, VecDeque},
     sync::Arc,
@@ -14,7 +15,6 @@ use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
 use super::{CallOutcome, config::ScriptConfig, worker::ScriptWorker};
-use crate::{fault::Fault, transform::ScriptCall};
 
 /// Most calls of a batch.
 const BATCH_CALLS_MAX: usize = 256;

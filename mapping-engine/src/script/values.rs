@@ -6,9 +6,8 @@ use asi_model::{
     BuiltInType, DataValue, DateTime, Scalar, Variant,
     values::{Array, ExtensionBody},
 };
+use mapping::{Fault, FaultKind, convert};
 use script_protocol::{ScriptValue, Spoken};
-
-use crate::{convert, fault::Fault, fault::FaultKind};
 
 /// Deepest structure that a script sees; deeper members are `null`.
 const DEPTH_MAX: usize = 12;

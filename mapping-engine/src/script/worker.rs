@@ -16,8 +16,8 @@ use super::{
     process::{Process, ProcessError},
     unavailable,
 };
-use crate::fault::{Fault, FaultKind};
 use asi_model::StatusCode;
+use mapping::{Fault, FaultKind};
 
 /// After a start that failed, the next is tried no sooner.
 const RESTART_PAUSE: Duration = Duration::from_secs(1);

@@ -11,7 +11,7 @@ use std::{
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
     Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
-    MappingHealth, MappingId, MappingStatus, Published, ScriptConfig, ScriptEngine, TargetKey,
+    MappingHealth, MappingId, MappingStatus, PublishRequest, ScriptConfig, ScriptEngine, TargetKey,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -93,7 +93,7 @@ impl Bench {
         self.publish(published(mapping)).await;
     }
 
-    pub async fn publish(&self, published: Published) {
+    pub async fn publish(&self, published: PublishRequest) {
         let put = self.handle.put_many(vec![published]).await.expect("the engine runs");
         put.into_iter().next().expect("one result").expect("the mapping is fine");
     }
@@ -192,9 +192,9 @@ impl Bench {
     }
 }
 
-pub fn published(mapping: Mapping) -> Published {
+pub fn published(mapping: Mapping) -> PublishRequest {
     let target = target_of(&mapping.mapping_id);
-    Published::new(mapping, target)
+    PublishRequest::new(mapping, target)
 }
 
 /// A test's fields are known by their mappings' ids.

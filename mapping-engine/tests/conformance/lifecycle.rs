@@ -4,8 +4,8 @@ use std::{os::unix::fs::PermissionsExt as _, time::Duration};
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingHealth, MappingStatus, Published,
-    Severity, TransformState,
+    CircuitState, DiagnosticCode, DryRunSample, FaultKind, MappingHealth, MappingStatus,
+    PublishRequest, Severity, TransformState,
 };
 
 use super::bench::{Bench, Worker, mapping_id, published, script_mapping};
@@ -38,7 +38,9 @@ pub async fn state_survives_the_worker(worker: &Worker) {
     let mut bench = Bench::start(worker, |_| {});
     let mapping = script_mapping("count", &["a", "b"], "Double", COUNTING);
     let last = Some(candidate.value);
-    bench.publish(Published { state: Some(state), last: last.clone(), ..published(mapping) }).await;
+    bench
+        .publish(PublishRequest { state: Some(state), last: last.clone(), ..published(mapping) })
+        .await;
     // Until the source speaks, the last value stands.
     bench
         .feed_value("count", "a", DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, None))

@@ -2,7 +2,7 @@
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    EngineError, Mapping, MappingId, Published, ScriptEngine, Step, TransformState,
+    EngineError, Mapping, MappingId, PublishRequest, ScriptEngine, Step, TransformState,
 };
 use serde_json::json;
 
@@ -60,7 +60,7 @@ async fn state_comes_with_the_last_candidate_of_a_batch_and_goes_back_in() {
     assert_eq!(json, r#"[{"function":"counter","total":5,"last":15,"level":null}]"#);
     let state: TransformState = serde_json::from_str(&json).expect("reads back");
     let mut bench = Bench::start(&no_worker(), |_| {});
-    bench.publish(Published { state: Some(state), ..published(counter()) }).await;
+    bench.publish(PublishRequest { state: Some(state), ..published(counter()) }).await;
     assert_eq!(bench.ask("count", 20_u64).await.value, 10_u64.into());
     bench.stop().await;
 }
@@ -94,7 +94,7 @@ async fn a_shadow_runs_on_live_values_and_yields_nothing() {
         json!([{ "function": "expression", "expression": "value * 2" }]),
     );
     shadow.mapping_id = MappingId::new("m.shadow").expect("an id");
-    bench.publish(Published { is_shadow: true, ..published(shadow) }).await;
+    bench.publish(PublishRequest { is_shadow: true, ..published(shadow) }).await;
     assert_eq!(bench.ask("m", 5_i32).await.value, 5_i32.into());
     assert_eq!(bench.ask("m", 6_i32).await.value, 6_i32.into());
     let status = bench.status("m.shadow").await;

@@ -1,7 +1,7 @@
 //! All mappings looked through, those that need somebody first.
 
 use asi_model::{DataValue, DateTime, StatusCode};
-use mapping_engine::{HealthCounts, MappingHealth, MappingId, Published};
+use mapping_engine::{HealthCounts, MappingHealth, MappingId, PublishRequest};
 use serde_json::json;
 
 use crate::{
@@ -113,7 +113,7 @@ async fn what_has_failed_and_works_again_is_well_and_trials_are_not_told() {
 
     let mut shadow = chain("often", &["a"], "Double", json!([]));
     shadow.mapping_id = MappingId::new("often.shadow").expect("an id");
-    bench.publish(Published { is_shadow: true, ..published(shadow) }).await;
+    bench.publish(PublishRequest { is_shadow: true, ..published(shadow) }).await;
     assert_eq!(bench.ids(None, 100).await.len(), 7);
     bench.stop().await;
 }

@@ -14,7 +14,9 @@ use opcua_stack::{
 };
 
 use super::{Connection, browse::references, connection::per_request};
-use crate::{BrowsePath, MonitorRequest, ShopFloorError, input::PATH_ELEMENTS_MAX};
+use shop_floor_model::PATH_ELEMENTS_MAX;
+
+use crate::{BrowsePath, MonitorRequest, ShopFloorError};
 
 /// Paths per request where the server declares no limit: translating is dear for servers.
 const PATHS_PER_REQUEST: usize = 200;

@@ -1,22 +1,21 @@
 //! Scripts of mappings: where they run, what they are asked, and what comes back.
 
 use asi_model::DateTime;
+use mapping::{
+    Fault, FaultKind, Mapping, Step,
+    transform::{ScriptCall, ScriptYield, Transform},
+};
 use script_protocol::{Call, CallValue, Load, ScriptId, Yielded};
 
 use super::{
     super::{EngineError, inventory::Script},
     Core,
 };
-use crate::{
-    fault::{Fault, FaultKind},
-    mapping::{Mapping, Step},
-    script::{
-        CallOutcome,
-        breaker::Admission,
-        lane::{Done, Lane, Report, Waiting},
-        values,
-    },
-    transform::{ScriptCall, ScriptYield, Transform},
+use crate::script::{
+    CallOutcome,
+    breaker::Admission,
+    lane::{Done, Lane, Report, Waiting},
+    values,
 };
 
 impl Core {

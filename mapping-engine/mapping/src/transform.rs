@@ -1,0 +1,453 @@
+//! A mapping at work: a state machine without I/O.
+//!
+//! A change of an input enters the chain at the first function that uses that input and runs from
+//! there. Each function passes a value on, holds it back, fails, or - a script - asks for a call
+//! whose result comes back through [`Transform::resume`]. How status and time travel is stated in
+//! [`crate::quality`].
+
+mod apply;
+mod compile;
+mod counting;
+mod merging;
+mod plan;
+mod reaction;
+mod shown;
+mod slots;
+mod table;
+mod windows;
+
+use std::sync::Arc;
+
+use asi_model::{DataValue, DateTime, StatusCode, Variant};
+use smallvec::SmallVec;
+
+use crate::{
+    convert,
+    fault::Fault,
+    quality::{Meta, severity, worst},
+    state::{StepState, TransformState},
+    trace::TraceStep,
+};
+use apply::Applied;
+pub use compile::compile;
+use plan::Function;
+pub use plan::Plan;
+pub use reaction::{FailedStep, Flow, Reaction, ScriptCall, ScriptYield};
+use shown::Shown;
+use slots::{Arrival, Slot};
+
+/// What a transform counts about its inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    pub late: u64,
+    pub repeated: u64,
+    pub clock_steps: u64,
+}
+
+/// A compiled mapping with its state.
+#[derive(Debug)]
+pub struct Transform {
+    plan: Arc<Plan>,
+    /// One input is the rule, and it is at hand then.
+    slots: SmallVec<[Slot; 1]>,
+    state: TransformState,
+    /// The value before each function at which another input than the first enters.
+    carried: Vec<(usize, Flow)>,
+    /// The last value that was not Bad, with the status that the functions gave it beyond that of
+    /// the inputs.
+    last: Option<(DataValue, StatusCode)>,
+    shown: Shown,
+    /// Per script step, which inputs changed since its last call.
+    unsent: Vec<(usize, u32)>,
+    pub counters: Counters,
+}
+
+impl Transform {
+    /// A transform, with what a former run left: its state, and the last value it yielded.
+    pub fn new(plan: Arc<Plan>, state: Option<TransformState>, last: Option<DataValue>) -> Self {
+        let mut steps = plan.fresh_state();
+        if let Some(former) = state {
+            for (fresh, kept) in steps.iter_mut().zip(former.0.iter()) {
+                if kept.is_like(fresh) {
+                    fresh.clone_from(kept);
+                }
+            }
+        }
+        let shown = Shown::of(last.as_ref());
+        Self {
+            slots: plan.inputs.iter().map(|_| Slot::default()).collect(),
+            unsent: plan.script_steps().map(|step| (step, u32::MAX)).collect(),
+            carried: Vec::new(),
+            last: last
+                .filter(|value| !value.value.is_null())
+                .map(|value| (value, StatusCode::GOOD)),
+            state: TransformState::new(steps),
+            shown,
+            plan,
+            counters: Counters::default(),
+        }
+    }
+
+    pub fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    /// The state, if any function has one.
+    pub fn state(&self) -> Option<TransformState> {
+        (!self.state.0.is_empty()).then(|| self.state.clone())
+    }
+
+    /// The last candidate, that of a former run included.
+    pub fn shown(&self) -> Option<DataValue> {
+        match &self.shown {
+            Shown::Nothing => None,
+            Shown::Last(status) => {
+                self.last.as_ref().map(|(last, _)| DataValue { status: *status, ..last.clone() })
+            }
+            Shown::Bad(value) => Some((**value).clone()),
+        }
+    }
+
+    /// The status of the last candidate.
+    pub fn shown_status(&self) -> Option<StatusCode> {
+        self.shown.status()
+    }
+
+    /// The last value of an input and when it came by the local clock.
+    pub fn input(&self, index: usize) -> Option<(&DataValue, DateTime)> {
+        let slot = self.slots.get(index)?;
+        slot.value.as_ref().map(|value| (value, slot.received_at))
+    }
+
+    /// The remembered `ctx.state` of a script.
+    pub fn script_state(&self, step: usize) -> Option<Arc<str>> {
+        match self.state.0.get(step) {
+            Some(StepState::Script { state }) => state.clone(),
+            _ => None,
+        }
+    }
+
+    /// A mapping that uses no input speaks once, when it is put.
+    pub fn start(&mut self, now: DateTime, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
+        if self.plan.inputs.iter().any(|input| input.entry.is_some()) {
+            return Reaction::Quiet;
+        }
+        let meta = Meta { source_timestamp: Some(now), ..Meta::default() };
+        self.run(0, Flow { value: Variant::Null, meta }, None, now, trace)
+    }
+
+    /// An input changed.
+    pub fn on(
+        &mut self,
+        now: DateTime,
+        input: usize,
+        value: DataValue,
+        trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
+        let (Some(slot), Some(planned)) = (self.slots.get_mut(input), self.plan.inputs.get(input))
+        else {
+            return Reaction::Quiet;
+        };
+        let Some(entry) = planned.entry else { return Reaction::Quiet };
+        let (triggers, picked) = (planned.triggers, planned.is_picked);
+        let arrival = slot.take(value, now, self.plan.late_values, &mut self.counters);
+        self.unsent.iter_mut().for_each(|(_, mask)| *mask |= 1 << input);
+        match arrival {
+            Arrival::Ignored => Reaction::Quiet,
+            // What is already known is not evaluated again, but its source may have been away in
+            // between.
+            Arrival::Repeated | Arrival::SourceAway if !picked => self.show_again(),
+            _ if !triggers => self.show_again(),
+            _ => self.enter(entry, input, now, trace),
+        }
+    }
+
+    /// When [`Self::on_timer`] wants to be called, by the local clock.
+    pub fn due(&self) -> Option<DateTime> {
+        self.state
+            .0
+            .iter()
+            .zip(&self.plan.functions)
+            .filter_map(|(state, function)| function.due(state))
+            .min()
+    }
+
+    /// Time passed.
+    pub fn on_timer(&mut self, now: DateTime, mut trace: Option<&mut Vec<TraceStep>>) -> Reaction {
+        let plan = Arc::clone(&self.plan);
+        let is_due = |state: &StepState, function: &Function| {
+            function.due(state).is_some_and(|due| due <= now)
+        };
+        let step = self
+            .state
+            .0
+            .iter()
+            .zip(&plan.functions)
+            .position(|(state, function)| is_due(state, function));
+        let Some((step, function)) = step.and_then(|step| Some((step, plan.functions.get(step)?)))
+        else {
+            return Reaction::Quiet;
+        };
+        let state = &mut Arc::make_mut(&mut self.state.0)[step];
+        match function.on_timer(state, now) {
+            Applied::Pass(flow) => {
+                TraceStep::passed(
+                    trace.as_deref_mut(),
+                    step,
+                    plan.name_of(step),
+                    &flow.value,
+                    &flow.meta,
+                );
+                self.run(step + 1, flow, None, now, trace)
+            }
+            _ => Reaction::Quiet,
+        }
+    }
+
+    /// A script's result.
+    pub fn resume(
+        &mut self,
+        now: DateTime,
+        call: ScriptCall,
+        result: Result<ScriptYield, Fault>,
+        mut trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
+        let mut meta = call.flow.meta;
+        meta.combine(&call.input_meta);
+        let yielded = match result {
+            Ok(yielded) => yielded,
+            Err(fault) => return self.fail(Some(call.step), fault, meta, trace),
+        };
+        // Whoever keeps the state shares it: it is copied where it changes only.
+        if let Some(new) = yielded.state
+            && let Some(StepState::Script { state }) =
+                Arc::make_mut(&mut self.state.0).get_mut(call.step)
+        {
+            *state = Some(new);
+        }
+        match yielded.value {
+            None => {
+                TraceStep::held(trace.as_deref_mut(), call.step, self.plan.name_of(call.step));
+                self.show_again()
+            }
+            Some((_, status)) if severity(status) == 2 => self.say_bad(meta.failed(status)),
+            Some((Variant::Null, _)) => self.say_bad(meta.failed(StatusCode::BAD_NO_DATA)),
+            Some((value, status)) => {
+                meta.status = worst(meta.status, status);
+                let flow = Flow { value, meta };
+                TraceStep::passed(
+                    trace.as_deref_mut(),
+                    call.step,
+                    self.plan.name_of(call.step),
+                    &flow.value,
+                    &flow.meta,
+                );
+                self.run(call.step + 1, flow, None, now, trace)
+            }
+        }
+    }
+
+    /// Enters the chain because an input changed.
+    fn enter(
+        &mut self,
+        entry: usize,
+        input: usize,
+        now: DateTime,
+        trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
+        for (slot, planned) in self.slots.iter().zip(&self.plan.inputs) {
+            if !planned.is_required {
+                continue;
+            }
+            if let Some(bad) = slot.bad(self.last.is_some()) {
+                return self.say_bad(bad);
+            }
+            if slot.is_waiting() {
+                return Reaction::Quiet;
+            }
+            if slot.is_away_unseen() {
+                return self.show_again();
+            }
+        }
+        let is_head = entry == 0;
+        let carried =
+            self.carried.iter().find(|(step, _)| *step == entry).map(|(_, flow)| flow.clone());
+        let flow = match carried {
+            Some(flow) => flow,
+            None if is_head => match self.slots.first().and_then(Slot::flow) {
+                Some(flow) => flow,
+                None if self.plan.head_uses_value => return Reaction::Quiet,
+                None => Flow { value: Variant::Null, meta: Meta::default() },
+            },
+            None if self.plan.functions.get(entry).is_some_and(|f| !f.uses_value()) => {
+                Flow { value: Variant::Null, meta: Meta::default() }
+            }
+            // The functions before have not let anything through yet.
+            None => return Reaction::Quiet,
+        };
+        self.run(entry, flow, Some(input), now, trace)
+    }
+
+    /// Runs the chain from a function to its end.
+    fn run(
+        &mut self,
+        from: usize,
+        mut flow: Flow,
+        mut trigger: Option<usize>,
+        now: DateTime,
+        mut trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
+        let Self { plan, slots, state, carried, .. } = self;
+        for (step, function) in plan.functions.iter().enumerate().skip(from) {
+            if step > 0 && plan.carried.contains(&step) && trigger.is_none_or(|_| step != from) {
+                carry(carried, step, &flow);
+            }
+            let applied = if let Function::Script = function {
+                Applied::Call(flow)
+            } else if matches!(state.0.get(step), None | Some(StepState::None)) {
+                function.apply(&mut StepState::None, flow, trigger, slots, now)
+            } else {
+                function.apply(&mut Arc::make_mut(&mut state.0)[step], flow, trigger, slots, now)
+            };
+            trigger = None;
+            match applied {
+                Applied::Pass(next) => {
+                    TraceStep::passed(
+                        trace.as_deref_mut(),
+                        step,
+                        plan.name_of(step),
+                        &next.value,
+                        &next.meta,
+                    );
+                    flow = next;
+                }
+                Applied::Hold => {
+                    TraceStep::held(trace.as_deref_mut(), step, plan.name_of(step));
+                    return self.show_again();
+                }
+                Applied::Fail(fault, meta) => return self.fail(Some(step), fault, meta, trace),
+                Applied::Call(flow) => return Reaction::Call(self.call(step, flow)),
+            }
+        }
+        self.finish(flow, trace)
+    }
+
+    fn call(&mut self, step: usize, flow: Flow) -> ScriptCall {
+        let mask = self
+            .unsent
+            .iter_mut()
+            .find(|(at, _)| *at == step)
+            .map_or(0, |(_, mask)| std::mem::take(mask));
+        let changed = self.slots.iter().enumerate().filter(|(index, _)| mask >> index & 1 == 1);
+        let inputs =
+            changed.filter_map(|(index, slot)| Some((index, slot.flow()?.into_value()))).collect();
+        let mut input_meta = Meta::default();
+        let others = self
+            .slots
+            .iter()
+            .zip(&self.plan.inputs)
+            .skip(1)
+            .filter(|(_, planned)| planned.is_required);
+        for meta in others.filter_map(|(slot, _)| slot.meta()) {
+            input_meta.combine(&meta);
+        }
+        ScriptCall { step, flow, inputs, input_meta }
+    }
+
+    /// The end of the chain: the value must be one of the target's type.
+    fn finish(&mut self, flow: Flow, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
+        let Flow { value, meta } = flow;
+        let rank_fits = match &value {
+            Variant::Null => true,
+            Variant::Scalar(_) => self.plan.target_rank < 1,
+            Variant::Array(array) => {
+                let rank = array.dimensions.as_ref().map_or(1, Vec::len);
+                usize::try_from(self.plan.target_rank)
+                    .is_ok_and(|wanted| wanted == rank || wanted == 0)
+            }
+        };
+        let coerced = if rank_fits {
+            convert::coerce(value, self.plan.target_type)
+        } else {
+            Err(Fault::type_mismatch(
+                "the chain yields an array where the field is a single value, or the reverse",
+            ))
+        };
+        match coerced {
+            Err(fault) => self.fail(None, fault, meta, trace),
+            Ok(Variant::Null) => self.say_bad(meta.failed(StatusCode::BAD_NO_DATA)),
+            Ok(value) => {
+                let value = meta.with(value);
+                let inputs = self.input_status();
+                let own = if severity(meta.status) > severity(inputs) {
+                    meta.status
+                } else {
+                    StatusCode::GOOD
+                };
+                self.shown = Shown::Last(value.status);
+                self.last = Some((value.clone(), own));
+                Reaction::Candidate(value)
+            }
+        }
+    }
+
+    /// The worst status among the inputs that count.
+    fn input_status(&self) -> StatusCode {
+        let counting =
+            self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
+        counting
+            .filter_map(|(slot, _)| slot.status(self.last.is_some()))
+            .fold(StatusCode::GOOD, worst)
+    }
+
+    /// The chain has nothing new, but the status may have changed since the last candidate.
+    fn show_again(&mut self) -> Reaction {
+        let inputs = self.input_status();
+        if severity(inputs) == 2 {
+            let bad =
+                self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
+            return match bad.filter_map(|(slot, _)| slot.bad(self.last.is_some())).next() {
+                Some(bad) if self.shown.status() != Some(bad.status) => self.say_bad(bad),
+                _ => Reaction::Quiet,
+            };
+        }
+        let Some((last, own)) = &self.last else { return Reaction::Quiet };
+        let status = worst(inputs, *own);
+        if self.shown.status() == Some(status) {
+            return Reaction::Quiet;
+        }
+        self.shown = Shown::Last(status);
+        Reaction::Candidate(DataValue { status, ..last.clone() })
+    }
+
+    fn say_bad(&mut self, value: DataValue) -> Reaction {
+        self.shown.set_bad(&value);
+        Reaction::Candidate(value)
+    }
+
+    fn fail(
+        &mut self,
+        step: Option<usize>,
+        fault: Fault,
+        meta: Meta,
+        trace: Option<&mut Vec<TraceStep>>,
+    ) -> Reaction {
+        if let Some(step) = step {
+            TraceStep::failed(trace, step, self.plan.name_of(step), &fault);
+        }
+        let value = meta.failed(fault.status);
+        self.shown.set_bad(&value);
+        Reaction::Failed(value, FailedStep { step, fault })
+    }
+}
+
+/// Keeps the value before a function at which another input than the first enters.
+fn carry(carried: &mut Vec<(usize, Flow)>, step: usize, flow: &Flow) {
+    match carried.iter_mut().find(|(at, _)| *at == step) {
+        Some((_, kept)) => kept.clone_from(flow),
+        None => carried.push((step, flow.clone())),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,68 @@
+//! What comes of an event at a transform, and what travels meanwhile.
+
+use std::sync::Arc;
+
+use asi_model::{DataValue, StatusCode, Variant};
+
+use crate::{fault::Fault, quality::Meta};
+
+/// A value on its way through the chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flow {
+    pub value: Variant,
+    pub meta: Meta,
+}
+
+impl Flow {
+    pub fn into_value(self) -> DataValue {
+        self.meta.with(self.value)
+    }
+}
+
+/// What came of an event.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reaction {
+    /// Nothing to say.
+    Quiet,
+    /// A candidate.
+    Candidate(DataValue),
+    /// A candidate without value because a function failed.
+    Failed(DataValue, FailedStep),
+    /// A script is to be called; the chain goes on with [`super::Transform::resume`].
+    Call(ScriptCall),
+}
+
+/// Where a chain failed, and why. `step` is `None` at the end of the chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedStep {
+    pub step: Option<usize>,
+    pub fault: Fault,
+}
+
+/// A script to be called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScriptCall {
+    pub step: usize,
+    pub flow: Flow,
+    /// Inputs that changed since the last call of this script.
+    pub inputs: Vec<(usize, DataValue)>,
+    /// Inputs whose source is away or that are otherwise worse decide the result's status too.
+    pub input_meta: Meta,
+}
+
+impl ScriptCall {
+    /// A call that never was, to carry the fault of a script that is not there.
+    pub fn without_value(step: usize) -> Self {
+        let flow = Flow { value: Variant::Null, meta: Meta::default() };
+        Self { step, flow, inputs: Vec::new(), input_meta: Meta::default() }
+    }
+}
+
+/// What a script yielded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScriptYield {
+    /// `None`: the script returned `undefined`.
+    pub value: Option<(Variant, StatusCode)>,
+    /// `ctx.state` where it changed.
+    pub state: Option<Arc<str>>,
+}

@@ -1,0 +1,17 @@
+//! Plain data about sources and their variables: identities, monitoring options, browsed nodes.
+//!
+//! Pure: whatever names a variable of a local server (a mapping, a stored configuration, a
+//! suggestion) needs these types but not the OPC UA client.
+
+mod input;
+mod node;
+mod source_id;
+
+pub use input::{
+    BrowsePath, InputChange, InputKey, InvalidBrowsePath, MonitorOptions, MonitorRequest,
+    PATH_ELEMENTS_MAX,
+};
+pub use node::{
+    BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList,
+};
+pub use source_id::{InvalidSourceId, SourceId};
