@@ -5,27 +5,24 @@ use std::{collections::HashMap, sync::Arc};
 use deno_core::v8;
 use script_protocol::{
     Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, ScriptId, Spoken, Yielded,
-    message::STATE_BYTES_MAX,
-    worker::{PRELUDE, ScriptEngine},
+    worker::{
+        LoadedScript, PRELUDE, ScriptEngine,
+        fault::{file_name, not_a_function, not_loaded, out_of_memory, timeout},
+        result::changed_state,
+    },
 };
 
 use crate::{fault, timer::Timer, values};
 
-/// The isolate's memory in memories of one script: they share it.
+/// Memory of the isolate, as a multiple of the limit of one script: all scripts share it.
 const SHARED_MEMORIES: u64 = 8;
 
-/// The engine.
+/// All scripts of a worker in one isolate.
 pub struct Deno {
     limits: Limits,
     timer: Timer,
-    scripts: HashMap<ScriptId, Loaded>,
+    scripts: HashMap<ScriptId, LoadedScript<Script>>,
     isolate: v8::OwnedIsolate,
-}
-
-/// A script with what is needed to start it anew.
-struct Loaded {
-    load: Load,
-    script: Option<Script>,
 }
 
 /// A script in its context.
@@ -44,12 +41,13 @@ type Called = (Result<Yielded, ScriptFault>, Option<Arc<str>>);
 type Function<'s> = v8::Local<'s, v8::Function>;
 
 impl Deno {
+    /// Creates an isolate for scripts with these limits; `timer` ends their calls.
     pub fn new(limits: Limits, timer: Timer) -> Self {
         Self { limits, timer, scripts: HashMap::new(), isolate: isolate(&limits) }
     }
 
-    /// Runs something in the isolate within the budget. The second value is why it was ended, if it
-    /// was.
+    /// Runs something in the isolate within the budget. The second value is the reason where the
+    /// timer or the memory limit ended it.
     fn watched<R>(
         &mut self,
         run: impl FnOnce(&mut v8::OwnedIsolate) -> R,
@@ -62,8 +60,7 @@ impl Deno {
         if has_fired || is_ended {
             self.isolate.cancel_terminate_execution();
         }
-        let fault =
-            if has_fired { Some(fault::timeout()) } else { is_ended.then(fault::out_of_memory) };
+        let fault = if has_fired { Some(timeout()) } else { is_ended.then(out_of_memory) };
         (result, fault)
     }
 
@@ -75,10 +72,10 @@ impl Deno {
         }
     }
 
-    /// Memory that scripts hold is given back only with the isolate.
-    fn begin_anew(&mut self) {
+    /// Replaces the isolate: memory that scripts allocated is freed only with it.
+    fn replace_isolate(&mut self) {
         for loaded in self.scripts.values_mut() {
-            loaded.script = None;
+            loaded.discard();
         }
         self.isolate = isolate(&self.limits);
     }
@@ -99,9 +96,9 @@ impl ScriptEngine for Deno {
         self.scripts.remove(&load.script);
         let script = self.start(&load);
         if matches!(&script, Err(fault) if fault.kind == FaultKind::OutOfMemory) {
-            self.begin_anew();
+            self.replace_isolate();
         }
-        self.scripts.insert(load.script, Loaded { script: Some(script?), load });
+        self.scripts.insert(load.script, LoadedScript::new(load, script?));
         Ok(())
     }
 
@@ -111,35 +108,25 @@ impl ScriptEngine for Deno {
 
     fn call(&mut self, call: Call) -> Called {
         let Some(mut loaded) = self.scripts.remove(&call.script) else {
-            return (Err(ScriptFault::new(FaultKind::NotLoaded, "there is no such script")), None);
+            return (Err(not_loaded()), None);
         };
-        loaded.remember(&call.inputs);
+        loaded.set_inputs(&call.inputs);
         let (outcome, state) = self.call_loaded(&mut loaded, &call);
-        if let Some(state) = &state {
-            loaded.load.state = Some(Arc::clone(state));
-        }
-        let is_exhausted = matches!(&outcome, Err(fault) if fault.kind == FaultKind::OutOfMemory);
-        if is_exhausted {
-            loaded.script = None;
-        }
+        let is_exhausted = loaded.record(&outcome, state.as_ref());
         self.scripts.insert(call.script, loaded);
         if is_exhausted {
-            self.begin_anew();
+            self.replace_isolate();
         }
         (outcome, state)
     }
 }
 
 impl Deno {
-    fn call_loaded(&mut self, loaded: &mut Loaded, call: &Call) -> Called {
-        if loaded.script.is_none() {
-            match self.start(&loaded.load) {
-                Ok(script) => loaded.script = Some(script),
-                Err(fault) => return (Err(fault), None),
-            }
-        }
-        let Some(script) = &loaded.script else { return (Err(fault::out_of_memory()), None) };
-        let state = loaded.load.state.as_deref();
+    fn call_loaded(&mut self, loaded: &mut LoadedScript<Script>, call: &Call) -> Called {
+        let (script, state) = match loaded.running(|load| self.start(load)) {
+            Ok(running) => running,
+            Err(fault) => return (Err(fault), None),
+        };
         let (called, ended) = self.watched(|isolate| script.call(isolate, call, state));
         match ended {
             Some(fault) => (Err(fault), None),
@@ -148,20 +135,9 @@ impl Deno {
     }
 }
 
-impl Loaded {
-    fn remember(&mut self, inputs: &[InputValue]) {
-        for input in inputs {
-            match self.load.values.iter_mut().find(|known| known.input == input.input) {
-                Some(known) => known.spoken.clone_from(&input.spoken),
-                None => self.load.values.push(input.clone()),
-            }
-        }
-    }
-}
-
 impl Script {
     fn start(isolate: &mut v8::OwnedIsolate, load: &Load) -> Result<Self, ScriptFault> {
-        let file = format!("{}.js", load.name.replace([':', '(', ')', '\n', '\r', '\0'], "_"));
+        let file = file_name(&load.name);
         let context = {
             v8::scope!(let scope, isolate);
             let context = v8::Context::new(scope, Default::default());
@@ -187,7 +163,7 @@ impl Script {
             Some(Err(fault)) => Err(fault),
             None => Err(match scope.exception() {
                 Some(thrown) => fault::of(scope, thrown, &file),
-                None => fault::out_of_memory(),
+                None => out_of_memory(),
             }),
         }
     }
@@ -219,8 +195,7 @@ impl Script {
         }
         let result = run(scope, &load.source, file, true)?;
         let Ok(function) = v8::Local::<v8::Function>::try_from(result) else {
-            let message = "the script must end with a function, as (value, ctx) => value";
-            return Some(Err(ScriptFault::new(FaultKind::Result, message)));
+            return Some(Err(not_a_function()));
         };
         let functions =
             [function, tool("invoke")?, tool("invokeInput")?, input, tool("state")?, tool("kind")?];
@@ -234,7 +209,7 @@ impl Script {
             Some(called) => called,
             None => match scope.exception() {
                 Some(thrown) => (Err(fault::of(scope, thrown, &self.file)), None),
-                None => (Err(fault::out_of_memory()), None),
+                None => (Err(out_of_memory()), None),
             },
         }
     }
@@ -273,13 +248,10 @@ impl Script {
         let yielded = values::yielded(scope, v8::Local::new(scope, &self.kind_of), result)?;
         let json = v8::Local::new(scope, &self.state_of).call(scope, undefined, &[])?;
         let json = json.is_string().then(|| json.to_rust_string_lossy(scope));
-        if json.as_ref().is_some_and(|json| json.len() > STATE_BYTES_MAX) {
-            let message = format!("ctx.state has at most {STATE_BYTES_MAX} bytes as JSON");
-            return Some((Err(ScriptFault::new(FaultKind::Result, message)), None));
-        }
-        // Setting it back to nothing is a change too.
-        let json = json.or_else(|| state.map(|_| "null".to_owned()));
-        Some((yielded, json.filter(|new| state != Some(new)).map(Arc::from)))
+        Some(match changed_state(json, state) {
+            Ok(changed) => (yielded, changed),
+            Err(fault) => (Err(fault), None),
+        })
     }
 }
 

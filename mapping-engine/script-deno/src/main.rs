@@ -1,8 +1,8 @@
 //! The script worker with `deno_core`'s engine: V8, or QuickJS behind V8's interface.
 //!
 //! Speaks the same protocol as `script-quickjs`. Scripts share one isolate and have a context each,
-//! so memory is bounded for all together: when it runs out, the isolate is made anew and every
-//! script goes on from its state.
+//! so memory is bounded for all together: when it runs out, the isolate is replaced and every
+//! script continues from its state.
 
 mod engine;
 mod fault;

@@ -27,7 +27,7 @@ struct Watched {
     has_fired: bool,
 }
 
-/// How closely a budget is kept.
+/// Interval between two looks at the call at work, and so the precision of a budget.
 const PAUSE: Duration = Duration::from_millis(2);
 
 impl Timer {

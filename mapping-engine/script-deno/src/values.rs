@@ -1,19 +1,15 @@
-//! Values into the engine and out of it. `None` where the engine threw.
-
-use std::sync::Arc;
+//! Values of the protocol to V8 and back. Functions return `None` where the engine threw.
 
 use deno_core::v8;
-use script_protocol::{FaultKind, ScriptFault, ScriptValue, Yielded, value::DEPTH_MAX};
-
-/// Most elements of a list or record that a script returns.
-const ELEMENTS_MAX: usize = 65_536;
-/// Longest text that a script returns, in bytes.
-const TEXT_BYTES_MAX: usize = 65_536;
+use script_protocol::{
+    ScriptFault, ScriptValue, Yielded,
+    worker::result::{self, ResultBudget},
+};
 
 type Scope<'s, 'i> = v8::PinScope<'s, 'i>;
 type Value<'s> = v8::Local<'s, v8::Value>;
 
-/// A value as the engine's own.
+/// Returns a value of the protocol as one of the engine.
 pub fn to_js<'s>(scope: &Scope<'s, '_>, value: &ScriptValue) -> Option<Value<'s>> {
     Some(match value {
         ScriptValue::Null => v8::null(scope).into(),
@@ -46,7 +42,7 @@ pub fn to_js<'s>(scope: &Scope<'s, '_>, value: &ScriptValue) -> Option<Value<'s>
     })
 }
 
-/// Gets a member.
+/// Returns a member of an object, `undefined` where there is none.
 pub fn member<'s>(
     scope: &Scope<'s, '_>,
     object: v8::Local<'s, v8::Object>,
@@ -56,31 +52,26 @@ pub fn member<'s>(
     object.get(scope, name.into())
 }
 
-/// What a script returned.
+/// Returns what a script yielded: nothing, a value, or the members of a result object.
 pub fn yielded<'s>(
     scope: &Scope<'s, '_>,
     kind_of: v8::Local<'s, v8::Function>,
-    result: Value<'s>,
+    returned: Value<'s>,
 ) -> Option<Result<Yielded, ScriptFault>> {
-    if result.is_undefined() {
+    if returned.is_undefined() {
         return Some(Ok(Yielded::Nothing));
     }
-    let mut value = result;
+    let mut value = returned;
     let mut status = 0;
     if let Some(object) = plain_object(value)
         && kind(scope, kind_of, value)? == "result"
     {
-        let said = member(scope, object, "status")?;
-        if !said.is_undefined() {
-            let number = said.number_value(scope).filter(|_| said.is_number());
-            match number.filter(|n| n.fract() == 0.0 && (0.0..=4_294_967_295.0).contains(n)) {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                Some(number) => status = number as u32,
-                None => {
-                    return Some(Err(wrong(
-                        "\"status\" must be an OPC UA status code, a number from 0 to 2^32-1",
-                    )));
-                }
+        let member_value = member(scope, object, "status")?;
+        if !member_value.is_undefined() {
+            let number = member_value.number_value(scope).filter(|_| member_value.is_number());
+            match result::status(number) {
+                Ok(code) => status = code,
+                Err(fault) => return Some(Err(fault)),
             }
         }
         value = member(scope, object, "value")?;
@@ -88,10 +79,9 @@ pub fn yielded<'s>(
             return Some(Ok(Yielded::Nothing));
         }
     }
-    let mut left = ELEMENTS_MAX;
-    Some(
-        from_js(scope, kind_of, value, 0, &mut left)?.map(|value| Yielded::Value { value, status }),
-    )
+    let mut budget = ResultBudget::default();
+    let value = from_js(scope, kind_of, value, 0, &mut budget)?;
+    Some(value.map(|value| Yielded::Value { value, status }))
 }
 
 fn plain_object<'s>(value: Value<'s>) -> Option<v8::Local<'s, v8::Object>> {
@@ -113,10 +103,6 @@ fn kind<'s>(
     Some(kind_of.call(scope, undefined.into(), &[value])?.to_rust_string_lossy(scope))
 }
 
-fn wrong(message: impl Into<Arc<str>>) -> ScriptFault {
-    ScriptFault::new(FaultKind::Result, message)
-}
-
 type Converted = Option<Result<ScriptValue, ScriptFault>>;
 
 fn from_js<'s>(
@@ -124,15 +110,11 @@ fn from_js<'s>(
     kind_of: v8::Local<'s, v8::Function>,
     value: Value<'s>,
     depth: usize,
-    left: &mut usize,
+    budget: &mut ResultBudget,
 ) -> Converted {
-    if depth > DEPTH_MAX || *left == 0 {
-        let message = format!(
-            "a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements"
-        );
-        return Some(Err(wrong(message)));
+    if let Err(fault) = budget.take(depth) {
+        return Some(Err(fault));
     }
-    *left -= 1;
     Some(Ok(if value.is_number() {
         ScriptValue::Number(value.number_value(scope)?)
     } else if value.is_boolean() {
@@ -140,40 +122,30 @@ fn from_js<'s>(
     } else if value.is_null_or_undefined() {
         ScriptValue::Null
     } else if value.is_string() {
-        let text = value.to_rust_string_lossy(scope);
-        if text.len() > TEXT_BYTES_MAX {
-            return Some(Err(wrong(format!("a text has at most {TEXT_BYTES_MAX} bytes"))));
-        }
-        ScriptValue::Text(text.into())
+        return Some(result::text(value.to_rust_string_lossy(scope)));
     } else if let Ok(big) = v8::Local::<v8::BigInt>::try_from(value) {
         match (big.i64_value(), big.u64_value()) {
             ((signed, true), _) => ScriptValue::Signed(signed),
             (_, (unsigned, true)) => ScriptValue::Unsigned(unsigned),
-            _ => return Some(Err(wrong("the BigInt is beyond 64 bits"))),
+            _ => return Some(Err(result::wide_big_int())),
         }
     } else if value.is_promise() {
-        return Some(Err(wrong(
-            "the script must return a value, not a promise: async functions do not work here",
-        )));
+        return Some(Err(result::promise()));
     } else if let Ok(date) = v8::Local::<v8::Date>::try_from(value) {
-        let ms = date.value_of();
-        if ms.is_nan() {
-            return Some(Err(wrong("the Date is invalid")));
-        }
-        ScriptValue::Time(ms)
+        return Some(result::time(date.value_of()));
     } else if let Ok(bytes) = v8::Local::<v8::Uint8Array>::try_from(value) {
-        if bytes.byte_length() > TEXT_BYTES_MAX {
-            return Some(Err(wrong(format!("a Uint8Array has at most {TEXT_BYTES_MAX} bytes"))));
+        if let Err(fault) = result::check_bytes(bytes.byte_length()) {
+            return Some(Err(fault));
         }
         let mut content = vec![0; bytes.byte_length()];
         bytes.copy_contents(&mut content);
         ScriptValue::Bytes(content.into())
     } else if let Ok(array) = v8::Local::<v8::Array>::try_from(value) {
-        return list(scope, kind_of, array, depth, left);
+        return list(scope, kind_of, array, depth, budget);
     } else if value.is_object() && !value.is_function() {
-        return record(scope, kind_of, v8::Local::try_from(value).ok()?, depth, left);
+        return record(scope, kind_of, v8::Local::try_from(value).ok()?, depth, budget);
     } else {
-        return Some(Err(wrong("a function or symbol is not a value")));
+        return Some(Err(result::invalid("a function or symbol is not a value")));
     }))
 }
 
@@ -182,14 +154,15 @@ fn list<'s>(
     kind_of: v8::Local<'s, v8::Function>,
     array: v8::Local<'s, v8::Array>,
     depth: usize,
-    left: &mut usize,
+    budget: &mut ResultBudget,
 ) -> Converted {
-    if usize::try_from(array.length()).unwrap_or(usize::MAX) > *left {
-        return Some(Err(wrong(format!("a result has at most {ELEMENTS_MAX} elements"))));
+    let length = usize::try_from(array.length()).unwrap_or(usize::MAX);
+    if let Err(fault) = budget.check_list(length) {
+        return Some(Err(fault));
     }
     let mut list = Vec::new();
     for index in 0..array.length() {
-        match from_js(scope, kind_of, array.get_index(scope, index)?, depth + 1, left)? {
+        match from_js(scope, kind_of, array.get_index(scope, index)?, depth + 1, budget)? {
             Ok(value) => list.push(value),
             Err(fault) => return Some(Err(fault)),
         }
@@ -202,14 +175,14 @@ fn record<'s>(
     kind_of: v8::Local<'s, v8::Function>,
     object: v8::Local<'s, v8::Object>,
     depth: usize,
-    left: &mut usize,
+    budget: &mut ResultBudget,
 ) -> Converted {
     let names = object.get_own_property_names(scope, Default::default())?;
     let mut members = Vec::new();
     for index in 0..names.length() {
         let name = names.get_index(scope, index)?;
         let value = object.get(scope, name)?;
-        match from_js(scope, kind_of, value, depth + 1, left)? {
+        match from_js(scope, kind_of, value, depth + 1, budget)? {
             Ok(value) => members.push((name.to_rust_string_lossy(scope).into(), value)),
             Err(fault) => return Some(Err(fault)),
         }

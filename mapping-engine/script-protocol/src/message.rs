@@ -85,7 +85,7 @@ pub enum FaultKind {
     Error = 1,
     /// The call took longer than its budget.
     Timeout = 2,
-    /// The script wanted more memory than its budget; it starts anew from its state.
+    /// The script wanted more memory than its budget; it starts again from its state.
     OutOfMemory = 3,
     /// What it returned is not a value.
     Result = 4,

@@ -4,7 +4,10 @@
 //! watchdog.
 
 mod clock;
+pub mod fault;
+mod loaded;
 mod prelude;
+pub mod result;
 mod sandbox;
 mod watchdog;
 
@@ -21,6 +24,7 @@ use crate::{
     WorkerMessage, Yielded, frame,
 };
 pub use clock::{process_time, thread_time};
+pub use loaded::LoadedScript;
 pub use prelude::PRELUDE;
 use watchdog::Watchdog;
 

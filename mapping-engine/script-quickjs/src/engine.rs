@@ -3,24 +3,20 @@
 use std::{collections::HashMap, sync::Arc};
 
 use script_protocol::{
-    Call, FaultKind, InputValue, Limits, Load, ScriptFault, ScriptId, Yielded, worker::ScriptEngine,
+    Call, Limits, Load, ScriptFault, ScriptId, Yielded,
+    worker::{LoadedScript, ScriptEngine, fault},
 };
 
 use crate::script::Script;
 
-/// The engine.
+/// All scripts of a worker, each in a runtime of its own.
 pub struct QuickJs {
     limits: Limits,
-    scripts: HashMap<ScriptId, Loaded>,
-}
-
-/// A script with what is needed to start it anew when it exhausted its memory.
-struct Loaded {
-    load: Load,
-    script: Option<Script>,
+    scripts: HashMap<ScriptId, LoadedScript<Script>>,
 }
 
 impl QuickJs {
+    /// Creates an engine without scripts; each script gets these limits.
     pub fn new(limits: &Limits) -> Self {
         Self { limits: *limits, scripts: HashMap::new() }
     }
@@ -34,7 +30,7 @@ impl ScriptEngine for QuickJs {
     fn load(&mut self, load: Load) -> Result<(), ScriptFault> {
         self.scripts.remove(&load.script);
         let script = Script::start(&load, &self.limits)?;
-        self.scripts.insert(load.script, Loaded { load, script: Some(script) });
+        self.scripts.insert(load.script, LoadedScript::new(load, script));
         Ok(())
     }
 
@@ -44,36 +40,14 @@ impl ScriptEngine for QuickJs {
 
     fn call(&mut self, call: Call) -> (Result<Yielded, ScriptFault>, Option<Arc<str>>) {
         let Some(loaded) = self.scripts.get_mut(&call.script) else {
-            return (Err(ScriptFault::new(FaultKind::NotLoaded, "there is no such script")), None);
+            return (Err(fault::not_loaded()), None);
         };
-        loaded.remember(&call.inputs);
-        let script = match &mut loaded.script {
-            Some(script) => script,
-            empty => match Script::start(&loaded.load, &self.limits) {
-                Ok(script) => empty.insert(script),
-                Err(fault) => return (Err(fault), None),
-            },
+        loaded.set_inputs(&call.inputs);
+        let (outcome, state) = match loaded.running(|load| Script::start(load, &self.limits)) {
+            Ok((script, state)) => script.call(&call, state),
+            Err(fault) => (Err(fault), None),
         };
-        let (outcome, state) = script.call(&call);
-        if let Some(state) = &state {
-            loaded.load.state = Some(Arc::clone(state));
-        }
-        if matches!(&outcome, Err(fault) if fault.kind == FaultKind::OutOfMemory) {
-            // What it allocated may be held by its closures: only a new runtime is sure to have its
-            // memory back.
-            loaded.script = None;
-        }
+        loaded.record(&outcome, state.as_ref());
         (outcome, state)
-    }
-}
-
-impl Loaded {
-    fn remember(&mut self, inputs: &[InputValue]) {
-        for input in inputs {
-            match self.load.values.iter_mut().find(|known| known.input == input.input) {
-                Some(known) => known.spoken.clone_from(&input.spoken),
-                None => self.load.values.push(input.clone()),
-            }
-        }
     }
 }

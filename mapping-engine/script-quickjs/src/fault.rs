@@ -1,12 +1,47 @@
-//! What went wrong, in the words of the protocol.
+//! QuickJS errors as faults of the protocol.
 
 use rquickjs::{CaughtError, Coerced, Ctx, Exception, FromJs};
-use script_protocol::{FaultKind, ScriptFault};
+use script_protocol::{
+    FaultKind, ScriptFault,
+    worker::fault::{out_of_memory, position, thrown},
+};
 
-/// A caught error as fault. `file` is the script's name as it was given to the engine.
-pub fn of<'js>(ctx: &Ctx<'js>, caught: CaughtError<'js>, file: &str) -> ScriptFault {
+/// Interruption of a call or conversion.
+#[derive(Debug)]
+pub enum Failure {
+    /// JavaScript threw (a getter of the result, say), or the engine failed.
+    Engine(rquickjs::Error),
+    /// The script broke a rule of the protocol.
+    Fault(ScriptFault),
+}
+
+impl From<rquickjs::Error> for Failure {
+    fn from(error: rquickjs::Error) -> Self {
+        Self::Engine(error)
+    }
+}
+
+impl From<ScriptFault> for Failure {
+    fn from(fault: ScriptFault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+impl Failure {
+    /// Returns the fault, and takes the thrown error from the context where there is one. `file` is
+    /// the script's name as it was given to the engine.
+    pub fn into_fault(self, ctx: &Ctx<'_>, file: &str) -> ScriptFault {
+        match self {
+            Self::Engine(error) => of_caught(ctx, CaughtError::from_error(ctx, error), file),
+            Self::Fault(fault) => fault,
+        }
+    }
+}
+
+fn of_caught<'js>(ctx: &Ctx<'js>, caught: CaughtError<'js>, file: &str) -> ScriptFault {
     match caught {
         CaughtError::Exception(exception) => of_exception(&exception, file),
+        // The engine throws null where it has no memory left for an error object.
         CaughtError::Value(value) if value.is_null() || value.is_undefined() => out_of_memory(),
         CaughtError::Value(value) => {
             let text = Coerced::<String>::from_js(ctx, value)
@@ -25,52 +60,6 @@ fn of_exception(exception: &Exception<'_>, file: &str) -> ScriptFault {
     if name == "InternalError" && message.contains("out of memory") {
         return out_of_memory();
     }
-    let kind = if name == "SyntaxError" { FaultKind::Syntax } else { FaultKind::Error };
     let position = exception.stack().as_deref().and_then(|stack| position(stack, file));
-    let mut fault = ScriptFault::new(kind, message);
-    fault.name = name.into();
-    (fault.line, fault.column) =
-        position.map_or((None, None), |(line, column)| (Some(line), column));
-    fault
-}
-
-/// The fault of a script that used up its memory.
-pub fn out_of_memory() -> ScriptFault {
-    ScriptFault::new(
-        FaultKind::OutOfMemory,
-        "the script used more memory than it may; it starts anew",
-    )
-}
-
-/// The fault of a script that used up its time.
-pub fn timeout() -> ScriptFault {
-    ScriptFault::new(FaultKind::Timeout, "the script computed longer than it may")
-}
-
-/// The first place in the script's own file: `    at f (name.js:3:10)` or `    at name.js:3`.
-fn position(stack: &str, file: &str) -> Option<(u32, Option<u32>)> {
-    stack.lines().find_map(|line| {
-        let at = line.find(file)?;
-        let mut numbers =
-            line[at + file.len()..].strip_prefix(':')?.split(|c: char| !c.is_ascii_digit());
-        let line = numbers.next()?.parse().ok()?;
-        Some((line, numbers.next().and_then(|column| column.parse().ok())))
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn positions_are_found_in_stacks() {
-        for (stack, expected) in [
-            ("    at f (m.js:3:10)\n    at m.js:7:1\n", Some((3, Some(10)))),
-            ("    at <anonymous> (prelude.js:1:1)\n    at m.js:7\n", Some((7, None))),
-            ("    at native\n", None),
-            ("", None),
-        ] {
-            assert_eq!(position(stack, "m.js"), expected, "{stack}");
-        }
-    }
+    thrown(name, message, position)
 }

@@ -2,16 +2,17 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use rquickjs::{
-    CatchResultExt, Context, Ctx, Function, Object, Persistent, Runtime, Value,
-    context::EvalOptions,
-};
+use rquickjs::{Context, Ctx, Function, Object, Persistent, Runtime, Value, context::EvalOptions};
 use script_protocol::{
     Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, Spoken, Yielded,
-    message::STATE_BYTES_MAX, worker::PRELUDE,
+    worker::{
+        PRELUDE,
+        fault::{file_name, not_a_function, timeout},
+        result::changed_state,
+    },
 };
 
-use crate::{fault, guard::Guard, values};
+use crate::{fault::Failure, guard::Guard, values};
 
 /// A loaded script.
 ///
@@ -19,8 +20,6 @@ use crate::{fault, guard::Guard, values};
 /// runtime.
 pub struct Script {
     functions: Functions,
-    /// `ctx.state` as it was sent last.
-    state: Option<Arc<str>>,
     file: String,
     context: Context,
     guard: Rc<Guard>,
@@ -37,60 +36,75 @@ struct Functions {
     tools: Persistent<Object<'static>>,
 }
 
-type Failed = Result<Yielded, ScriptFault>;
-
 impl Script {
-    /// Compiles a script and takes its function.
+    /// Compiles a script in a new runtime and takes the function that it evaluates to.
+    ///
+    /// # Errors
+    /// [`ScriptFault`] where it does not compile, throws, takes too long or is no function.
     pub fn start(load: &Load, limits: &Limits) -> Result<Self, ScriptFault> {
-        let broken =
+        let no_runtime =
             |error: rquickjs::Error| ScriptFault::new(FaultKind::OutOfMemory, error.to_string());
-        let runtime = Runtime::new().map_err(broken)?;
+        let runtime = Runtime::new().map_err(no_runtime)?;
         let bytes = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
         runtime.set_memory_limit(bytes(limits.script_memory_bytes));
         runtime.set_max_stack_size(bytes(limits.script_stack_bytes));
         let guard = Guard::install(&runtime, limits.call_budget);
-        let context = Context::full(&runtime).map_err(broken)?;
-        // The engine names places in the file's words; a name that looks like a position would
-        // confuse it.
-        let file = format!("{}.js", load.name.replace([':', '(', ')', '\n', '\r', '\0'], "_"));
-        let functions = context.with(|ctx| Self::compile(&ctx, load, &guard, &file))?;
-        Ok(Self { functions, state: load.state.clone(), file, context, guard, _runtime: runtime })
+        let context = Context::full(&runtime).map_err(no_runtime)?;
+        let file = file_name(&load.name);
+        let functions = context.with(|ctx| {
+            Functions::compile(&ctx, load, &guard, &file)
+                .map_err(|failure| failure.into_fault(&ctx, &file))
+        })?;
+        Ok(Self { functions, file, context, guard, _runtime: runtime })
     }
 
-    fn compile(
-        ctx: &Ctx<'_>,
-        load: &Load,
-        guard: &Guard,
-        file: &str,
-    ) -> Result<Functions, ScriptFault> {
-        let of = |caught| fault::of(ctx, caught, file);
-        let tools: Object<'_> = ctx.eval(PRELUDE).catch(ctx).map_err(of)?;
-        let function = |name: &str| tools.get::<_, Function<'_>>(name).catch(ctx).map_err(of);
+    /// Calls the function. `state` is `ctx.state` before the call, as JSON; the second value is the
+    /// state where it changed.
+    pub fn call(
+        &mut self,
+        call: &Call,
+        state: Option<&str>,
+    ) -> (Result<Yielded, ScriptFault>, Option<Arc<str>>) {
+        let Self { functions, file, context, guard, .. } = self;
+        let (called, has_fired) = guard.watch(|| {
+            context.with(|ctx| {
+                functions.call(&ctx, call, state).map_err(|failure| failure.into_fault(&ctx, file))
+            })
+        });
+        match called {
+            _ if has_fired => (Err(timeout()), None),
+            Ok((outcome, new_state)) => (outcome, new_state),
+            Err(fault) => (Err(fault), None),
+        }
+    }
+}
+
+impl Functions {
+    fn compile(ctx: &Ctx<'_>, load: &Load, guard: &Guard, file: &str) -> Result<Self, Failure> {
+        let tools: Object<'_> = ctx.eval(PRELUDE)?;
+        let function = |name: &str| tools.get::<_, Function<'_>>(name);
         let define = function("define")?;
         for (index, name) in load.inputs.iter().enumerate() {
-            define.call::<_, ()>((index, &**name)).catch(ctx).map_err(of)?;
+            define.call::<_, ()>((index, &**name))?;
         }
         if let Some(state) = &load.state {
-            function("restore")?.call::<_, ()>((&**state,)).catch(ctx).map_err(of)?;
+            function("restore")?.call::<_, ()>((&**state,))?;
         }
         let input = function("input")?;
         for value in &load.values {
-            set_input(ctx, &tools, &input, value).catch(ctx).map_err(of)?;
+            set_input(ctx, &tools, &input, value)?;
         }
         let mut options = EvalOptions::default();
         options.strict = true;
         options.filename = Some(file.to_owned());
         // Top-level code may loop too.
-        let (evaluated, has_fired) = guard
-            .watch(|| ctx.eval_with_options::<Value<'_>, _>(&*load.source, options).catch(ctx));
+        let (evaluated, has_fired) =
+            guard.watch(|| ctx.eval_with_options::<Value<'_>, _>(&*load.source, options));
         if has_fired {
-            return Err(fault::timeout());
+            return Err(timeout().into());
         }
-        let script = evaluated.map_err(of)?.into_function().ok_or_else(|| {
-            let message = "the script must end with a function, as (value, ctx) => value";
-            ScriptFault::new(FaultKind::Result, message)
-        })?;
-        Ok(Functions {
+        let script = evaluated?.into_function().ok_or_else(not_a_function)?;
+        Ok(Self {
             script: Persistent::save(ctx, script),
             invoke: Persistent::save(ctx, function("invoke")?),
             invoke_input: Persistent::save(ctx, function("invokeInput")?),
@@ -100,36 +114,15 @@ impl Script {
         })
     }
 
-    /// Calls the function. The second value is `ctx.state` where it changed.
-    pub fn call(&mut self, call: &Call) -> (Failed, Option<Arc<str>>) {
-        let Self { functions, state, file, context, guard, .. } = self;
-        let ((outcome, new_state), has_fired) = guard.watch(|| {
-            context.with(|ctx| {
-                let called = functions.call(&ctx, call, state.as_deref());
-                match called.catch(&ctx) {
-                    Ok((outcome, new_state)) => (outcome, new_state),
-                    Err(caught) => (Err(fault::of(&ctx, caught, file)), None),
-                }
-            })
-        });
-        if has_fired {
-            return (Err(fault::timeout()), None);
-        }
-        if new_state.is_some() {
-            state.clone_from(&new_state);
-        }
-        (outcome, new_state)
-    }
-}
-
-impl Functions {
-    /// The outer error is what was thrown.
+    /// Returns the outcome and the state where it changed.
+    ///
+    /// A result that is not a value is an outcome: the script ran to its end, so its state counts.
     fn call<'js>(
         &self,
         ctx: &Ctx<'js>,
         call: &Call,
         state: Option<&str>,
-    ) -> rquickjs::Result<(Failed, Option<Arc<str>>)> {
+    ) -> Result<(Result<Yielded, ScriptFault>, Option<Arc<str>>), Failure> {
         let tools = self.tools.clone().restore(ctx)?;
         if !call.inputs.is_empty() {
             let input = self.input.clone().restore(ctx)?;
@@ -152,20 +145,13 @@ impl Functions {
                 ))?
             }
         };
-        let yielded = values::yielded(ctx, &tools, result)?;
+        let outcome = match values::yielded(&tools, result) {
+            Err(Failure::Fault(fault)) => Err(fault),
+            yielded => Ok(yielded?),
+        };
         let json: Option<rquickjs::String<'js>> = self.state.clone().restore(ctx)?.call(())?;
         let json = json.map(|json| json.to_string()).transpose()?;
-        if json.as_ref().is_some_and(|json| json.len() > STATE_BYTES_MAX) {
-            let message = format!("ctx.state has at most {STATE_BYTES_MAX} bytes as JSON");
-            return Ok((Err(ScriptFault::new(FaultKind::Result, message)), None));
-        }
-        let new_state = match (json, state) {
-            (None, None) => None,
-            // Setting it back to nothing is a change too.
-            (None, Some(_)) => Some(Arc::from("null")),
-            (Some(json), old) => (old != Some(json.as_str())).then(|| Arc::from(json)),
-        };
-        Ok((yielded, new_state.filter(|new| state != Some(&**new))))
+        Ok((outcome, changed_state(json, state)?))
     }
 }
 

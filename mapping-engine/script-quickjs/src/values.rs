@@ -1,16 +1,17 @@
-//! Values into the engine and out of it.
-
-use std::sync::Arc;
+//! Values of the protocol to QuickJS and back.
 
 use rquickjs::{Array, BigInt, Ctx, Filter, Function, IntoJs, Object, TypedArray, Value};
-use script_protocol::{FaultKind, ScriptFault, ScriptValue, Yielded, value::DEPTH_MAX};
+use script_protocol::{
+    ScriptValue, Yielded,
+    worker::result::{self, ResultBudget},
+};
 
-/// Most elements of a list or record that a script returns.
-const ELEMENTS_MAX: usize = 65_536;
-/// Longest text that a script returns, in bytes.
-const TEXT_BYTES_MAX: usize = 65_536;
+use crate::fault::Failure;
 
-/// A value as the engine's own.
+/// Returns a value of the protocol as one of the engine.
+///
+/// # Errors
+/// Those of the engine, above all memory that ran out.
 pub fn to_js<'js>(
     ctx: &Ctx<'js>,
     tools: &Object<'js>,
@@ -42,14 +43,13 @@ pub fn to_js<'js>(
     })
 }
 
-/// What a script returned. The outer error is what was thrown on the way (by a getter, say).
-pub fn yielded<'js>(
-    ctx: &Ctx<'js>,
-    tools: &Object<'js>,
-    result: Value<'js>,
-) -> rquickjs::Result<Result<Yielded, ScriptFault>> {
+/// Returns what a script yielded: nothing, a value, or the members of a result object.
+///
+/// # Errors
+/// [`Failure::Engine`] where reading it threw, [`Failure::Fault`] for what is not a value.
+pub fn yielded<'js>(tools: &Object<'js>, result: Value<'js>) -> Result<Yielded, Failure> {
     if result.is_undefined() {
-        return Ok(Ok(Yielded::Nothing));
+        return Ok(Yielded::Nothing);
     }
     let mut value = result;
     let mut status = 0;
@@ -58,146 +58,98 @@ pub fn yielded<'js>(
         .filter(|o| !o.is_array() && !o.is_function() && !o.as_value().is_promise())
         && kind(tools, object)? == "result"
     {
-        let said: Value<'js> = object.get("status")?;
-        if !said.is_undefined() {
-            match said
-                .as_number()
-                .filter(|n| n.fract() == 0.0 && (0.0..=4_294_967_295.0).contains(n))
-            {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                Some(number) => status = number as u32,
-                None => {
-                    return Ok(Err(wrong(
-                        "\"status\" must be an OPC UA status code, a number from 0 to 2^32-1",
-                    )));
-                }
-            }
+        let member: Value<'js> = object.get("status")?;
+        if !member.is_undefined() {
+            status = result::status(member.as_number())?;
         }
         value = object.get("value")?;
         if value.is_undefined() {
-            return Ok(Ok(Yielded::Nothing));
+            return Ok(Yielded::Nothing);
         }
     }
-    let mut left = ELEMENTS_MAX;
-    Ok(from_js(ctx, tools, &value, 0, &mut left)?.map(|value| Yielded::Value { value, status }))
+    let value = Reader { tools, budget: ResultBudget::default() }.value(&value, 0)?;
+    Ok(Yielded::Value { value, status })
 }
 
 fn kind<'js>(tools: &Object<'js>, object: &Object<'js>) -> rquickjs::Result<String> {
     tools.get::<_, Function<'js>>("kind")?.call((object.clone(),))
 }
 
-fn wrong(message: impl Into<Arc<str>>) -> ScriptFault {
-    ScriptFault::new(FaultKind::Result, message)
+/// Reads one result within its limits.
+struct Reader<'a, 'js> {
+    tools: &'a Object<'js>,
+    budget: ResultBudget,
 }
 
-type Converted = rquickjs::Result<Result<ScriptValue, ScriptFault>>;
+impl<'js> Reader<'_, 'js> {
+    fn value(&mut self, value: &Value<'js>, depth: usize) -> Result<ScriptValue, Failure> {
+        self.budget.take(depth)?;
+        if let Some(number) = value.as_number() {
+            Ok(ScriptValue::Number(number))
+        } else if let Some(boolean) = value.as_bool() {
+            Ok(ScriptValue::Boolean(boolean))
+        } else if value.is_null() || value.is_undefined() {
+            Ok(ScriptValue::Null)
+        } else if let Some(text) = value.as_string() {
+            Ok(result::text(text.to_string()?)?)
+        } else if let Some(big) = value.as_big_int() {
+            self.big_int(big)
+        } else if value.is_promise() {
+            Err(result::promise().into())
+        } else if let Some(array) = value.as_array() {
+            self.list(array, depth)
+        } else {
+            match value.as_object() {
+                Some(object) if !object.is_function() => self.object(object, depth),
+                _ => Err(result::invalid(format!("a {} is not a value", value.type_name())).into()),
+            }
+        }
+    }
 
-fn from_js<'js>(
-    ctx: &Ctx<'js>,
-    tools: &Object<'js>,
-    value: &Value<'js>,
-    depth: usize,
-    left: &mut usize,
-) -> Converted {
-    if depth > DEPTH_MAX || *left == 0 {
-        let message = format!(
-            "a result nests at most {DEPTH_MAX} deep and has at most {ELEMENTS_MAX} elements"
-        );
-        return Ok(Err(wrong(message)));
-    }
-    *left -= 1;
-    if let Some(number) = value.as_number() {
-        return Ok(Ok(ScriptValue::Number(number)));
-    }
-    if let Some(boolean) = value.as_bool() {
-        return Ok(Ok(ScriptValue::Boolean(boolean)));
-    }
-    if value.is_null() || value.is_undefined() {
-        return Ok(Ok(ScriptValue::Null));
-    }
-    if let Some(text) = value.as_string() {
-        let text = text.to_string()?;
-        if text.len() > TEXT_BYTES_MAX {
-            return Ok(Err(wrong(format!("a text has at most {TEXT_BYTES_MAX} bytes"))));
+    /// The engine has no way to read 64 bits without sign, but the same bits with it.
+    fn big_int(&self, big: &BigInt<'js>) -> Result<ScriptValue, Failure> {
+        let width: i32 = self.tools.get::<_, Function<'js>>("width")?.call((big.clone(),))?;
+        let bits = big.clone().to_i64()?;
+        match width {
+            1 => Ok(ScriptValue::Signed(bits)),
+            2 => Ok(ScriptValue::Unsigned(bits.cast_unsigned())),
+            _ => Err(result::wide_big_int().into()),
         }
-        return Ok(Ok(ScriptValue::Text(text.into())));
     }
-    if let Some(big) = value.as_big_int() {
-        return big_int(tools, big);
-    }
-    if value.is_promise() {
-        let message =
-            "the script must return a value, not a promise: async functions do not work here";
-        return Ok(Err(wrong(message)));
-    }
-    if let Some(array) = value.as_array() {
-        if array.len() > *left {
-            return Ok(Err(wrong(format!("a result has at most {ELEMENTS_MAX} elements"))));
-        }
+
+    fn list(&mut self, array: &Array<'js>, depth: usize) -> Result<ScriptValue, Failure> {
+        self.budget.check_list(array.len())?;
         let mut list = Vec::with_capacity(array.len());
         for element in array.iter::<Value<'js>>() {
-            match from_js(ctx, tools, &element?, depth + 1, left)? {
-                Ok(value) => list.push(value),
-                Err(fault) => return Ok(Err(fault)),
-            }
+            list.push(self.value(&element?, depth + 1)?);
         }
-        return Ok(Ok(ScriptValue::List(list)));
+        Ok(ScriptValue::List(list))
     }
-    match value.as_object() {
-        Some(object) if !object.is_function() => record(ctx, tools, object, depth, left),
-        _ => Ok(Err(wrong(format!("a {} is not a value", value.type_name())))),
-    }
-}
 
-/// There is no way to read 64 bits without sign but the same bits with it.
-fn big_int<'js>(tools: &Object<'js>, big: &BigInt<'js>) -> Converted {
-    let width: i32 = tools.get::<_, Function<'js>>("width")?.call((big.clone(),))?;
-    let bits = big.clone().to_i64()?;
-    Ok(match width {
-        1 => Ok(ScriptValue::Signed(bits)),
-        2 => Ok(ScriptValue::Unsigned(bits.cast_unsigned())),
-        _ => Err(wrong("the BigInt is beyond 64 bits")),
-    })
-}
-
-fn record<'js>(
-    ctx: &Ctx<'js>,
-    tools: &Object<'js>,
-    object: &Object<'js>,
-    depth: usize,
-    left: &mut usize,
-) -> Converted {
-    match kind(tools, object)?.as_str() {
-        "time" => {
-            let ms: f64 = tools.get::<_, Function<'js>>("timeOf")?.call((object.clone(),))?;
-            Ok(if ms.is_nan() {
-                Err(wrong("the Date is invalid"))
-            } else {
-                Ok(ScriptValue::Time(ms))
-            })
-        }
-        "bytes" => {
-            let length: usize = object.get("length")?;
-            if length > TEXT_BYTES_MAX {
-                return Ok(Err(wrong(format!("a Uint8Array has at most {TEXT_BYTES_MAX} bytes"))));
+    fn object(&mut self, object: &Object<'js>, depth: usize) -> Result<ScriptValue, Failure> {
+        match kind(self.tools, object)?.as_str() {
+            "time" => {
+                let time_of = self.tools.get::<_, Function<'js>>("timeOf")?;
+                Ok(result::time(time_of.call((object.clone(),))?)?)
             }
-            let mut bytes = Vec::with_capacity(length);
-            for index in 0..length {
-                bytes.push(object.get::<_, u8>(u32::try_from(index).unwrap_or(u32::MAX))?);
-            }
-            Ok(Ok(ScriptValue::Bytes(bytes.into())))
-        }
-        _ => {
-            let mut members = Vec::new();
-            for member in object.own_props::<String, Value<'js>>(Filter::new().string().enum_only())
-            {
-                let (name, value) = member?;
-                match from_js(ctx, tools, &value, depth + 1, left)? {
-                    Ok(value) => members.push((name.into(), value)),
-                    Err(fault) => return Ok(Err(fault)),
+            "bytes" => {
+                let length: usize = object.get("length")?;
+                result::check_bytes(length)?;
+                let mut bytes = Vec::with_capacity(length);
+                for index in 0..length {
+                    bytes.push(object.get::<_, u8>(u32::try_from(index).unwrap_or(u32::MAX))?);
                 }
+                Ok(ScriptValue::Bytes(bytes.into()))
             }
-            Ok(Ok(ScriptValue::Record(members)))
+            _ => {
+                let mut members = Vec::new();
+                let enumerable = Filter::new().string().enum_only();
+                for member in object.own_props::<String, Value<'js>>(enumerable) {
+                    let (name, value) = member?;
+                    members.push((name.into(), self.value(&value, depth + 1)?));
+                }
+                Ok(ScriptValue::Record(members))
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use script_protocol::{Call, CallResult, HostMessage, InputValue, Load, ScriptId, WorkerMessage};
+use script_protocol::{Call, CallResult, HostMessage, Load, ScriptId, WorkerMessage};
 
 use super::{
     CallOutcome,
@@ -144,12 +144,7 @@ impl ScriptWorker {
         if state.is_some() {
             load.state = state;
         }
-        for InputValue { input, spoken } in &call.inputs {
-            match load.values.iter_mut().find(|known| known.input == *input) {
-                Some(known) => known.spoken.clone_from(spoken),
-                None => load.values.push(InputValue { input: *input, spoken: spoken.clone() }),
-            }
-        }
+        load.set_values(&call.inputs);
     }
 
     /// Sees to it that there is a process with all scripts.

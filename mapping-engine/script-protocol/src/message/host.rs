@@ -122,6 +122,16 @@ impl HostMessage {
 }
 
 impl Load {
+    /// Stores the newest values of inputs, in place of their former ones.
+    pub fn set_values(&mut self, inputs: &[InputValue]) {
+        for input in inputs {
+            match self.values.iter_mut().find(|known| known.input == input.input) {
+                Some(known) => known.spoken.clone_from(&input.spoken),
+                None => self.values.push(input.clone()),
+            }
+        }
+    }
+
     fn encode(&self, to: &mut Encoder) {
         to.u32(self.script.0);
         to.text(&self.name);
