@@ -7,11 +7,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Longest name of a queue, in bytes.
 pub const QUEUE_NAME_BYTES_MAX: usize = 255;
 
-/// The name of a queue: 1 to 255 letters, digits, `_`, `-` and, between words, `.`.
+/// Name of a queue: 1 to 255 letters, digits, `_`, `-` and, between words, `.`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct QueueName(std::sync::Arc<str>);
 
-/// Why a text is not the name of a queue.
+/// Error for a text that is not the name of a queue.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a queue's name consists of words of letters, digits, _ and - with dots between them, at most 255 bytes"
@@ -19,13 +19,13 @@ pub struct QueueName(std::sync::Arc<str>);
 pub struct InvalidQueueName;
 
 impl QueueName {
-    /// The queue that rejected messages move to.
+    /// Returns the name of the queue of rejected messages, `dead-letters`.
     #[must_use]
     pub fn dead_letters() -> Self {
         Self("dead-letters".into())
     }
 
-    /// The name as text.
+    /// Returns the name as text.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
@@ -57,35 +57,35 @@ fn is_word(word: &str) -> bool {
     !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
 }
 
-/// A pattern over queue names: words with dots between them, `*` for exactly one word, and `#` at
-/// the end for any rest.
+/// Pattern over queue names: words with dots between them, `*` for exactly one word, and `#` at the
+/// end for any number of words.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct AddressPattern(String);
 
-/// Why a text is not a pattern.
+/// Error for a text that is not a pattern.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{found:?} is not an address pattern: words with dots between them, * for one word, # at the end for any rest"
 )]
 pub struct InvalidPattern {
-    /// What was found.
+    /// Beginning of the text, at most 160 characters.
     pub found: String,
 }
 
 impl AddressPattern {
-    /// The pattern that matches exactly one queue.
+    /// Returns the pattern that matches exactly one queue.
     #[must_use]
     pub fn exact(name: &QueueName) -> Self {
         Self(name.to_string())
     }
 
-    /// The pattern that matches every queue.
+    /// Returns the pattern that matches every queue, `#`.
     #[must_use]
     pub fn any() -> Self {
         Self("#".to_owned())
     }
 
-    /// Whether the pattern covers the queue.
+    /// Returns true if the name matches word by word.
     #[must_use]
     pub fn matches(&self, name: &QueueName) -> bool {
         let mut words = name.as_str().split('.');

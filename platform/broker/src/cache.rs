@@ -1,5 +1,5 @@
-//! Bodies of messages that will probably be delivered soon. Bounded by the memory they take; what
-//! does not fit is read when needed.
+//! Cache of message bodies that will probably be delivered soon, bounded by memory. A body that does
+//! not fit is read from the file when needed.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -7,10 +7,11 @@ use parking_lot::Mutex;
 
 use crate::message::AnyMessage;
 
-/// What a message takes beside its bytes on the wire, roughly: its sections, their maps with a
-/// handful of properties, its place here.
+/// Estimated memory of a message beyond its encoded bytes: sections, their maps with a handful of
+/// properties, the cache's own entry.
 const OVERHEAD: u64 = size_of::<AnyMessage>() as u64 + 512;
 
+/// Bodies by message id.
 pub(crate) struct BodyCache {
     bytes_max: u64,
     state: Mutex<State>,
@@ -19,6 +20,7 @@ pub(crate) struct BodyCache {
 #[derive(Default)]
 struct State {
     bytes: u64,
+    /// Estimated size and message by id.
     messages: HashMap<i64, (u64, Arc<AnyMessage>)>,
 }
 
@@ -27,7 +29,7 @@ impl BodyCache {
         Self { bytes_max, state: Mutex::default() }
     }
 
-    /// Keeps a message while there is room.
+    /// Caches a message if it fits; older ones are never evicted, they leave when settled.
     pub(crate) fn insert(&self, id: i64, bytes: u64, message: Arc<AnyMessage>) {
         let bytes = bytes + OVERHEAD;
         let mut state = self.state.lock();

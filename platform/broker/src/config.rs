@@ -1,4 +1,4 @@
-//! Where the broker listens, where it stores, and what it bounds.
+//! Configuration of the broker: listeners, database file, bounds.
 
 use std::{fmt, net::SocketAddr, path::PathBuf, time::Duration};
 
@@ -6,25 +6,23 @@ use bytes::Bytes;
 
 use crate::address::AddressPattern;
 
-/// What a broker needs to know.
+/// Configuration of a broker.
 #[derive(Debug, Clone)]
 pub struct BrokerConfig {
-    /// Where to listen; port 0 picks a free one, see
-    /// [`BrokerHandle::local_addresses`](crate::BrokerHandle::local_addresses).
+    /// Listeners; port 0 picks a free one, which `BrokerHandle::local_addresses` returns.
     pub listeners: Vec<Listener>,
-    /// The SQLite file; made when missing. On a local disk.
+    /// SQLite file on a local disk; created when missing.
     pub database_path: PathBuf,
-    /// Queues of these names are made when somebody permitted attaches to one; all others must be
+    /// Queues of these names are created when a permitted user attaches; all others must be
     /// declared.
     pub auto_created: Vec<AddressPattern>,
-    /// Bounds of queues that are made automatically.
+    /// Bounds of automatically created queues.
     pub queue_options: QueueOptions,
-    /// Bounds of the broker.
     pub limits: BrokerLimits,
 }
 
 impl BrokerConfig {
-    /// A broker with one listener.
+    /// Returns the configuration of a broker with one listener and default bounds.
     #[must_use]
     pub fn new(listener: Listener, database_path: impl Into<PathBuf>) -> Self {
         Self {
@@ -37,34 +35,31 @@ impl BrokerConfig {
     }
 }
 
-/// One address to listen on.
+/// An address to listen on.
 #[derive(Debug, Clone)]
 pub struct Listener {
-    /// The address.
     pub address: SocketAddr,
-    /// The certificate for TLS from the first byte (`amqps`); none for plain TCP, meant for
-    /// loopback.
+    /// Certificate for TLS from the first byte (`amqps`); none for plain TCP, meant for loopback.
     pub tls: Option<TlsIdentity>,
-    /// What carries AMQP.
     pub carrier: Carrier,
 }
 
-/// What carries the bytes of AMQP.
+/// Transport below AMQP.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Carrier {
     /// TCP, or TLS on it.
     #[default]
     Stream,
-    /// A WebSocket on either (AMQP WebSocket Binding 1.0), whatever its path.
+    /// A WebSocket on either (AMQP WebSocket Binding 1.0), with any path.
     WebSocket,
 }
 
 /// A server certificate with its key.
 #[derive(Clone)]
 pub struct TlsIdentity {
-    /// The chain, leaf first, as PEM.
+    /// Certificate chain, leaf first, as PEM.
     pub certificates_pem: Bytes,
-    /// The private key, as PEM.
+    /// Private key as PEM.
     pub key_pem: Bytes,
 }
 
@@ -77,15 +72,15 @@ impl fmt::Debug for TlsIdentity {
 /// Bounds of one queue. Changes take effect with the next declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueOptions {
-    /// Most messages kept, those being delivered included. Beyond it publishers get
+    /// Bound on messages, unsettled ones included; beyond it publishers get
     /// `amqp:resource-limit-exceeded`.
     pub messages_max: u64,
-    /// Most bytes kept, likewise.
+    /// Bound on stored bytes, with the same effect.
     pub bytes_max: u64,
-    /// A message delivered so often without success moves to the dead letters.
+    /// Failed deliveries after which a message is dead-lettered.
     pub deliveries_max: u32,
-    /// Whether only the consumer that attached first receives, and the next one when it leaves;
-    /// keeps the order.
+    /// True when only the consumer that attached first receives, and the next one when it detaches.
+    /// Preserves the order of messages.
     pub is_single_active_consumer: bool,
 }
 
@@ -103,29 +98,28 @@ impl Default for QueueOptions {
 /// Bounds of the broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BrokerLimits {
-    /// Connections at once.
+    /// Concurrent connections.
     pub connections_max: usize,
-    /// Connections of one user at once.
+    /// Concurrent connections of one user.
     pub connections_per_user_max: usize,
     /// Sessions of one connection.
     pub sessions_max: u16,
     /// Links of one connection.
     pub links_max: usize,
-    /// Queues.
     pub queues_max: usize,
-    /// Largest message taken, headers included, in bytes.
+    /// Largest accepted message, headers included.
     pub message_bytes_max: u64,
-    /// Messages one consumer may hold unsettled.
+    /// Unsettled messages of one consumer.
     pub unsettled_per_link_max: usize,
-    /// Messages one publisher may have on the way.
+    /// Link credit of a publisher: messages in flight.
     pub publisher_credit: u32,
-    /// Bodies kept in memory over all queues, in bytes.
+    /// Bound on the body cache of all queues.
     pub cache_bytes_max: u64,
     /// Time for a new connection to finish TLS and SASL.
     pub handshake_timeout: Duration,
-    /// Time that sent bytes may stay unacknowledged before a consumer counts as dead.
+    /// Time that sent bytes may stay unacknowledged before a peer counts as dead.
     pub stall_timeout: Duration,
-    /// Dead letters kept; the oldest go first.
+    /// Bound on dead letters; the oldest are removed first.
     pub dead_letters_max: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What all connections share: queues, the writer, the cache of bodies, who is connected.
+//! Core of the broker, shared by all connections: queues, writer, body cache, connection registry.
 
 use std::{
     collections::HashMap,
@@ -20,19 +20,18 @@ use crate::{
     cache::BodyCache,
     config::{BrokerConfig, QueueOptions},
     credentials::Credentials,
+    dead_letter::TOO_MANY_DELIVERIES,
     error::BrokerError,
-    handle::{ConnectionStatus, QueueStatus},
     message::{AnyMessage, Features},
-    queue::{Entry, Queue},
-    store::{self, Command, Letter, WriterHandle},
+    queue::{Queue, QueueEntry},
+    status::{ConnectionStatus, QueueStatus},
+    store::{self, Command, DeadLettering, WriterHandle},
 };
 
-/// Bodies read at once when one is not in the cache.
+/// Bodies read in one query when one is not in the cache.
 const READ_AHEAD: usize = 64;
 
-/// Why a message is set aside without a receiver having said so.
-pub(crate) const TOO_MANY_DELIVERIES: &str = "verbund:too-many-deliveries";
-
+/// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
     pub config: BrokerConfig,
     pub credentials: Arc<dyn Credentials>,
@@ -41,23 +40,26 @@ pub(crate) struct Core {
     pub dead_letters: Arc<Queue>,
     readers: SqlitePool,
     queues: Mutex<HashMap<QueueName, Arc<Queue>>>,
+    /// Serialises declarations and deletions: two inserts of one name would fail a transaction that
+    /// other commands share.
     declaring: tokio::sync::Mutex<()>,
     next_queue_id: AtomicI64,
     next_message_id: AtomicI64,
-    connections: Mutex<HashMap<u64, Connected>>,
+    connections: Mutex<HashMap<u64, RegisteredConnection>>,
     next_connection: AtomicU64,
 }
 
-struct Connected {
+struct RegisteredConnection {
     status: ConnectionStatus,
+    /// Cancelled to close the connection.
     cut: CancellationToken,
 }
 
-/// A peer's entry among the connections; dropping it takes it out.
+/// Registration of a connection; dropping it unregisters.
 pub(crate) struct Registration {
     core: Arc<Core>,
     id: u64,
-    /// Cancelled to cut the connection.
+    /// Cancelled to close the connection.
     pub cut: CancellationToken,
 }
 
@@ -102,8 +104,7 @@ impl Core {
         all
     }
 
-    /// Makes a queue or gives it new bounds, durably. One after the other, for two of the same name
-    /// would fail a transaction that others share.
+    /// Creates a queue or changes its bounds, durably.
     pub(crate) async fn declare(
         &self,
         name: &QueueName,
@@ -139,7 +140,7 @@ impl Core {
         Ok(queue)
     }
 
-    /// The queue, made with the given bounds when there is none.
+    /// Returns the queue, created with these bounds when it does not exist.
     pub(crate) async fn queue_or_declare(
         &self,
         name: &QueueName,
@@ -152,6 +153,7 @@ impl Core {
         }
     }
 
+    /// Deletes a queue, durably; returns the number of its messages.
     pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
         let _turn = self.declaring.lock().await;
         let queue =
@@ -172,12 +174,12 @@ impl Core {
         &self.readers
     }
 
-    /// The body of a leased message, from the cache or with some that will be wanted next from the
-    /// file.
+    /// Returns the body of a leased message, from the cache or from the file; none when the stored
+    /// message is gone or damaged. Reads ahead what will probably be delivered next.
     pub(crate) async fn body(
         &self,
         queue: &Queue,
-        entry: &Entry,
+        entry: &QueueEntry,
     ) -> Result<Option<Arc<AnyMessage>>, sqlx::Error> {
         if let Some(message) = self.cache.get(entry.id) {
             return Ok(Some(message));
@@ -185,44 +187,52 @@ impl Core {
         let mut ids = queue.upcoming(entry.id, READ_AHEAD);
         ids.retain(|id| !self.cache.contains(*id));
         ids.push(entry.id);
-        let mut wanted = None;
+        let mut body = None;
         for (id, bytes, message) in store::bodies(&self.readers, &ids).await? {
             let Some(message) = message else { continue };
             let message = Arc::new(message);
             if id == entry.id {
-                wanted = Some(Arc::clone(&message));
+                body = Some(Arc::clone(&message));
             }
             self.cache.insert(id, bytes, message);
         }
-        Ok(wanted)
+        Ok(body)
     }
 
-    /// A leased message is done with.
-    pub(crate) async fn remove(&self, queue: &Queue, entry: &Entry) {
+    /// Removes a leased message that was settled or has expired.
+    pub(crate) async fn remove(&self, queue: &Queue, entry: &QueueEntry) {
         self.cache.remove(entry.id);
         queue.settle(entry);
         self.write(Command::Remove(entry.id)).await;
     }
 
-    /// A receiver failed on a leased message: it comes again, or moves to the dead letters when
-    /// that happened too often.
-    pub(crate) async fn fail(&self, queue: &Arc<Queue>, mut entry: Entry, message: &AnyMessage) {
+    /// Counts a failed delivery: the message is requeued, or dead-lettered at the queue's limit.
+    pub(crate) async fn fail(
+        &self,
+        queue: &Arc<Queue>,
+        mut entry: QueueEntry,
+        message: &AnyMessage,
+    ) {
         entry.delivery_count = entry.delivery_count.saturating_add(1);
         let limit = queue.options().deliveries_max;
         if entry.delivery_count >= limit && queue.id != self.dead_letters.id {
             let reason = format!("delivered {} times without success", entry.delivery_count);
-            self.bury(queue, entry, message, TOO_MANY_DELIVERIES.to_owned(), reason).await;
+            self.dead_letter(queue, entry, message, TOO_MANY_DELIVERIES.to_owned(), reason).await;
         } else {
-            self.write(Command::Count { id: entry.id, delivery_count: entry.delivery_count }).await;
-            queue.requeue(Entry { is_redelivered: true, ..entry });
+            self.write(Command::CountDelivery {
+                id: entry.id,
+                delivery_count: entry.delivery_count,
+            })
+            .await;
+            queue.requeue(QueueEntry { is_redelivered: true, ..entry });
         }
     }
 
-    /// A leased message moves to the dead letters; one that is already there goes.
-    pub(crate) async fn bury(
+    /// Moves a leased message to the dead letters; removes one that is already there.
+    pub(crate) async fn dead_letter(
         &self,
         queue: &Arc<Queue>,
-        entry: Entry,
+        entry: QueueEntry,
         message: &AnyMessage,
         code: String,
         reason: String,
@@ -234,11 +244,11 @@ impl Core {
         warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
         self.cache.remove(entry.id);
         let features = Features::of(message);
-        let letter = Letter { entry, origin: Arc::clone(queue), features, code, reason };
-        self.write(Command::Bury(Box::new(letter))).await;
+        let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
+        self.write(Command::DeadLetter(Box::new(letter))).await;
     }
 
-    /// Removes what has expired and what exceeds the bounds of the dead letters.
+    /// Removes expired messages and the oldest dead letters beyond their bound.
     pub(crate) async fn sweep(&self, now_ms: i64) {
         for queue in self.queues() {
             for entry in queue.withdraw_expired(now_ms) {
@@ -254,12 +264,12 @@ impl Core {
 
     async fn write(&self, command: Command) {
         if self.writer.send(command).await.is_err() {
-            // Only while the broker stops; what is not recorded is delivered again.
+            // Only while the broker stops: a settlement that is not recorded means one more delivery.
             tracing::debug!("the broker's writer has stopped before a settlement was recorded");
         }
     }
 
-    /// Registers a signed-in peer; none when its user or the broker has too many connections.
+    /// Registers a signed-in peer; none when its user has too many connections.
     pub(crate) fn register(
         self: &Arc<Self>,
         user_name: &str,
@@ -277,7 +287,7 @@ impl Core {
             peer,
             since: OffsetDateTime::now_utc(),
         };
-        connections.insert(id, Connected { status, cut: cut.clone() });
+        connections.insert(id, RegisteredConnection { status, cut: cut.clone() });
         Some(Registration { core: Arc::clone(self), id, cut })
     }
 

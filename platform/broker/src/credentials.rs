@@ -1,4 +1,4 @@
-//! Who may sign in, and what they may do.
+//! Users of the broker: secrets, permissions, and the table of them.
 
 use std::{collections::HashMap, fmt};
 
@@ -8,51 +8,50 @@ use subtle::ConstantTimeEq;
 
 use crate::address::{AddressPattern, QueueName};
 
-/// The users of the broker. Asked within the SASL exchange and at every attach, so answers come
-/// from memory; they may change at any time. After taking a user away also
-/// [disconnect](crate::BrokerHandle::disconnect_user) it.
+/// Source of users. Read within the SASL exchange and at every attach, so an implementation answers
+/// from memory. Users may change at any time; after removing one, also call
+/// `BrokerHandle::disconnect_user`.
 pub trait Credentials: Send + Sync + 'static {
-    /// The user of that name.
+    /// Returns the user of that name.
     fn user(&self, name: &str) -> Option<BrokerUser>;
 }
 
-/// What the broker knows of a user.
+/// A user of the broker.
 #[derive(Debug, Clone, Default)]
 pub struct BrokerUser {
-    /// Its secrets; several are alive while one is being rotated.
+    /// Valid secrets; more than one while a secret is being rotated.
     pub secrets: Vec<SecretHash>,
-    /// What it may do.
     pub permissions: Permissions,
 }
 
-/// The SHA-256 of a secret. Only for secrets of high entropy (at least 128 random bits), never for
-/// passwords that people choose: those need a slow hash.
+/// SHA-256 of a secret. Only for secrets of high entropy (at least 128 random bits); passwords that
+/// people choose need a slow hash.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct SecretHash([u8; 32]);
 
-/// The addresses a user may use.
+/// Address patterns that a user may use; none match by default.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Permissions {
-    /// May receive from these.
+    /// Addresses to receive from.
     pub consume: Vec<AddressPattern>,
-    /// May send to these.
+    /// Addresses to send to.
     pub produce: Vec<AddressPattern>,
 }
 
 impl SecretHash {
-    /// The hash of a secret.
+    /// Hashes a secret.
     #[must_use]
     pub fn of(secret: &[u8]) -> Self {
         Self(Sha256::digest(secret).into())
     }
 
-    /// A hash as it was stored.
+    /// Returns the hash that [`as_bytes`](Self::as_bytes) gave.
     #[must_use]
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }
 
-    /// The hash, to store.
+    /// Returns the 32 bytes to store.
     #[must_use]
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0
@@ -66,20 +65,20 @@ impl fmt::Debug for SecretHash {
 }
 
 impl BrokerUser {
-    /// A user with one secret and no rights.
+    /// Returns a user with one secret and no permissions.
     #[must_use]
     pub fn with_secret(secret: &[u8]) -> Self {
         Self { secrets: vec![SecretHash::of(secret)], permissions: Permissions::default() }
     }
 
-    /// Adds the right to receive from matching addresses.
+    /// Permits receiving from matching addresses.
     #[must_use]
     pub fn may_consume(mut self, pattern: AddressPattern) -> Self {
         self.permissions.consume.push(pattern);
         self
     }
 
-    /// Adds the right to send to matching addresses.
+    /// Permits sending to matching addresses.
     #[must_use]
     pub fn may_produce(mut self, pattern: AddressPattern) -> Self {
         self.permissions.produce.push(pattern);
@@ -88,20 +87,20 @@ impl BrokerUser {
 }
 
 impl Permissions {
-    /// Whether receiving from the queue is permitted.
+    /// Returns true if receiving from the queue is permitted.
     #[must_use]
     pub fn permits_consuming(&self, queue: &QueueName) -> bool {
         self.consume.iter().any(|p| p.matches(queue))
     }
 
-    /// Whether sending to the queue is permitted.
+    /// Returns true if sending to the queue is permitted.
     #[must_use]
     pub fn permits_producing(&self, queue: &QueueName) -> bool {
         self.produce.iter().any(|p| p.matches(queue))
     }
 }
 
-/// Whether the secret is one of the user's. Takes the same time for unknown users and wrong
+/// Returns true if the secret is one of the user's. Takes the same time for unknown users and wrong
 /// secrets.
 pub(crate) fn is_authentic(user: Option<&BrokerUser>, secret: &[u8]) -> bool {
     let presented = SecretHash::of(secret);
@@ -113,14 +112,14 @@ pub(crate) fn is_authentic(user: Option<&BrokerUser>, secret: &[u8]) -> bool {
     bool::from(is_equal) && is_known
 }
 
-/// Users in memory.
+/// Table of users in memory, changed while the broker runs.
 #[derive(Debug, Default)]
 pub struct CredentialTable {
     users: RwLock<HashMap<String, BrokerUser>>,
 }
 
 impl CredentialTable {
-    /// A table without users.
+    /// Returns a table without users.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -131,7 +130,7 @@ impl CredentialTable {
         self.users.write().insert(name.into(), user);
     }
 
-    /// Takes a user away.
+    /// Removes a user and returns it.
     pub fn remove(&self, name: &str) -> Option<BrokerUser> {
         self.users.write().remove(name)
     }

@@ -1,4 +1,4 @@
-//! The broker as its owner sees it.
+//! The broker as a component: opening, running, and the handle of its owner.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -7,8 +7,6 @@ use std::{
 };
 
 use bytes::Bytes;
-use serde::Serialize;
-use time::OffsetDateTime;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -16,82 +14,30 @@ use crate::{
     config::{BrokerConfig, QueueOptions},
     core::Core,
     credentials::Credentials,
+    dead_letter::DeadLetter,
     error::BrokerError,
     listener::{self, BoundListener},
-    queue::{Entry, Queue},
+    queue::{Queue, QueueEntry},
+    status::{ConnectionStatus, QueueStatus},
     store::{self, Command, Writer},
 };
 
-/// The broker; [`run`](Self::run) it.
+/// An opened broker, to be driven by [`run`](Self::run).
 pub struct Broker {
     core: Arc<Core>,
     writer: Writer,
     listeners: Vec<BoundListener>,
 }
 
-/// Speaks to a [`Broker`] that is being run.
+/// Handle to a running [`Broker`]; clones share it.
 #[derive(Clone)]
 pub struct BrokerHandle {
     core: Arc<Core>,
     addresses: Arc<[SocketAddr]>,
 }
 
-/// How a queue stands.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct QueueStatus {
-    /// Its name.
-    pub queue: QueueName,
-    /// Messages that wait for a consumer.
-    pub ready: u64,
-    /// Messages delivered and not settled yet.
-    pub unsettled: u64,
-    /// Bytes of both.
-    pub bytes: u64,
-    /// Consumers attached.
-    pub consumers: u64,
-}
-
-/// A connected peer.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct ConnectionStatus {
-    /// Who signed in.
-    pub user_name: String,
-    /// From where.
-    pub peer: SocketAddr,
-    /// Since when.
-    #[serde(with = "time::serde::rfc3339")]
-    pub since: OffsetDateTime,
-}
-
-/// A message that was rejected or delivered too often.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct DeadLetter {
-    /// Its number.
-    pub id: i64,
-    /// The queue it was in.
-    pub queue: QueueName,
-    /// Its message id, where it has one.
-    pub message_id: Option<String>,
-    /// Its subject, where it has one.
-    pub subject: Option<String>,
-    /// Who sent it.
-    pub principal: Option<String>,
-    /// A stable code: the receiver's error condition, or `verbund:too-many-deliveries`.
-    pub code: String,
-    /// Why, for people.
-    pub reason: String,
-    /// When it was set aside.
-    #[serde(with = "time::serde::rfc3339")]
-    pub at: OffsetDateTime,
-    /// Its size, in bytes.
-    pub bytes: u64,
-}
-
 impl Broker {
-    /// Opens the database and the listeners, so that a start that cannot work fails here.
+    /// Opens the database and the listeners; everything that can fail at a start fails here.
     ///
     /// # Errors
     /// [`BrokerError::Listen`], [`BrokerError::Tls`] or [`BrokerError::OpenStore`].
@@ -138,12 +84,11 @@ impl Broker {
         Ok((Self { core, writer, listeners }, handle))
     }
 
-    /// Serves until `shutdown`, then closes all connections; what is accepted is committed. A
-    /// handle that outlives this keeps its view of the queues but can change nothing.
+    /// Serves until `shutdown`, then closes all connections and commits what was accepted. A handle
+    /// that outlives the broker can still read the queues but change nothing.
     ///
     /// # Errors
-    /// [`BrokerError::Stopped`] when the writer ended before it should, which only a panic can
-    /// cause.
+    /// [`BrokerError::Stopped`] when the writer ended early, which only a panic can cause.
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), BrokerError> {
         let Self { core, writer, listeners } = self;
         let stop_writing = CancellationToken::new();
@@ -162,13 +107,13 @@ impl Broker {
 }
 
 impl BrokerHandle {
-    /// The addresses listened on, in the order of the configuration.
+    /// Addresses of the listeners, in the order of the configuration, with the real ports.
     #[must_use]
     pub fn local_addresses(&self) -> &[SocketAddr] {
         &self.addresses
     }
 
-    /// Makes a queue, or gives an existing one new bounds.
+    /// Creates a queue, or changes the bounds of an existing one.
     ///
     /// # Errors
     /// [`BrokerError::TooManyQueues`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
@@ -180,8 +125,7 @@ impl BrokerHandle {
         self.core.declare(queue, options).await.map(drop)
     }
 
-    /// Removes a queue with everything in it; its links end. Returns how many messages went with
-    /// it.
+    /// Deletes a queue with its messages and ends its links. Returns the number of its messages.
     ///
     /// # Errors
     /// [`BrokerError::UnknownQueue`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
@@ -189,30 +133,30 @@ impl BrokerHandle {
         self.core.delete(queue).await
     }
 
-    /// All queues, by name.
+    /// Returns the status of all queues, sorted by name.
     #[must_use]
     pub fn queues(&self) -> Vec<QueueStatus> {
         self.core.statuses()
     }
 
-    /// One queue.
+    /// Returns the status of one queue; none when it does not exist.
     #[must_use]
     pub fn queue(&self, queue: &QueueName) -> Option<QueueStatus> {
         self.core.queue(queue).map(|q| q.status())
     }
 
-    /// All connections, oldest first.
+    /// Returns all connections, oldest first.
     #[must_use]
     pub fn connections(&self) -> Vec<ConnectionStatus> {
         self.core.connections()
     }
 
-    /// Cuts all connections of a user; returns how many there were.
+    /// Closes all connections of a user; returns their number.
     pub fn disconnect_user(&self, user_name: &str) -> usize {
         self.core.disconnect(user_name)
     }
 
-    /// Dead letters with a greater number than `after`, oldest first.
+    /// Returns at most `limit` dead letters with ids above `after`, oldest first.
     ///
     /// # Errors
     /// [`BrokerError::Store`].
@@ -225,7 +169,7 @@ impl BrokerHandle {
         read.map_err(|source| BrokerError::Store { action: "read the dead letters", source })
     }
 
-    /// The body of a dead letter; none when it is gone.
+    /// Returns the body of a dead letter; none when it is gone.
     ///
     /// # Errors
     /// [`BrokerError::Store`].
@@ -236,29 +180,30 @@ impl BrokerHandle {
         Ok(read.map(Bytes::from))
     }
 
-    /// Puts dead letters back at the end of their queues; returns how many. Those whose queue is
-    /// gone, or which somebody consumes at the moment, stay.
+    /// Appends dead letters to their former queues; returns their number. Letters stay whose queue
+    /// was deleted, or which a consumer has leased.
     ///
     /// # Errors
     /// [`BrokerError::Store`] or [`BrokerError::Stopped`].
     pub async fn replay_dead_letters(&self, ids: &[i64]) -> Result<u64, BrokerError> {
-        let wanted: HashSet<i64> = ids.iter().copied().collect();
-        let first = wanted.iter().copied().min().unwrap_or(0);
+        let requested: HashSet<i64> = ids.iter().copied().collect();
+        let first = requested.iter().copied().min().unwrap_or(0);
         let limit = self.core.config.limits.dead_letters_max.try_into().unwrap_or(u32::MAX);
         let mut letters = self.dead_letters(first - 1, limit).await?;
-        letters.retain(|letter| wanted.contains(&letter.id));
+        letters.retain(|letter| requested.contains(&letter.id));
         let mut moves = Vec::new();
         for letter in letters {
             let Some(queue) = self.core.queue(&letter.queue) else { continue };
             let Some(entry) = self.core.dead_letters.withdraw(letter.id) else { continue };
             moves.push((
                 entry,
-                Entry { id: self.core.next_message_id(), delivery_count: 0, ..entry },
+                QueueEntry { id: self.core.next_message_id(), delivery_count: 0, ..entry },
                 queue,
             ));
         }
         let numbers = moves.iter().map(|(old, new, queue)| (old.id, new.id, queue.id)).collect();
-        let answer = self.core.writer.ask(|done| Command::Unbury { moves: numbers, done }).await;
+        let answer =
+            self.core.writer.ask(|done| Command::ReplayDeadLetters { moves: numbers, done }).await;
         let is_moved = matches!(answer, Some(Ok(())));
         let count = moves.len() as u64;
         for (old, new, queue) in moves {
@@ -267,7 +212,7 @@ impl BrokerHandle {
         answered(answer, "replay dead letters").map(|()| count)
     }
 
-    /// Removes dead letters for good; returns how many.
+    /// Removes dead letters for good; returns their number.
     ///
     /// # Errors
     /// [`BrokerError::Store`] or [`BrokerError::Stopped`].
@@ -275,7 +220,8 @@ impl BrokerHandle {
         let gone: Vec<_> =
             ids.iter().filter_map(|id| self.core.dead_letters.withdraw(*id)).collect();
         let numbers = gone.iter().map(|entry| entry.id).collect();
-        let answer = self.core.writer.ask(|done| Command::Purge { ids: numbers, done }).await;
+        let answer =
+            self.core.writer.ask(|done| Command::PurgeDeadLetters { ids: numbers, done }).await;
         if !matches!(answer, Some(Ok(()))) {
             gone.iter().for_each(|entry| self.core.dead_letters.adopt(*entry));
         }
@@ -283,6 +229,7 @@ impl BrokerHandle {
     }
 }
 
+/// Turns the writer's reply into the result of the operation that `action` names.
 fn answered(
     answer: Option<Result<(), sqlx::Error>>,
     action: &'static str,

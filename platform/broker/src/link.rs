@@ -1,4 +1,4 @@
-//! What a link may do, and the two directions of doing it.
+//! Links: authorisation of an attach, and the two directions of a link.
 
 mod dispatch;
 mod ingest;
@@ -11,22 +11,20 @@ use fe2o3_amqp::types::{
     performatives::Attach,
 };
 
-use crate::{address::QueueName, connection::error, core::Core, error::BrokerError, queue::Queue};
+use crate::{
+    address::QueueName, amqp_error::amqp_error, core::Core, error::BrokerError, queue::Queue,
+};
 
 pub(crate) use dispatch::dispatch;
 pub(crate) use ingest::ingest;
 
-/// A permitted link.
-pub(crate) struct Grant {
-    pub queue: Arc<Queue>,
-}
-
-/// Decides on an attach: whether the address is a queue, and whether the user may use it.
-pub(crate) async fn grant(
+/// Authorises an attach and returns its queue, created if the configuration says so. The error is
+/// the one to detach the link with.
+pub(crate) async fn authorise(
     core: &Core,
     user_name: &str,
     attach: &Attach,
-) -> Result<Grant, definitions::Error> {
+) -> Result<Arc<Queue>, definitions::Error> {
     // The peer's role: its sender is our receiver.
     let is_producing = matches!(attach.role, Role::Sender);
     let address = if is_producing {
@@ -39,15 +37,18 @@ pub(crate) async fn grant(
         attach.source.as_ref().and_then(|source| source.address.clone())
     };
     let Some(address) = address else {
-        return Err(error(
+        return Err(amqp_error(
             AmqpError::NotImplemented,
             "links without an address and dynamic nodes are not offered",
         ));
     };
     let unauthorized = || {
-        error(AmqpError::UnauthorizedAccess, format!("{user_name} may not use {address} this way"))
+        amqp_error(
+            AmqpError::UnauthorizedAccess,
+            format!("{user_name} may not use {address} this way"),
+        )
     };
-    // A name that is none is answered like a forbidden one.
+    // An invalid name is answered like a forbidden one, so that names cannot be probed.
     let queue: QueueName = address.parse().map_err(|_| unauthorized())?;
     let user = core.credentials.user(user_name).ok_or_else(unauthorized)?;
     let is_permitted = if is_producing {
@@ -59,19 +60,19 @@ pub(crate) async fn grant(
         return Err(unauthorized());
     }
     if let Some(queue) = core.queue(&queue) {
-        return Ok(Grant { queue });
+        return Ok(queue);
     }
     if !core.config.auto_created.iter().any(|pattern| pattern.matches(&queue)) {
-        return Err(error(AmqpError::NotFound, format!("there is no queue {queue}")));
+        return Err(amqp_error(AmqpError::NotFound, format!("there is no queue {queue}")));
     }
     match core.queue_or_declare(&queue, core.config.queue_options).await {
-        Ok(queue) => Ok(Grant { queue }),
+        Ok(queue) => Ok(queue),
         Err(problem @ BrokerError::TooManyQueues { .. }) => {
-            Err(error(AmqpError::ResourceLimitExceeded, problem.to_string()))
+            Err(amqp_error(AmqpError::ResourceLimitExceeded, problem.to_string()))
         }
         Err(problem) => {
-            tracing::error!(error = %problem, %queue, "a queue could not be made");
-            Err(error(AmqpError::InternalError, "the queue could not be made"))
+            tracing::error!(error = %problem, %queue, "a queue could not be created");
+            Err(amqp_error(AmqpError::InternalError, "the queue could not be created"))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Accepts TCP connections, within bounds.
+//! Listeners: accept TCP connections within bounds, and sweep expired messages meanwhile.
 
 use std::{net::SocketAddr, sync::Arc, time::Duration};
 
@@ -23,14 +23,14 @@ use crate::{
     message,
 };
 
-/// How often expired messages are looked for.
+/// Interval of the search for expired messages.
 const SWEEP_EVERY: Duration = Duration::from_secs(5);
-/// How long all connections together may take to close at shutdown.
+/// Time for all connections together to close at shutdown.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(5);
-/// Pause after the system refused a connection, as for want of file descriptors.
+/// Pause after a failed accept, for example for want of file descriptors.
 const ACCEPT_RETRY: Duration = Duration::from_millis(100);
 
-/// A listener that has its address.
+/// A listener bound to its address.
 pub(crate) struct BoundListener {
     listener: TcpListener,
     address: SocketAddr,
@@ -44,14 +44,15 @@ impl BoundListener {
     }
 }
 
+/// Binds all listeners and loads their certificates.
 pub(crate) async fn bind(listeners: &[Listener]) -> Result<Vec<BoundListener>, BrokerError> {
     let mut bound = Vec::with_capacity(listeners.len());
-    for wanted in listeners {
-        let tls = wanted.tls.as_ref().map(tls_acceptor).transpose()?;
-        let failed = |source| BrokerError::Listen { address: wanted.address, source };
-        let listener = TcpListener::bind(wanted.address).await.map_err(failed)?;
+    for config in listeners {
+        let tls = config.tls.as_ref().map(tls_acceptor).transpose()?;
+        let failed = |source| BrokerError::Listen { address: config.address, source };
+        let listener = TcpListener::bind(config.address).await.map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        bound.push(BoundListener { listener, address, tls, carrier: wanted.carrier });
+        bound.push(BoundListener { listener, address, tls, carrier: config.carrier });
     }
     Ok(bound)
 }
@@ -79,11 +80,14 @@ pub(crate) async fn serve(
     listeners: Vec<BoundListener>,
     shutdown: CancellationToken,
 ) {
-    let places = Arc::new(Semaphore::new(core.config.limits.connections_max));
+    let permits = Arc::new(Semaphore::new(core.config.limits.connections_max));
     let mut accepting = JoinSet::new();
     for bound in listeners {
-        info!(address = %bound.address, tls = bound.tls.is_some(), carrier = ?bound.carrier, "the broker listens");
-        accepting.spawn(accept(Arc::clone(&core), bound, Arc::clone(&places), shutdown.clone()));
+        info!(
+            address = %bound.address, tls = bound.tls.is_some(), carrier = ?bound.carrier,
+            "the broker listens"
+        );
+        accepting.spawn(accept(Arc::clone(&core), bound, Arc::clone(&permits), shutdown.clone()));
     }
     let mut sweep = tokio::time::interval(SWEEP_EVERY);
     sweep.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -102,7 +106,7 @@ pub(crate) async fn serve(
 async fn accept(
     core: Arc<Core>,
     bound: BoundListener,
-    places: Arc<Semaphore>,
+    permits: Arc<Semaphore>,
     shutdown: CancellationToken,
 ) {
     let mut connections = JoinSet::new();
@@ -125,7 +129,7 @@ async fn accept(
                 continue;
             }
         };
-        let Ok(place) = Arc::clone(&places).try_acquire_owned() else {
+        let Ok(permit) = Arc::clone(&permits).try_acquire_owned() else {
             metrics::counter!("broker_connections_refused_total").increment(1);
             continue;
         };
@@ -136,13 +140,14 @@ async fn accept(
         let carrier = bound.carrier;
         connections.spawn(async move {
             connection::serve(core, Accepted { tcp, peer, tls, carrier }, shutdown).await;
-            drop(place);
+            drop(permit);
         });
     }
     while connections.join_next().await.is_some() {}
 }
 
-/// Makes a dead peer show: by keep-alive when idle, by unacknowledged bytes when busy.
+/// Sets socket options by which a dead peer is found: keep-alive when idle, unacknowledged bytes
+/// when busy.
 fn tune(tcp: &TcpStream, stall_timeout: Duration) -> std::io::Result<()> {
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);

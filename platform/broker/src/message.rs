@@ -1,6 +1,7 @@
-//! Messages as the broker keeps them. The only module that touches the client library's wire
-//! encoding of whole messages, whose types are public but private by name: the library's version is
-//! pinned.
+//! AMQP messages as the broker stores and delivers them.
+//!
+//! The only module that uses the client library's encoding of whole messages. Its types are public
+//! but named private, so the library's version is pinned.
 
 use std::time::Duration;
 
@@ -14,14 +15,14 @@ use fe2o3_amqp_types::{
 };
 use time::OffsetDateTime;
 
-/// The annotation that names the signed-in sender.
+/// Message annotation with the name of the signed-in sender.
 pub(crate) const PRINCIPAL: &str = "x-opt-principal";
 
-/// A message as AMQP has it, with any kind of body.
+/// An AMQP message with any kind of body.
 pub(crate) type AnyMessage = Message<Body<Value>>;
 
-/// Makes a received message ready to be kept: what the sender claims about the delivery goes, its
-/// name is stamped on.
+/// Prepares a received message for the store: drops what the sender claims about the delivery, and
+/// stamps the sender's name on it.
 pub(crate) fn stamp(message: &mut AnyMessage, principal: &str) {
     message.delivery_annotations = None;
     let annotations = message.message_annotations.get_or_insert_with(MessageAnnotations::default);
@@ -35,8 +36,8 @@ pub(crate) fn stamp(message: &mut AnyMessage, principal: &str) {
     header.delivery_count = 0;
 }
 
-/// When the message stops being of use, by its time to live and its absolute expiry time, in Unix
-/// milliseconds.
+/// Returns the earlier of time to live and absolute expiry time, in Unix milliseconds; none when the
+/// message never expires.
 pub(crate) fn expires_at_ms(message: &AnyMessage, now_ms: i64) -> Option<i64> {
     let by_ttl = message
         .header
@@ -51,7 +52,7 @@ pub(crate) fn expires_at_ms(message: &AnyMessage, now_ms: i64) -> Option<i64> {
     }
 }
 
-/// Prepares a copy for one delivery.
+/// Returns a copy with the header of one delivery.
 pub(crate) fn for_delivery(
     message: &AnyMessage,
     delivery_count: u32,
@@ -66,17 +67,17 @@ pub(crate) fn for_delivery(
     copy
 }
 
-/// The bytes to store.
+/// Encodes a message for the store.
 pub(crate) fn encode(message: &AnyMessage) -> Result<Vec<u8>, serde_amqp::Error> {
     serde_amqp::to_vec(&Serializable(message))
 }
 
-/// The message from stored bytes.
+/// Decodes a stored message.
 pub(crate) fn decode(bytes: &[u8]) -> Result<AnyMessage, serde_amqp::Error> {
     serde_amqp::from_slice::<Deserializable<AnyMessage>>(bytes).map(|message| message.0)
 }
 
-/// The parts of a message that help people to recognise it.
+/// Properties by which people recognise a message.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Features {
     pub message_id: Option<String>,
@@ -111,7 +112,7 @@ fn message_id_text(id: &MessageId) -> String {
     }
 }
 
-/// The body of a message, where it is bytes or text.
+/// Returns the body if it is bytes or text; empty otherwise.
 pub(crate) fn body_bytes(message: AnyMessage) -> Vec<u8> {
     match message.body {
         Body::Data(sections) => sections.into_iter().flat_map(|data| data.0.into_vec()).collect(),
@@ -124,7 +125,7 @@ pub(crate) fn body_bytes(message: AnyMessage) -> Vec<u8> {
     }
 }
 
-/// Now, in Unix milliseconds.
+/// Returns the present time in Unix milliseconds.
 pub(crate) fn now_ms() -> i64 {
     i64::try_from(OffsetDateTime::now_utc().unix_timestamp_nanos() / 1_000_000).unwrap_or(i64::MAX)
 }
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn the_earlier_expiry_counts() {
+    fn the_earlier_of_both_expiries_counts() {
         let mut short = message();
         assert_eq!(expires_at_ms(&short, 1000), None);
         short.header = Some(Header { ttl: Some(500), ..Header::default() });
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_redelivery_says_so() {
+    fn a_redelivery_is_marked_in_the_header() {
         let copy = for_delivery(&message(), 2, true, Some(Duration::from_millis(7)));
         let header = copy.header.expect("a header");
         assert_eq!((header.delivery_count, header.first_acquirer, header.ttl), (2, false, Some(7)));

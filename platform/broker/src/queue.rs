@@ -1,5 +1,5 @@
-//! A queue in memory: which messages are ready, which consumer gets the next one. Holds ids, never
-//! bodies.
+//! A queue in memory: the order of its ready messages, its leases, and its competing consumers.
+//! Holds ids, never bodies.
 
 mod subscription;
 
@@ -11,32 +11,33 @@ use std::{
 use parking_lot::Mutex;
 use tokio::sync::Notify;
 
-use crate::{address::QueueName, config::QueueOptions, handle::QueueStatus};
+use crate::{address::QueueName, config::QueueOptions, status::QueueStatus};
 pub(crate) use subscription::{Next, Subscription};
 
-/// What the queue knows of a message.
+/// One message of a queue, without its body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Entry {
-    /// Its number; greater means later.
+pub(crate) struct QueueEntry {
+    /// Number given by the broker; the order of delivery.
     pub id: i64,
-    /// Its stored size.
+    /// Stored size.
     pub bytes: u64,
-    /// When it expires, in Unix milliseconds.
+    /// Expiry in Unix milliseconds.
     pub expires_at_ms: Option<i64>,
-    /// How often a receiver failed on it.
+    /// Deliveries that failed.
     pub delivery_count: u32,
-    /// Whether somebody may have received it before.
+    /// True when a consumer may have received it before.
     pub is_redelivered: bool,
 }
 
-/// Why a queue takes no more.
+/// Reason for which a queue accepts no message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refusal {
+    /// Its bound on messages or bytes is reached.
     Full,
     Deleted,
 }
 
-/// A queue.
+/// A queue shared by its publishers and consumers. All methods take one short lock.
 #[derive(Debug)]
 pub(crate) struct Queue {
     pub id: i64,
@@ -47,13 +48,17 @@ pub(crate) struct Queue {
 #[derive(Debug)]
 struct State {
     options: QueueOptions,
-    ready: BTreeMap<i64, Entry>,
+    ready: BTreeMap<i64, QueueEntry>,
+    /// Messages delivered and not settled.
     leased: u64,
-    /// Messages that publishers are about to add, ready ones and leased ones.
+    /// Reserved, ready and leased messages: what counts against the bounds.
     messages: u64,
     bytes: u64,
+    /// Consumers in the order of their attach; the first is the active one.
     consumers: VecDeque<Consumer>,
+    /// Ids of consumers that found nothing ready, the longest waiting first.
     waiting: VecDeque<u64>,
+    /// Consumers that have leased a message and lack the credit to send it.
     holding: VecDeque<Consumer>,
     next_consumer: u64,
     is_deleted: bool,
@@ -62,7 +67,9 @@ struct State {
 #[derive(Debug, Clone)]
 struct Consumer {
     id: u64,
+    /// Notified when a message may be ready.
     wake: Arc<Notify>,
+    /// Notified when another consumer could send the message that this one holds.
     give_way: Arc<Notify>,
 }
 
@@ -93,7 +100,7 @@ impl Queue {
         state.wake_next();
     }
 
-    /// Takes room for a message that a publisher has sent.
+    /// Reserves space for a message that a publisher has sent, before it is stored.
     pub(crate) fn reserve(&self, bytes: u64) -> Result<(), Refusal> {
         let mut state = self.state.lock();
         if state.is_deleted {
@@ -109,15 +116,15 @@ impl Queue {
         Ok(())
     }
 
-    /// Gives back the room of a message that was not, or is no longer, stored.
-    pub(crate) fn give_back(&self, bytes: u64) {
+    /// Releases the reserved space of a message that was not stored.
+    pub(crate) fn release_reservation(&self, bytes: u64) {
         let mut state = self.state.lock();
         state.messages = state.messages.saturating_sub(1);
         state.bytes = state.bytes.saturating_sub(bytes);
     }
 
-    /// Adds stored messages whose room was reserved.
-    pub(crate) fn add(&self, entries: impl IntoIterator<Item = Entry>) {
+    /// Adds stored messages whose space was reserved.
+    pub(crate) fn add(&self, entries: impl IntoIterator<Item = QueueEntry>) {
         let mut state = self.state.lock();
         for entry in entries {
             state.ready.insert(entry.id, entry);
@@ -125,8 +132,8 @@ impl Queue {
         }
     }
 
-    /// Adds stored messages that need no reservation: loaded at the start, or moved here.
-    pub(crate) fn adopt(&self, entry: Entry) {
+    /// Adds a stored message without a reservation: loaded at the start, or moved from another queue.
+    pub(crate) fn adopt(&self, entry: QueueEntry) {
         let mut state = self.state.lock();
         state.messages += 1;
         state.bytes += entry.bytes;
@@ -134,16 +141,16 @@ impl Queue {
         state.wake_next();
     }
 
-    /// Takes a ready message away, as for moving it elsewhere.
-    pub(crate) fn withdraw(&self, id: i64) -> Option<Entry> {
+    /// Removes a ready message; none when it is leased or gone.
+    pub(crate) fn withdraw(&self, id: i64) -> Option<QueueEntry> {
         let mut state = self.state.lock();
         let entry = state.ready.remove(&id)?;
-        state.forget(&entry);
+        state.uncount(&entry);
         Some(entry)
     }
 
-    /// Takes the ready messages away that have expired.
-    pub(crate) fn withdraw_expired(&self, now_ms: i64) -> Vec<Entry> {
+    /// Removes and returns the ready messages that have expired.
+    pub(crate) fn withdraw_expired(&self, now_ms: i64) -> Vec<QueueEntry> {
         let mut state = self.state.lock();
         let expired: Vec<_> = state
             .ready
@@ -153,44 +160,44 @@ impl Queue {
             .collect();
         for entry in &expired {
             state.ready.remove(&entry.id);
-            state.forget(entry);
+            state.uncount(entry);
         }
         expired
     }
 
-    /// Takes the oldest ready messages away that exceed a number.
-    pub(crate) fn withdraw_beyond(&self, messages_max: u64) -> Vec<Entry> {
+    /// Removes and returns the oldest ready messages beyond `messages_max`.
+    pub(crate) fn withdraw_beyond(&self, messages_max: u64) -> Vec<QueueEntry> {
         let mut state = self.state.lock();
         let mut gone = Vec::new();
         while state.ready.len() as u64 > messages_max {
             let Some((_, entry)) = state.ready.pop_first() else { break };
-            state.forget(&entry);
+            state.uncount(&entry);
             gone.push(entry);
         }
         gone
     }
 
-    /// The ids of ready messages from `first` on: those that will probably be delivered next.
+    /// Returns ids of ready messages from `first` on: those that will probably be delivered next.
     pub(crate) fn upcoming(&self, first: i64, limit: usize) -> Vec<i64> {
         self.state.lock().ready.range(first..).take(limit).map(|(id, _)| *id).collect()
     }
 
-    /// A leased message is settled for good.
-    pub(crate) fn settle(&self, entry: &Entry) {
+    /// Removes a leased message for good.
+    pub(crate) fn settle(&self, entry: &QueueEntry) {
         let mut state = self.state.lock();
         state.leased = state.leased.saturating_sub(1);
-        state.forget(entry);
+        state.uncount(entry);
     }
 
-    /// A leased message is ready again, in its old place.
-    pub(crate) fn requeue(&self, entry: Entry) {
+    /// Makes a leased message ready again, in its old position.
+    pub(crate) fn requeue(&self, entry: QueueEntry) {
         let mut state = self.state.lock();
         state.leased = state.leased.saturating_sub(1);
         state.ready.insert(entry.id, entry);
         state.wake_next();
     }
 
-    /// Ends the queue; its consumers and publishers learn it. Returns how many messages it had.
+    /// Ends the queue and wakes its consumers. Returns the number of its messages.
     pub(crate) fn delete(&self) -> u64 {
         let mut state = self.state.lock();
         state.is_deleted = true;
@@ -214,7 +221,8 @@ impl Queue {
 }
 
 impl State {
-    fn forget(&mut self, entry: &Entry) {
+    /// Takes a removed message off the bounds.
+    fn uncount(&mut self, entry: &QueueEntry) {
         self.messages = self.messages.saturating_sub(1);
         self.bytes = self.bytes.saturating_sub(entry.bytes);
     }
@@ -224,7 +232,7 @@ impl State {
             || self.consumers.front().is_some_and(|c| c.id == consumer)
     }
 
-    /// Wakes the consumer that waits longest, when there is something for it.
+    /// Wakes the consumer that has waited longest, if a message is ready for it.
     fn wake_next(&mut self) {
         if self.ready.is_empty() {
             return;
@@ -243,8 +251,8 @@ mod tests {
 
     use super::*;
 
-    fn entry(id: i64) -> Entry {
-        Entry { id, bytes: 10, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
+    fn entry(id: i64) -> QueueEntry {
+        QueueEntry { id, bytes: 10, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
     }
 
     fn queue(options: QueueOptions) -> Arc<Queue> {
@@ -287,22 +295,22 @@ mod tests {
     }
 
     #[test]
-    fn a_holder_gives_way_to_a_hungry_consumer() {
+    fn a_consumer_without_credit_gives_way_to_one_that_waits() {
         let queue = queue(QueueOptions::default());
         let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
         queue.adopt(entry(1));
         assert_eq!(now(&a), Some(1));
         a.hold();
-        assert!(a.wanted_elsewhere().now_or_never().is_none());
+        assert!(a.give_way_requested().now_or_never().is_none());
         assert_eq!(now(&b), None);
-        assert!(a.wanted_elsewhere().now_or_never().is_some());
+        assert!(a.give_way_requested().now_or_never().is_some());
         a.release_hold();
         queue.requeue(entry(1));
         assert_eq!(now(&b), Some(1));
     }
 
     #[test]
-    fn a_paused_consumer_leaves_its_wake_to_another() {
+    fn pausing_wakes_another_consumer() {
         let queue = queue(QueueOptions::default());
         let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
         assert_eq!((now(&a), now(&b)), (None, None));
@@ -312,24 +320,24 @@ mod tests {
     }
 
     #[test]
-    fn bounds_hold() {
+    fn reservations_respect_both_bounds() {
         let queue =
             queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
         assert_eq!(queue.reserve(20), Ok(()));
         assert_eq!(queue.reserve(10), Err(Refusal::Full));
         assert_eq!(queue.reserve(5), Ok(()));
         assert_eq!(queue.reserve(0), Err(Refusal::Full));
-        queue.give_back(20);
+        queue.release_reservation(20);
         assert_eq!(queue.reserve(0), Ok(()));
         queue.delete();
         assert_eq!(queue.reserve(0), Err(Refusal::Deleted));
     }
 
     #[test]
-    fn what_has_expired_goes() {
+    fn expired_messages_are_withdrawn() {
         let queue = queue(QueueOptions::default());
         queue.adopt(entry(1));
-        queue.adopt(Entry { expires_at_ms: Some(5), ..entry(2) });
+        queue.adopt(QueueEntry { expires_at_ms: Some(5), ..entry(2) });
         assert_eq!(queue.withdraw_expired(4), []);
         assert_eq!(queue.withdraw_expired(5).len(), 1);
         assert_eq!(queue.status().ready, 1);

@@ -1,8 +1,10 @@
 //! The broker's database: one SQLite file with full synchronisation, one writer that commits in
 //! groups, a few readers.
 
-mod admin;
+mod command;
+mod dead_letters;
 mod reader;
+mod statements;
 mod writer;
 
 use std::{path::Path, time::Duration};
@@ -14,11 +16,12 @@ use sqlx::{
     },
 };
 
-pub(crate) use admin::{dead_letter_body, dead_letters};
+pub(crate) use command::{Command, DeadLettering, NewMessage, WriteFailed, WriterHandle};
+pub(crate) use dead_letters::{dead_letter_body, dead_letters};
 pub(crate) use reader::{bodies, load};
-pub(crate) use writer::{Command, Letter, NewMessage, WriteFailed, Writer, WriterHandle};
+pub(crate) use writer::Writer;
 
-/// Version 1. Message ids are given by the broker and grow; they are the order of a queue.
+/// Schema version 1. Message ids are given by the broker and grow; they are the order of a queue.
 const SCHEMA: &str = "
 BEGIN;
 CREATE TABLE queues (
@@ -52,6 +55,7 @@ PRAGMA user_version = 1;
 COMMIT;
 ";
 
+/// Connection options of the broker's database.
 pub(crate) fn options(path: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new()
         .filename(path)
@@ -63,7 +67,7 @@ pub(crate) fn options(path: &Path) -> SqliteConnectOptions {
         .disable_statement_logging()
 }
 
-/// Opens the file for writing and brings it up to date.
+/// Opens the file for writing, created when missing, and migrates it.
 pub(crate) async fn open_writer(path: &Path) -> Result<SqliteConnection, sqlx::Error> {
     let mut connection = options(path).connect().await?;
     let version: i64 = sqlx::query_scalar("PRAGMA user_version").fetch_one(&mut connection).await?;
@@ -89,13 +93,14 @@ pub(crate) async fn open_readers(path: &Path) -> Result<SqlitePool, sqlx::Error>
         .await
 }
 
-/// Makes the queue of the dead letters, once.
+/// Inserts the queue of the dead letters if it is missing.
 pub(crate) async fn ensure_dead_letters(
     connection: &mut SqliteConnection,
     name: &str,
 ) -> Result<(), sqlx::Error> {
     sqlx::query(
-        "INSERT OR IGNORE INTO queues (name, messages_max, bytes_max, deliveries_max, is_single_active_consumer) \
+        "INSERT OR IGNORE INTO queues \
+         (name, messages_max, bytes_max, deliveries_max, is_single_active_consumer) \
          VALUES (?, ?, ?, ?, 0)",
     )
     .bind(name)

@@ -1,13 +1,14 @@
-//! Delivers messages to a consumer and does what it decides about them.
+//! Delivery of messages to one consumer, and settlement by its outcomes.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use fe2o3_amqp::{
     Sendable, Sender,
-    link::SendError,
+    link::{SendError, delivery::DeliveryFut},
     types::{
-        definitions::{AmqpError, ErrorCondition},
-        messaging::Outcome,
+        definitions::AmqpError,
+        messaging::{Body, Outcome},
+        primitives::Value,
     },
 };
 use futures::{FutureExt, StreamExt, future::BoxFuture, stream::FuturesUnordered};
@@ -16,26 +17,27 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, error};
 
 use crate::{
-    connection,
+    amqp_error::{amqp_error, condition_text},
     core::Core,
     message::{self, AnyMessage},
-    queue::{Entry, Next, Queue, Subscription},
+    queue::{Next, Queue, QueueEntry, Subscription},
 };
 
-/// How long a consumer without credit stays behind the others after it gave a message back.
-const BACK_SEAT: Duration = Duration::from_millis(50);
+/// Pause of a consumer without credit after it has requeued a message, so that others get it first.
+const YIELD_PAUSE: Duration = Duration::from_millis(50);
 /// Pause after the database could not be read.
 const READ_RETRY: Duration = Duration::from_secs(1);
+/// Time for a consumer to settle and to answer a close.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A delivered message whose outcome is awaited.
+/// A delivered message that is not settled yet.
 struct Delivered {
-    entry: Entry,
+    entry: QueueEntry,
     message: Arc<AnyMessage>,
 }
 
-/// What a consumer holds. Kept apart from the futures of its outcomes, because those may never
-/// resolve.
+/// Deliveries that a consumer has not settled. Stored apart from the futures of their outcomes,
+/// because those may never resolve.
 #[derive(Default)]
 struct Unsettled {
     delivered: HashMap<i64, Delivered>,
@@ -43,7 +45,7 @@ struct Unsettled {
 }
 
 impl Unsettled {
-    /// The next message with its outcome; none when nothing is awaited.
+    /// Waits for the next outcome; none when nothing is unsettled.
     async fn next(&mut self) -> Option<(Delivered, Result<Outcome, SendError>)> {
         loop {
             let (id, outcome) = self.outcomes.next().await?;
@@ -54,14 +56,15 @@ impl Unsettled {
     }
 }
 
-/// What happened to an attempt to send.
+/// Result of an attempt to deliver.
 enum Sent {
-    Delivered,
-    GivenBack,
+    /// Sent, or dropped because it has expired.
+    Done,
+    Requeued,
     LinkEnded,
 }
 
-/// Serves a consumer until it leaves; what it has not settled is delivered to the next one.
+/// Serves a consumer until it detaches; what it has not settled is delivered to the next one.
 pub(crate) async fn dispatch(
     core: Arc<Core>,
     queue: Arc<Queue>,
@@ -73,14 +76,14 @@ pub(crate) async fn dispatch(
     let consumer = Consumer { core: &core, queue: &queue, subscription: &subscription, cut: &cut };
     let is_deleted = consumer.serve(&mut sender, &mut unsettled).await;
     if is_deleted {
-        let gone = connection::error(AmqpError::ResourceDeleted, "the queue was deleted");
-        let _ = timeout(CLOSE_TIMEOUT, sender.close_with_error(gone)).await;
+        let error = amqp_error(AmqpError::ResourceDeleted, "the queue was deleted");
+        let _ = timeout(CLOSE_TIMEOUT, sender.close_with_error(error)).await;
     } else {
         // Dropping the sender resolves the outcomes that will never come.
         drop(sender);
     }
     drop(subscription);
-    consumer_left(&core, &queue, unsettled).await;
+    settle_rest(&core, &queue, unsettled).await;
 }
 
 struct Consumer<'a> {
@@ -91,10 +94,10 @@ struct Consumer<'a> {
 }
 
 impl Consumer<'_> {
-    /// Delivers until the link ends. Returns whether the queue was deleted.
+    /// Delivers until the link ends; returns true when it ends because the queue was deleted.
     async fn serve(&self, sender: &mut Sender, unsettled: &mut Unsettled) -> bool {
         let window = self.core.config.limits.unsettled_per_link_max;
-        let mut in_back_seat = false;
+        let mut is_yielding = false;
         loop {
             let has_room = unsettled.delivered.len() < window;
             if !has_room {
@@ -104,12 +107,12 @@ impl Consumer<'_> {
                 biased;
                 () = self.cut.cancelled() => return false,
                 Some((delivered, outcome)) = unsettled.next() => self.settle(delivered, outcome).await,
-                () = tokio::time::sleep(BACK_SEAT), if in_back_seat => in_back_seat = false,
-                next = self.subscription.next(), if has_room && !in_back_seat => {
+                () = tokio::time::sleep(YIELD_PAUSE), if is_yielding => is_yielding = false,
+                next = self.subscription.next(), if has_room && !is_yielding => {
                     let Next::Lease(entry) = next else { return true };
                     match self.deliver(sender, unsettled, entry).await {
-                        Sent::Delivered => {}
-                        Sent::GivenBack => in_back_seat = true,
+                        Sent::Done => {}
+                        Sent::Requeued => is_yielding = true,
                         Sent::LinkEnded => return false,
                     }
                 }
@@ -121,46 +124,52 @@ impl Consumer<'_> {
         }
     }
 
-    async fn deliver(&self, sender: &mut Sender, unsettled: &mut Unsettled, entry: Entry) -> Sent {
+    async fn deliver(
+        &self,
+        sender: &mut Sender,
+        unsettled: &mut Unsettled,
+        entry: QueueEntry,
+    ) -> Sent {
         let now_ms = message::now_ms();
         if entry.expires_at_ms.is_some_and(|at| at <= now_ms) {
             metrics::counter!("broker_messages_expired_total").increment(1);
             self.core.remove(self.queue, &entry).await;
-            return Sent::Delivered;
+            return Sent::Done;
         }
         let message = match self.core.body(self.queue, &entry).await {
             Ok(Some(message)) => message,
             Ok(None) => {
-                error!(queue = %self.queue.name, message = entry.id, "a stored message is gone or damaged; it is dropped");
+                error!(
+                    queue = %self.queue.name, message = entry.id,
+                    "a stored message is gone or damaged; it is dropped"
+                );
                 self.core.remove(self.queue, &entry).await;
-                return Sent::Delivered;
+                return Sent::Done;
             }
             Err(problem) => {
-                error!(queue = %self.queue.name, error = %problem, "a message could not be read; it is tried again");
+                error!(
+                    queue = %self.queue.name, error = %problem,
+                    "a message could not be read; it is tried again"
+                );
                 self.queue.requeue(entry);
                 tokio::time::sleep(READ_RETRY).await;
-                return Sent::GivenBack;
+                return Sent::Requeued;
             }
         };
         let ttl = entry.expires_at_ms.map(|at| Duration::from_millis((at - now_ms).unsigned_abs()));
         let copy = message::for_delivery(&message, entry.delivery_count, entry.is_redelivered, ttl);
-        self.send(
-            sender,
-            unsettled,
-            Delivered { entry, message },
-            Sendable::builder().message(copy).build(),
-        )
-        .await
+        let sendable = Sendable::builder().message(copy).build();
+        self.send(sender, unsettled, Delivered { entry, message }, sendable).await
     }
 
-    /// Waits for credit, but not at the expense of others: a message that another consumer could
-    /// take is given back.
+    /// Sends, waiting for credit if need be; requeues the message as soon as another consumer could
+    /// send it.
     async fn send(
         &self,
         sender: &mut Sender,
         unsettled: &mut Unsettled,
         delivered: Delivered,
-        sendable: Sendable<fe2o3_amqp_types::messaging::Body<fe2o3_amqp_types::primitives::Value>>,
+        sendable: Sendable<Body<Value>>,
     ) -> Sent {
         let mut sending = Box::pin(sender.send_batchable(sendable));
         if let Some(result) = (&mut sending).now_or_never() {
@@ -172,7 +181,7 @@ impl Consumer<'_> {
                 biased;
                 result = &mut sending => break Some(result),
                 () = self.cut.cancelled() => break None,
-                () = self.subscription.wanted_elsewhere() => break None,
+                () = self.subscription.give_way_requested() => break None,
                 Some((earlier, outcome)) = unsettled.next() => self.settle(earlier, outcome).await,
             }
         };
@@ -182,7 +191,7 @@ impl Consumer<'_> {
             Some(result) => self.sent(unsettled, delivered, result),
             None => {
                 self.queue.requeue(delivered.entry);
-                Sent::GivenBack
+                Sent::Requeued
             }
         }
     }
@@ -191,10 +200,7 @@ impl Consumer<'_> {
         &self,
         unsettled: &mut Unsettled,
         delivered: Delivered,
-        result: Result<
-            fe2o3_amqp::link::delivery::DeliveryFut<Result<Outcome, SendError>>,
-            SendError,
-        >,
+        result: Result<DeliveryFut<Result<Outcome, SendError>>, SendError>,
     ) -> Sent {
         match result {
             Ok(outcome) => {
@@ -202,10 +208,13 @@ impl Consumer<'_> {
                 let id = delivered.entry.id;
                 unsettled.delivered.insert(id, delivered);
                 unsettled.outcomes.push(outcome.map(move |outcome| (id, outcome)).boxed());
-                Sent::Delivered
+                Sent::Done
             }
             Err(problem) => {
-                debug!(queue = %self.queue.name, error = %problem, "a consumer's link has ended while sending");
+                debug!(
+                    queue = %self.queue.name, error = %problem,
+                    "a consumer's link has ended while sending"
+                );
                 self.queue.requeue(delivered.entry);
                 Sent::LinkEnded
             }
@@ -233,38 +242,29 @@ async fn settle(
                 }
                 None => ("amqp:rejected".to_owned(), "rejected without a reason".to_owned()),
             };
-            core.bury(queue, entry, &message, code, reason).await;
+            core.dead_letter(queue, entry, &message, code, reason).await;
         }
-        Ok(Outcome::Released(_)) => queue.requeue(Entry { is_redelivered: true, ..entry }),
+        Ok(Outcome::Released(_)) => queue.requeue(QueueEntry { is_redelivered: true, ..entry }),
         Ok(Outcome::Modified(modified)) => {
             if modified.delivery_failed == Some(true) || modified.undeliverable_here == Some(true) {
                 core.fail(queue, entry, &message).await;
             } else {
-                queue.requeue(Entry { is_redelivered: true, ..entry });
+                queue.requeue(QueueEntry { is_redelivered: true, ..entry });
             }
         }
-        // A lost connection is not the message's fault, so it does not count: a receiver that is
-        // restarted often must not turn sound messages into dead letters.
-        Err(_) => queue.requeue(Entry { is_redelivered: true, ..entry }),
+        // A lost connection is not the message's fault, so it is no failed delivery: a receiver that
+        // restarts often must not turn valid messages into dead letters.
+        Err(_) => queue.requeue(QueueEntry { is_redelivered: true, ..entry }),
     }
 }
 
-async fn consumer_left(core: &Arc<Core>, queue: &Arc<Queue>, mut unsettled: Unsettled) {
+/// Settles the outcomes that still arrive in time, and requeues the other messages.
+async fn settle_rest(core: &Arc<Core>, queue: &Arc<Queue>, mut unsettled: Unsettled) {
     let deadline = tokio::time::Instant::now() + CLOSE_TIMEOUT;
     while let Ok(Some((delivered, outcome))) = timeout_at(deadline, unsettled.next()).await {
         settle(core, queue, delivered, outcome).await;
     }
     for delivered in unsettled.delivered.into_values() {
-        queue.requeue(Entry { is_redelivered: true, ..delivered.entry });
+        queue.requeue(QueueEntry { is_redelivered: true, ..delivered.entry });
     }
-}
-
-/// The condition as it stands on the wire.
-pub(super) fn condition_text(condition: &ErrorCondition) -> String {
-    serde_amqp::to_vec(condition)
-        .ok()
-        .and_then(|bytes| {
-            serde_amqp::from_slice::<fe2o3_amqp_types::primitives::Symbol>(&bytes).ok()
-        })
-        .map_or_else(|| format!("{condition:?}"), |symbol| symbol.0)
 }

@@ -1,12 +1,16 @@
-//! Takes messages from a publisher: stored first, then accepted.
+//! Receiving from one publisher: a message is stored first and accepted then.
 
 use std::sync::Arc;
 
 use fe2o3_amqp::{
     Receiver,
-    link::{RecvError, delivery::DeliveryInfo, receiver::CreditMode},
+    link::{
+        RecvError,
+        delivery::{Delivery, DeliveryInfo},
+        receiver::CreditMode,
+    },
     types::{
-        definitions::{self, AmqpError},
+        definitions::{self, AmqpError, LinkError},
         messaging::Body,
         primitives::Value,
     },
@@ -17,18 +21,22 @@ use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
 use crate::{
-    connection::error,
+    amqp_error::amqp_error,
     core::Core,
-    message,
-    queue::{Entry, Queue, Refusal},
+    message::{self, AnyMessage},
+    queue::{Queue, QueueEntry, Refusal},
     store::{Command, NewMessage, WriteFailed},
 };
 
-/// Settlements sent in one go.
-const SETTLED_AT_ONCE: usize = 256;
+/// Deliveries settled by one pass.
+const SETTLED_AT_ONCE_MAX: usize = 256;
 
-type Stored = futures::future::Map<
-    oneshot::Receiver<Result<(), WriteFailed>>,
+/// Reply of the writer to one insert.
+type Reply = oneshot::Receiver<Result<(), WriteFailed>>;
+
+/// A delivery whose message is being stored; resolves to true when it was committed.
+type Pending = futures::future::Map<
+    Reply,
     Box<
         dyn FnOnce(
                 Result<Result<(), WriteFailed>, oneshot::error::RecvError>,
@@ -37,7 +45,7 @@ type Stored = futures::future::Map<
     >,
 >;
 
-/// Serves a publisher until it leaves.
+/// Serves a publisher until it detaches.
 pub(crate) async fn ingest(
     core: Arc<Core>,
     queue: Arc<Queue>,
@@ -50,58 +58,78 @@ pub(crate) async fn ingest(
     if receiver.set_credit(credit).await.is_err() {
         return;
     }
-    let mut pending: FuturesOrdered<Stored> = FuturesOrdered::new();
+    let mut pending: FuturesOrdered<Pending> = FuturesOrdered::new();
     loop {
-        tokio::select! {
+        let received = tokio::select! {
             () = cut.cancelled() => return,
             Some(first) = pending.next() => {
                 if settle(&receiver, first, &mut pending).await.is_err() {
                     return;
                 }
+                continue;
             }
-            received = receiver.recv::<Body<Value>>() => {
-                let outcome = match received {
-                    Ok(delivery) => {
-                        let (info, body) = delivery.into_parts();
-                        match store(&core, &queue, &user_name, body).await {
-                            Ok(stored) => {
-                                pending.push_back(when_stored(info, stored));
-                                continue;
-                            }
-                            Err(refusal) => receiver.reject(info, refusal).await,
-                        }
-                    }
-                    Err(RecvError::MessageDecode(broken)) => {
-                        metrics::counter!("broker_messages_refused_total", "reason" => "decode").increment(1);
-                        receiver.reject(broken.info, error(AmqpError::DecodeError, "the message cannot be decoded")).await
-                    }
-                    Err(problem) => {
-                        if let RecvError::MessageSizeExceeded(_) = problem {
-                            metrics::counter!("broker_messages_refused_total", "reason" => "size").increment(1);
-                        }
-                        return debug!(queue = %queue.name, user = %user_name, error = %problem, "a publisher's link has ended");
-                    }
-                };
-                if outcome.is_err() {
-                    return;
+            received = receiver.recv::<Body<Value>>() => received,
+        };
+        let answered = match received {
+            Ok(delivery) => {
+                take(&core, &queue, &user_name, &receiver, delivery, &mut pending).await
+            }
+            Err(RecvError::MessageDecode(undecodable)) => {
+                count_refused("decode", 1);
+                let error = amqp_error(AmqpError::DecodeError, "the message cannot be decoded");
+                receiver.reject(undecodable.info, error).await.map_err(drop)
+            }
+            Err(problem) => {
+                if let RecvError::MessageSizeExceeded(_) = problem {
+                    count_refused("size", 1);
                 }
+                return debug!(
+                    queue = %queue.name, user = %user_name, error = %problem,
+                    "a publisher's link has ended"
+                );
             }
+        };
+        if answered.is_err() {
+            return;
         }
     }
 }
 
-/// Settles what is stored by now, with as few frames as possible.
+/// Starts storing a delivery, or rejects it. Fails when the link has ended.
+async fn take(
+    core: &Core,
+    queue: &Arc<Queue>,
+    user_name: &str,
+    receiver: &Receiver,
+    delivery: Delivery<Body<Value>>,
+    pending: &mut FuturesOrdered<Pending>,
+) -> Result<(), ()> {
+    let (info, body) = delivery.into_parts();
+    match store(core, queue, user_name, body).await {
+        Ok(reply) => {
+            let is_stored = move |answer| (info, matches!(answer, Ok(Ok(()))));
+            pending.push_back(reply.map(Box::new(is_stored)));
+            Ok(())
+        }
+        Err(Rejection { reason, error }) => {
+            count_refused(reason, 1);
+            receiver.reject(info, error).await.map_err(drop)
+        }
+    }
+}
+
+/// Settles the deliveries that are stored by now, with as few frames as possible.
 async fn settle(
     receiver: &Receiver,
     first: (DeliveryInfo, bool),
-    pending: &mut FuturesOrdered<Stored>,
+    pending: &mut FuturesOrdered<Pending>,
 ) -> Result<(), ()> {
     let mut accepted = Vec::new();
     let mut refused = Vec::new();
     let mut sort =
         |(info, is_stored)| if is_stored { accepted.push(info) } else { refused.push(info) };
     sort(first);
-    for _ in 1..SETTLED_AT_ONCE {
+    for _ in 1..SETTLED_AT_ONCE_MAX {
         match pending.next().now_or_never() {
             Some(Some(next)) => sort(next),
             _ => break,
@@ -112,9 +140,8 @@ async fn settle(
         receiver.accept_all(accepted).await.map_err(drop)?;
     }
     if !refused.is_empty() {
-        metrics::counter!("broker_messages_refused_total", "reason" => "store")
-            .increment(refused.len() as u64);
-        let reason = error(
+        count_refused("store", refused.len() as u64);
+        let reason = amqp_error(
             AmqpError::ResourceLimitExceeded,
             "the broker could not store the message; try again later",
         );
@@ -123,63 +150,69 @@ async fn settle(
     Ok(())
 }
 
-fn when_stored(info: DeliveryInfo, stored: oneshot::Receiver<Result<(), WriteFailed>>) -> Stored {
-    stored.map(Box::new(move |answer| (info, matches!(answer, Ok(Ok(()))))))
+/// Refusal of a message: the label of the metric, and the error for the publisher.
+struct Rejection {
+    reason: &'static str,
+    error: definitions::Error,
 }
 
+impl Rejection {
+    fn new(
+        reason: &'static str,
+        condition: impl Into<definitions::ErrorCondition>,
+        description: impl Into<String>,
+    ) -> Self {
+        Self { reason, error: amqp_error(condition, description) }
+    }
+}
+
+/// Hands a message to the writer; the reply comes after the commit.
 async fn store(
     core: &Core,
     queue: &Arc<Queue>,
     user_name: &str,
-    mut received: message::AnyMessage,
-) -> Result<oneshot::Receiver<Result<(), WriteFailed>>, definitions::Error> {
-    let refuse = |reason: &'static str, refusal: definitions::Error| {
-        metrics::counter!("broker_messages_refused_total", "reason" => reason).increment(1);
-        Err(refusal)
-    };
+    mut received: AnyMessage,
+) -> Result<Reply, Rejection> {
     message::stamp(&mut received, user_name);
-    let Ok(wire) = message::encode(&received) else {
-        return refuse(
-            "decode",
-            error(AmqpError::DecodeError, "the message cannot be encoded again"),
-        );
-    };
+    let wire = message::encode(&received).map_err(|_| {
+        Rejection::new("decode", AmqpError::DecodeError, "the message cannot be encoded again")
+    })?;
     let bytes = wire.len() as u64;
-    if bytes > core.config.limits.message_bytes_max {
-        let reason = format!("the message exceeds {} bytes", core.config.limits.message_bytes_max);
-        return refuse("size", error(definitions::LinkError::MessageSizeExceeded, reason));
+    let bytes_max = core.config.limits.message_bytes_max;
+    if bytes > bytes_max {
+        let reason = format!("the message exceeds {bytes_max} bytes");
+        return Err(Rejection::new("size", LinkError::MessageSizeExceeded, reason));
     }
-    match queue.reserve(bytes) {
-        Ok(()) => {}
-        Err(Refusal::Full) => {
-            return refuse(
-                "full",
-                error(
-                    AmqpError::ResourceLimitExceeded,
-                    format!("the queue {} is full", queue.name),
-                ),
-            );
+    queue.reserve(bytes).map_err(|refusal| match refusal {
+        Refusal::Full => {
+            let reason = format!("the queue {} is full", queue.name);
+            Rejection::new("full", AmqpError::ResourceLimitExceeded, reason)
         }
-        Err(Refusal::Deleted) => {
-            return refuse("deleted", error(AmqpError::ResourceDeleted, "the queue was deleted"));
+        Refusal::Deleted => {
+            Rejection::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
         }
-    }
+    })?;
     let id = core.next_message_id();
-    let entry = Entry {
+    let entry = QueueEntry {
         id,
         bytes,
         expires_at_ms: message::expires_at_ms(&received, message::now_ms()),
         delivery_count: 0,
         is_redelivered: false,
     };
-    // Before it is stored, so that the consumer that waits for it finds it.
+    // Before the insert: the consumer that the commit wakes finds the body in the cache.
     core.cache.insert(id, bytes, Arc::new(received));
     let (done, stored) = oneshot::channel();
     let command = Command::Insert(NewMessage { queue: Arc::clone(queue), entry, wire, done });
     if core.writer.send(command).await.is_err() {
-        queue.give_back(bytes);
+        queue.release_reservation(bytes);
         core.cache.remove(id);
-        return refuse("store", error(AmqpError::ResourceLimitExceeded, "the broker is stopping"));
+        let reason = "the broker is stopping";
+        return Err(Rejection::new("store", AmqpError::ResourceLimitExceeded, reason));
     }
     Ok(stored)
+}
+
+fn count_refused(reason: &'static str, count: u64) {
+    metrics::counter!("broker_messages_refused_total", "reason" => reason).increment(count);
 }

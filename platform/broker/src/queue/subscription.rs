@@ -1,21 +1,21 @@
-//! A consumer's place at a queue.
+//! Subscription of one consumer to a queue.
 
 use std::sync::Arc;
 
 use tokio::sync::Notify;
 
-use super::{Consumer, Entry, Queue};
+use super::{Consumer, Queue, QueueEntry};
 
-/// What a consumer may get.
+/// Next event for a consumer.
 #[derive(Debug)]
 pub(crate) enum Next {
     /// A message, leased to the consumer.
-    Lease(Entry),
-    /// The queue is gone.
+    Lease(QueueEntry),
+    /// The queue was deleted.
     Deleted,
 }
 
-/// A consumer's place at a queue; dropping it leaves.
+/// Subscription of one consumer; dropping it unsubscribes.
 #[derive(Debug)]
 pub(crate) struct Subscription {
     queue: Arc<Queue>,
@@ -38,7 +38,7 @@ impl Subscription {
         Self { queue, consumer }
     }
 
-    /// Waits for the next message. Safe to cancel.
+    /// Waits for the next message. Cancel safe: no lease is lost.
     pub(crate) async fn next(&self) -> Next {
         loop {
             if let Some(next) = self.try_next() {
@@ -48,20 +48,20 @@ impl Subscription {
         }
     }
 
-    /// Tells that this consumer takes nothing at the moment, so that another is woken in its place.
+    /// Declares that this consumer takes nothing at the moment, and wakes another one instead.
     pub(crate) fn pause(&self) {
         let mut state = self.queue.state.lock();
         state.waiting.retain(|id| *id != self.consumer.id);
         state.wake_next();
     }
 
-    /// Waits until another consumer wants the message that this one holds without being able to
-    /// send it. To be called between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
-    pub(crate) async fn wanted_elsewhere(&self) {
+    /// Waits until another consumer could send the message that this one holds. To be called
+    /// between [`hold`](Self::hold) and [`release_hold`](Self::release_hold).
+    pub(crate) async fn give_way_requested(&self) {
         self.consumer.give_way.notified().await;
     }
 
-    /// Tells that this consumer holds a message that it may not be able to send.
+    /// Declares that this consumer has leased a message and lacks the credit to send it.
     pub(crate) fn hold(&self) {
         let mut state = self.queue.state.lock();
         if state.ready.is_empty()
@@ -72,12 +72,12 @@ impl Subscription {
         state.holding.push_back(self.consumer.clone());
     }
 
-    /// The message is sent or given back.
+    /// Ends a hold: the message was sent or requeued.
     pub(crate) fn release_hold(&self) {
         self.queue.state.lock().holding.retain(|c| c.id != self.consumer.id);
     }
 
-    /// Whether it was woken and has not looked since.
+    /// Returns true if it was woken and has not tried to lease since.
     #[cfg(test)]
     pub(super) fn is_woken(&self) -> bool {
         futures::FutureExt::now_or_never(self.consumer.wake.notified()).is_some()

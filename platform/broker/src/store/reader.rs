@@ -1,4 +1,4 @@
-//! What is read: everything but the bodies at the start, bodies by id later.
+//! Reading: queues and entries at the start, bodies by id later.
 
 use sqlx::{Row, SqlitePool};
 
@@ -6,22 +6,23 @@ use crate::{
     address::QueueName,
     config::QueueOptions,
     message::{self, AnyMessage},
-    queue::Entry,
+    queue::QueueEntry,
 };
 
-/// A queue as it was stored.
+/// A stored queue with its entries in their order.
 #[derive(Debug)]
-pub(crate) struct Loaded {
+pub(crate) struct StoredQueue {
     pub id: i64,
     pub name: QueueName,
     pub options: QueueOptions,
-    pub entries: Vec<Entry>,
+    pub entries: Vec<QueueEntry>,
 }
 
-/// Reads all queues and what is in them, without bodies.
-pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> {
+/// Reads all queues with their entries.
+pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<StoredQueue>, sqlx::Error> {
     let rows = sqlx::query(
-        "SELECT id, name, messages_max, bytes_max, deliveries_max, is_single_active_consumer FROM queues ORDER BY id",
+        "SELECT id, name, messages_max, bytes_max, deliveries_max, is_single_active_consumer \
+         FROM queues ORDER BY id",
     )
     .fetch_all(pool)
     .await?;
@@ -35,7 +36,7 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
             deliveries_max: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
             is_single_active_consumer: row.try_get::<i64, _>(5)? != 0,
         };
-        queues.push(Loaded { id: row.try_get(0)?, name, options, entries: Vec::new() });
+        queues.push(StoredQueue { id: row.try_get(0)?, name, options, entries: Vec::new() });
     }
     let mut rows = sqlx::query(
         "SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id",
@@ -45,12 +46,12 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
         queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
     while let Some(row) = futures::TryStreamExt::try_next(&mut rows).await? {
         let Some(at) = by_id.get(&row.try_get::<i64, _>(1)?) else { continue };
-        queues[*at].entries.push(Entry {
+        queues[*at].entries.push(QueueEntry {
             id: row.try_get(0)?,
             bytes: row.try_get::<i64, _>(2)?.unsigned_abs(),
             expires_at_ms: row.try_get(3)?,
             delivery_count: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
-            // Whether it was on its way when the broker stopped is not recorded.
+            // Leases are not stored: it may have been delivered when the broker stopped.
             is_redelivered: true,
         });
     }
@@ -58,8 +59,8 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<Loaded>, sqlx::Error> 
     Ok(queues)
 }
 
-/// Reads messages by id; those that are gone are missing in the answer, those that cannot be
-/// decoded are none.
+/// Reads messages by id: id, stored size, message. Deleted ones are missing in the result; one that
+/// cannot be decoded is none.
 pub(crate) async fn bodies(
     pool: &SqlitePool,
     ids: &[i64],
@@ -82,7 +83,7 @@ pub(crate) async fn bodies(
         .collect()
 }
 
-/// Numbers as a JSON array, which SQLite takes as one parameter of any length.
+/// Writes ids as a JSON array, the one parameter of any length that SQLite has.
 pub(super) fn json_list(ids: &[i64]) -> String {
     let mut text = String::with_capacity(ids.len() * 8 + 2);
     text.push('[');

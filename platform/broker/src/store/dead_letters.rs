@@ -1,11 +1,11 @@
-//! Dead letters, as people look at them.
+//! Reading dead letters.
 
 use sqlx::{Row, SqlitePool};
 use time::OffsetDateTime;
 
-use crate::{handle::DeadLetter, message};
+use crate::{dead_letter::DeadLetter, message};
 
-/// Dead letters with a greater number, oldest first.
+/// Reads at most `limit` dead letters with ids above `after`, oldest first.
 pub(crate) async fn dead_letters(
     pool: &SqlitePool,
     after: i64,
@@ -39,13 +39,14 @@ pub(crate) async fn dead_letters(
         .collect()
 }
 
-/// The body of a dead letter.
+/// Reads the body of a dead letter; empty when it is neither bytes nor text.
 pub(crate) async fn dead_letter_body(
     pool: &SqlitePool,
     id: i64,
 ) -> Result<Option<Vec<u8>>, sqlx::Error> {
     let body: Option<Vec<u8>> = sqlx::query_scalar(
-        "SELECT body FROM messages JOIN dead_letters ON dead_letters.message_id = messages.id WHERE messages.id = ?",
+        "SELECT body FROM messages JOIN dead_letters ON dead_letters.message_id = messages.id \
+         WHERE messages.id = ?",
     )
     .bind(id)
     .fetch_optional(pool)

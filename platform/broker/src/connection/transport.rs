@@ -1,4 +1,4 @@
-//! From an accepted connection to the stream that AMQP is spoken on.
+//! Transport below AMQP: TCP, optionally TLS on it, optionally a WebSocket on either.
 
 use std::{fmt::Debug, net::SocketAddr};
 
@@ -9,19 +9,22 @@ use tokio::{
 use tokio_rustls::TlsAcceptor;
 use websocket::Subprotocol;
 
-use super::FRAME_BYTES_MAX;
 use crate::config::Carrier;
 
-/// So many frames of the largest size may a peer put into one message of a WebSocket. It may do so
-/// before it has signed in, so this is far less than what a message of AMQP may have.
-const FRAMES_TOGETHER_MAX: usize = 4;
+/// Largest AMQP frame. Larger messages are cut into several, so that one message does not block the
+/// others of a connection.
+pub(super) const FRAME_BYTES_MAX: u32 = 64 * 1024;
 
-/// A stream from a peer, plain or encrypted, in a WebSocket or not.
+/// Frames of the largest size that a peer may put into one WebSocket message. A peer may send it
+/// before it has signed in, so this is far less than the largest AMQP message.
+const FRAMES_PER_WEBSOCKET_MESSAGE_MAX: usize = 4;
+
+/// A byte stream from a peer, whatever carries it.
 pub(super) trait Stream: AsyncRead + AsyncWrite + Debug + Send + Unpin + 'static {}
 
 impl<S: AsyncRead + AsyncWrite + Debug + Send + Unpin + 'static> Stream for S {}
 
-/// A peer that has said nothing yet.
+/// An accepted TCP connection on which no byte has been read yet.
 pub(crate) struct Accepted {
     pub tcp: TcpStream,
     pub peer: SocketAddr,
@@ -30,7 +33,8 @@ pub(crate) struct Accepted {
 }
 
 impl Accepted {
-    /// Does what lies beneath AMQP, or says why the peer cannot. The caller bounds the time.
+    /// Completes the TLS and WebSocket handshakes; the error is a sentence for the log. Has no
+    /// timeout of its own.
     pub(super) async fn open(self) -> Result<Box<dyn Stream>, String> {
         let stream: Box<dyn Stream> = match self.tls {
             Some(tls) => {
@@ -41,7 +45,7 @@ impl Accepted {
         match self.carrier {
             Carrier::Stream => Ok(stream),
             Carrier::WebSocket => {
-                let bytes_max = FRAME_BYTES_MAX as usize * FRAMES_TOGETHER_MAX;
+                let bytes_max = FRAME_BYTES_MAX as usize * FRAMES_PER_WEBSOCKET_MESSAGE_MAX;
                 let opened = websocket::accept(stream, Subprotocol::Amqp, bytes_max).await;
                 Ok(Box::new(opened.map_err(|e| e.to_string())?))
             }

@@ -1,0 +1,143 @@
+//! Sessions of a connection and the links attached in them.
+
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
+
+use fe2o3_amqp::{
+    acceptor::{LinkAcceptor, LinkEndpoint, ListenerSessionHandle},
+    types::{
+        definitions::{self, AmqpError},
+        performatives::Attach,
+    },
+};
+use tokio::{
+    sync::{OwnedSemaphorePermit, Semaphore},
+    task::JoinSet,
+    time::timeout,
+};
+use tokio_util::sync::CancellationToken;
+use tracing::{debug, warn};
+
+use crate::{amqp_error::amqp_error, core::Core, link, queue::Queue};
+
+/// Time for a peer to answer a close.
+pub(super) const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
+/// Time for a peer to finish a begin or an attach.
+pub(super) const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Context shared by all links of one connection.
+#[derive(Clone)]
+pub(super) struct Peer {
+    pub(super) core: Arc<Core>,
+    pub(super) user_name: Arc<str>,
+    /// One permit per link of the connection.
+    pub(super) links: Arc<Semaphore>,
+    /// Cancelled to end the connection.
+    pub(super) cut: CancellationToken,
+    /// Error that the connection is closed with; the first one counts.
+    pub(super) close_error: Arc<OnceLock<definitions::Error>>,
+}
+
+impl Peer {
+    /// Ends the whole connection with an error.
+    fn abort(&self, error: definitions::Error) {
+        let _ = self.close_error.set(error);
+        self.cut.cancel();
+    }
+}
+
+/// Serves a session until the peer ends it or the connection is cut.
+pub(super) async fn serve_session(peer: Peer, mut session: ListenerSessionHandle) {
+    let mut links = JoinSet::new();
+    loop {
+        let attach = tokio::select! {
+            () = peer.cut.cancelled() => break,
+            Some(_) = links.join_next() => continue,
+            attach = session.next_incoming_attach() => attach,
+        };
+        let Some(attach) = attach else { break };
+        serve_attach(&peer, attach, &mut session, &mut links).await;
+    }
+    // Dropping the session ends its links, which then requeue what they have leased.
+    drop(session);
+    while links.join_next().await.is_some() {}
+}
+
+async fn serve_attach(
+    peer: &Peer,
+    attach: Attach,
+    session: &mut ListenerSessionHandle,
+    links: &mut JoinSet<()>,
+) {
+    let authorised = match Arc::clone(&peer.links).try_acquire_owned() {
+        Ok(permit) => {
+            let queue = link::authorise(&peer.core, &peer.user_name, &attach).await;
+            queue.map(|queue| (queue, permit))
+        }
+        Err(_) => {
+            Err(amqp_error(AmqpError::ResourceLimitExceeded, "this connection has too many links"))
+        }
+    };
+    // A refused link is attached all the same: AMQP has no other answer to an attach than an attach
+    // that is closed with the error at once.
+    let acceptor =
+        LinkAcceptor::builder().max_message_size(peer.core.config.limits.message_bytes_max).build();
+    let attached = timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session)).await;
+    let endpoint = match attached {
+        Ok(Ok(endpoint)) => endpoint,
+        Ok(Err(problem)) => {
+            debug!(user = %peer.user_name, ?problem, "a link could not be attached");
+            // The library has not answered the peer, which would wait for ever.
+            let reason = "the link could not be attached; its name must be unique in the session, \
+                          in both directions";
+            return peer.abort(amqp_error(AmqpError::NotAllowed, reason));
+        }
+        Err(_) => {
+            let reason = "the link could not be attached in time";
+            return peer.abort(amqp_error(AmqpError::InternalError, reason));
+        }
+    };
+    match authorised {
+        Ok((queue, permit)) => {
+            links.spawn(serve_link(peer.clone(), queue, endpoint, permit));
+        }
+        Err(error) => {
+            let reason = error.description.as_deref().unwrap_or_default();
+            warn!(user = %peer.user_name, condition = ?error.condition, reason, "a link is refused");
+            metrics::counter!("broker_links_refused_total").increment(1);
+            links.spawn(close_refused(endpoint, error));
+        }
+    }
+}
+
+async fn serve_link(
+    peer: Peer,
+    queue: Arc<Queue>,
+    endpoint: LinkEndpoint,
+    permit: OwnedSemaphorePermit,
+) {
+    let Peer { core, user_name, cut, .. } = peer;
+    match endpoint {
+        LinkEndpoint::Receiver(receiver) => {
+            link::ingest(core, queue, user_name, receiver, cut).await;
+        }
+        LinkEndpoint::Sender(sender) => link::dispatch(core, queue, sender, cut).await,
+    }
+    drop(permit);
+}
+
+async fn close_refused(endpoint: LinkEndpoint, error: definitions::Error) {
+    let closed = match endpoint {
+        LinkEndpoint::Receiver(receiver) => {
+            timeout(CLOSE_TIMEOUT, receiver.close_with_error(error)).await
+        }
+        LinkEndpoint::Sender(sender) => {
+            timeout(CLOSE_TIMEOUT, sender.close_with_error(error)).await
+        }
+    };
+    if let Ok(Err(problem)) = closed {
+        debug!(?problem, "the peer did not acknowledge the refusal of a link");
+    }
+}
