@@ -8,11 +8,11 @@ use asi_model::DateTime;
 use daemon::telemetry::Metrics;
 use messaging::{Delivery, Envelope, Inbox, LogicalAddress, Settlement};
 use platform::{
-    accounts::Principal,
     clock::Clock,
     ingest::Ingest,
     live::LiveLog,
     networks::{Author, PutNetwork, put},
+    principal::Principal,
     progress_board::ProgressBoard,
     reach::Reach,
     store::{Collaboration, Organisation, Role, Store, User},

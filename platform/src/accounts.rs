@@ -1,54 +1,13 @@
-//! Who is signed in, and what part of the partners' data that opens.
+//! Accounts and sessions in the platform's store, as the web server reads them.
 
-use asi_model::OrganisationId;
 use async_trait::async_trait;
 use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
 
 use crate::{
     clock::Clock,
-    store::{Role, Scope, Store, StoreError, User},
+    principal::Principal,
+    store::{Store, StoreError, User},
 };
-
-/// Whoever asks the API.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Principal {
-    /// The user.
-    pub user: User,
-}
-
-impl Principal {
-    /// What the principal may see.
-    #[must_use]
-    pub fn scope(&self) -> Scope {
-        match (self.user.role, &self.user.organisation_id) {
-            (Role::Administrator, organisation) => {
-                Scope::Administration { looking_for: organisation.clone() }
-            }
-            (_, Some(organisation)) => Scope::Organisation(organisation.clone()),
-            // A user of no organisation who runs nothing sees nothing: no organisation has such an
-            // id.
-            (_, None) => Scope::Nothing,
-        }
-    }
-
-    /// Runs the platform.
-    #[must_use]
-    pub fn is_administrator(&self) -> bool {
-        self.user.role == Role::Administrator
-    }
-
-    /// May change networks and requests.
-    #[must_use]
-    pub fn may_plan(&self) -> bool {
-        self.user.role != Role::Viewer
-    }
-
-    /// For whom the principal acts.
-    #[must_use]
-    pub const fn organisation(&self) -> Option<&OrganisationId> {
-        self.user.organisation_id.as_ref()
-    }
-}
 
 /// Users and sessions in the platform's store.
 #[derive(Debug, Clone)]
@@ -58,7 +17,7 @@ pub struct StoredAccounts {
 }
 
 impl StoredAccounts {
-    /// Over this store.
+    /// Returns accounts over this store.
     #[must_use]
     pub const fn new(store: Store, clock: Clock) -> Self {
         Self { store, clock }

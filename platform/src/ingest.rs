@@ -1,17 +1,17 @@
-//! Ingest: what factories and tools send becomes rows, in batches, each message once.
+//! Ingest of messages from factories and tools: in batches, each message exactly once.
 //!
-//! A batch is decoded by whoever brought it, then handed to the one task that writes. That task
-//! takes all batches that wait, of whatever address, into one transaction: the raw message, the
-//! discarding of repeats and every effect commit together, and only then is anything settled with
-//! the broker or told to pages. What cannot be used becomes a dead letter in the same transaction;
-//! what cannot be stored is released and comes again.
+//! A batch is decoded on the task that received it and written by one task. The writer takes all
+//! waiting batches, of all addresses, into one transaction: the raw message, deduplication and all
+//! effects commit together. Only then are messages settled with the broker and events published to
+//! pages. A message that cannot be used becomes a dead letter in the same transaction; one that
+//! cannot be stored is released and delivered again.
 
 mod apply;
 mod decode;
-mod leases;
-mod sequences;
+mod heartbeats;
+mod lease_arbiter;
 mod service;
+mod unit;
 
 pub use decode::{Incoming, IncomingReport, decode};
-pub use sequences::SequenceSet;
 pub use service::{Ingest, IngestHandle};

@@ -10,21 +10,18 @@
 
 use asi_model::{
     DateTime, FactoryId, InstanceId, PlaceId,
-    messages::{Lease, LeaseParty, LeaseRequest, LeaseResult, PlatformMessage},
+    messages::{Lease, LeaseParty, LeaseRequest, LeaseResult},
 };
-use messaging::{Envelope, LogicalAddress};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 use utoipa::ToSchema;
 
-use crate::{clock::new_message_id, store::NewOutgoing};
+use crate::clock::new_message_id;
 
 /// Connectors remembered that were refused; beyond, those that were not heard for longest go.
 const CONTENDERS_MAX: usize = 8;
 /// How long the holder is told of a connector that was refused.
 const TOLD_FOR: Duration = Duration::from_secs(15 * 60);
-/// How long an answer is of use.
-const ANSWER_LIFE: Duration = Duration::from_secs(60);
 
 /// A connector that holds the lease or asked for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -153,7 +150,7 @@ impl FactoryLease {
         verdict: Verdict,
         silence: Duration,
         now: DateTime,
-    ) -> NewOutgoing {
+    ) -> Lease {
         let is_second = self.contenders.first().is_some_and(|contender| contender.is_second);
         let (result, ask_again) = match verdict {
             Verdict::Renewed | Verdict::Passed => (LeaseResult::Granted, silence / 3),
@@ -165,9 +162,8 @@ impl FactoryLease {
             .contenders
             .first()
             .filter(|contender| now.since(contender.last_heard_at) < TOLD_FOR);
-        let message_id = new_message_id();
-        let message = PlatformMessage::Lease(Lease {
-            message_id: message_id.clone(),
+        Lease {
+            message_id: new_message_id(),
             factory_id: request.factory_id.clone(),
             correlation_id: request.message_id.clone(),
             instance_id: request.instance_id.clone(),
@@ -178,18 +174,6 @@ impl FactoryLease {
             ask_again_ms: u64::try_from(ask_again.as_millis()).unwrap_or(u64::MAX),
             holder: (!is_granted).then(|| self.holder.told()),
             contender: contender.filter(|_| is_granted).map(Party::told),
-        });
-        let body = serde_json::to_vec(&message).expect("messages have text keys only");
-        let envelope = Envelope::new(message_id.clone(), message.message_type(), body);
-        NewOutgoing {
-            address: LogicalAddress::FactoryLeases(request.factory_id.clone()),
-            message_id,
-            subject: envelope.subject,
-            correlation_id: Some(request.message_id.clone()),
-            created_at: now,
-            time_to_live: Some(ANSWER_LIFE),
-            content_encoding: None,
-            body: envelope.body,
         }
     }
 
@@ -211,6 +195,8 @@ impl FactoryLease {
 
 #[cfg(test)]
 mod tests {
+    use asi_model::messages::PlatformMessage;
+
     use super::*;
 
     const SILENCE: Duration = Duration::from_secs(30);
@@ -319,7 +305,7 @@ mod tests {
         let told =
             |lease: &FactoryLease, request: &LeaseRequest, verdict, seconds| -> serde_json::Value {
                 let message = lease.answer(request, verdict, SILENCE, at(seconds));
-                serde_json::from_slice(&message.body).expect("JSON")
+                serde_json::to_value(PlatformMessage::Lease(message)).expect("JSON")
             };
         let (lease, verdicts) = play(&[("a", "here", false), ("b", "there", false)]);
         let refusal = told(&lease, &request("b", "there"), verdicts[1], 2);

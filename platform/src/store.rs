@@ -1,20 +1,21 @@
-//! The platform's memory: one repository per noun, each statement in exactly one place.
+//! The platform's database: one repository per noun, each statement in exactly one place.
 //!
 //! A unit of work is a transaction ([`Work`]) that is committed explicitly or not at all;
-//! repositories borrow it. Lookups return `Option`: "not found" is a decision of whoever asked.
-//! Every query on partners' data takes the viewer's [`Scope`], so that forgetting it is a compile
-//! error and not a leak.
+//! repositories borrow it. Lookups return `Option`: "not found" is a decision of the caller. Every
+//! query on partners' data takes the viewer's [`Scope`], so that forgetting it is a compile error and
+//! not a leak.
 //!
 //! # PostgreSQL
 //! Statements use numbered parameters (`$1`), `ON CONFLICT`, `RETURNING` and nothing else of a
-//! dialect, so that they run on PostgreSQL unchanged. What is SQLite's own is in `connection`
-//! (opening, one writer, pragmas) and in the folder `migrations/sqlite`; a second database is a
-//! second such module behind the same [`Database`] alias.
+//! dialect, so that they run on PostgreSQL unchanged. SQLite's own part is in `connection` (opening,
+//! one writer, pragmas) and in the folder `migrations/sqlite`; a second database is a second such
+//! module behind the same [`Database`] alias.
 
 mod collaborations;
 mod comments;
 mod connection;
 mod credentials;
+mod database;
 mod dead_letters;
 mod error;
 mod factories;
@@ -32,12 +33,14 @@ mod row;
 mod scope;
 mod tools;
 mod users;
+mod work;
 mod writers;
 
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
-pub use connection::{Database, Store, Work};
+pub use connection::Store;
 pub use credentials::{BrokerCredential, Credentials, Holder};
+pub use database::Database;
 pub use dead_letters::{DeadLetter, DeadLetters, NewDeadLetter};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
@@ -54,4 +57,5 @@ pub use reports::{NewReport, Report, ReportQuery, Reports};
 pub use scope::Scope;
 pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
+pub use work::Work;
 pub use writers::{WriterKey, WriterRow, Writers};

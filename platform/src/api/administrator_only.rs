@@ -2,7 +2,7 @@
 
 use daemon::web::{Problem, session::SignedIn};
 
-use crate::accounts::Principal;
+use crate::principal::Principal;
 
 /// Lets administrators pass.
 pub fn check(who: &SignedIn<Principal>) -> Result<(), Problem> {

@@ -12,8 +12,8 @@ use super::{
     problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
+    principal::Principal,
     store::{Collaboration, Scope, Work},
 };
 

@@ -14,11 +14,11 @@ use super::{
     problems::{ChangeProblems, ReadProblems, unknown_reference},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     clock::new_message_id,
     live::LiveEvent,
     networks::outgoing,
+    principal::Principal,
     store::{CommentEntry, NewComment, Scope},
 };
 

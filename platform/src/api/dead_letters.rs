@@ -13,7 +13,7 @@ use super::{
     page::{Page, PageQuery},
     problems::{ChangeProblems, ReadProblems},
 };
-use crate::{accounts::Principal, application::Application};
+use crate::{application::Application, principal::Principal};
 
 /// A message that could not be used.
 #[derive(Serialize, ToSchema)]

@@ -14,9 +14,9 @@ use super::{
     problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     enrolment::make_token as make,
+    principal::Principal,
     store::{Factory, Holder, Scope},
 };
 

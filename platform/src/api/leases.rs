@@ -11,9 +11,9 @@ use super::{
     problems::{ChangeProblems, ReadProblems},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     leases::{FactoryLease, Party},
+    principal::Principal,
 };
 
 /// How a factory's lease stands.

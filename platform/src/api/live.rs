@@ -6,7 +6,7 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::problems::ReadProblems;
-use crate::{accounts::Principal, application::Application};
+use crate::{application::Application, principal::Principal};
 
 /// From where on.
 #[derive(Deserialize, IntoParams)]

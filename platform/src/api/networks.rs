@@ -16,9 +16,9 @@ use super::{
     problems::{ChangeProblems, ReadProblems, faulty},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     networks::{self, Author, NetworkView, Outcome, PutNetwork},
+    principal::Principal,
     store::NetworkSummary,
 };
 

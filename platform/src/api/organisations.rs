@@ -11,7 +11,7 @@ use super::{
     page::Page,
     problems::{ChangeProblems, ReadProblems, taken},
 };
-use crate::{accounts::Principal, application::Application, store::Organisation};
+use crate::{application::Application, principal::Principal, store::Organisation};
 
 /// An organisation to add.
 #[derive(Deserialize, ToSchema)]

@@ -3,7 +3,7 @@
 use asi_model::FactoryId;
 use daemon::web::Problem;
 
-use crate::{accounts::Principal, store::Work};
+use crate::{principal::Principal, store::Work};
 
 /// Whether the viewer may look into the factory. To others it does not exist.
 pub async fn check(work: &mut Work, viewer: &Principal, id: &FactoryId) -> Result<(), Problem> {

@@ -11,8 +11,8 @@ use super::{
     problems::ReadProblems,
 };
 use crate::{
-    accounts::Principal,
     application::Application,
+    principal::Principal,
     store::{Report, ReportQuery},
 };
 

@@ -11,9 +11,9 @@ use super::{
     problems::ChangeProblems,
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     networks::{Author, add_request, remove_request},
+    principal::Principal,
 };
 
 /// Adds a dynamic data request to an operation: a new revision goes to its factory.

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::problems::{ChangeProblems, ReadProblems};
-use crate::{accounts::Principal, application::Application, store::Role};
+use crate::{application::Application, principal::Principal, store::Role};
 
 /// Who wants to sign in.
 #[derive(Deserialize, ToSchema)]

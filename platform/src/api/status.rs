@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::problems::ReadProblems;
-use crate::{accounts::Principal, application::Application};
+use crate::{application::Application, principal::Principal};
 
 /// How the platform stands, with evidence.
 #[derive(Serialize, ToSchema)]

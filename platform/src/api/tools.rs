@@ -13,9 +13,9 @@ use super::{
     problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
 };
 use crate::{
-    accounts::Principal,
     application::Application,
     enrolment::make_tool_credential,
+    principal::Principal,
     store::{Holder, Scope, Tool},
 };
 

@@ -14,9 +14,9 @@ use super::{
     problems::{ChangeProblems, unknown_reference},
 };
 use crate::{
-    accounts::Principal,
     administrator,
     application::Application,
+    principal::Principal,
     store::{Role, User},
 };
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{own_factory, page::Page, problems::ReadProblems};
-use crate::{accounts::Principal, application::Application};
+use crate::{application::Application, principal::Principal};
 
 /// Missing numbers shown per writer.
 const MISSING_SHOWN_MAX: usize = 1000;

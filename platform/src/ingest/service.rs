@@ -13,9 +13,10 @@ use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 
 use super::{
-    apply::{Applier, Effects},
+    apply::Applier,
     decode::{Content, Incoming, dead_letter, decode as understand},
-    leases::Signs,
+    heartbeats::Heartbeats,
+    unit::Effects,
 };
 use crate::{
     clock::Clock,
@@ -45,7 +46,7 @@ pub struct Ingest {
     progress: ProgressBoardHandle,
     clock: Clock,
     resend_after: Duration,
-    signs: Signs,
+    heartbeats: Heartbeats,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
     /// When pages were told last that a factory lives.
@@ -92,7 +93,7 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
-        let (told_heard, signs) = (Mutex::default(), Signs::new(silence));
+        let (told_heard, heartbeats) = (Mutex::default(), Heartbeats::new(silence));
         Ok((
             Self {
                 store,
@@ -101,7 +102,7 @@ impl Ingest {
                 progress,
                 clock,
                 resend_after,
-                signs,
+                heartbeats,
                 meta_data,
                 batches,
                 told_heard,
@@ -179,7 +180,8 @@ impl Ingest {
         batches: &[(&LogicalAddress, &[Incoming])],
     ) -> Result<(), StoreError> {
         let mut work = self.store.begin().await?;
-        let mut applier = Applier::new(&mut work, self.clock.now(), self.resend_after, &self.signs);
+        let mut applier =
+            Applier::new(&mut work, self.clock.now(), self.resend_after, &self.heartbeats);
         for (address, messages) in batches {
             applier.batch(address, messages).await?;
         }

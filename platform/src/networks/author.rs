@@ -2,7 +2,7 @@
 
 use asi_model::{DateTime, OrganisationId, ToolId};
 
-use crate::{accounts::Principal, store::Scope};
+use crate::{principal::Principal, store::Scope};
 
 /// Who changes a network.
 #[derive(Debug, Clone, PartialEq, Eq)]

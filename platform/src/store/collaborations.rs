@@ -5,7 +5,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
     scope::Scope,
@@ -31,15 +31,8 @@ pub struct Collaboration {
     pub factories: Vec<FactoryId>,
 }
 
-/// The repository.
-pub struct Collaborations<'w>(&'w mut Connection);
-
-impl Work {
-    /// Collaborations.
-    pub fn collaborations(&mut self) -> Collaborations<'_> {
-        Collaborations(self.connection())
-    }
-}
+/// Repository of collaborations.
+pub struct Collaborations<'w>(pub(super) &'w mut Connection);
 
 impl Collaborations<'_> {
     /// Adds one with members and factories. Says false where the id is taken.

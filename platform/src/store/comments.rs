@@ -5,7 +5,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
     scope::Scope,
@@ -58,15 +58,8 @@ pub struct CommentEntry {
     pub created_at: DateTime,
 }
 
-/// The repository.
-pub struct Comments<'w>(&'w mut Connection);
-
-impl Work {
-    /// Comments.
-    pub fn comments(&mut self) -> Comments<'_> {
-        Comments(self.connection())
-    }
-}
+/// Repository of comments.
+pub struct Comments<'w>(pub(super) &'w mut Connection);
 
 impl Comments<'_> {
     /// Stores a comment; its number.

@@ -1,20 +1,14 @@
-//! Opening the database and working in transactions. Everything that is SQLite's own is here.
+//! Opening of the SQLite database, its migrations, and the start of transactions.
 
 use std::{path::Path, time::Duration};
 
 use sqlx::{
-    Connection as _, SqlSafeStr, SqlitePool, Transaction,
+    Connection as _, SqlSafeStr, SqlitePool,
     migrate::{Migration, MigrationType, Migrator},
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
 
-use super::error::StoreError;
-
-/// The database behind the repositories.
-pub type Database = sqlx::Sqlite;
-
-/// A connection of [`Database`].
-pub(super) type Connection = <Database as sqlx::Database>::Connection;
+use super::{error::StoreError, work::Work};
 
 const MIGRATIONS: [(i64, &str, &str); 3] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
@@ -92,9 +86,7 @@ impl Store {
         // IMMEDIATE takes the write lock at once, so that no statement fails half-way for lack of
         // it.
         let begun = self.writer.begin_with("BEGIN IMMEDIATE").await;
-        begun
-            .map(|transaction| Work { transaction })
-            .map_err(StoreError::during("begin a transaction"))
+        begun.map(Work::new).map_err(StoreError::during("begin a transaction"))
     }
 
     /// Begins a unit of work that only reads, on one consistent state.
@@ -103,32 +95,12 @@ impl Store {
     /// [`StoreError::Statement`].
     pub async fn read(&self) -> Result<Work, StoreError> {
         let begun = self.readers.begin().await;
-        begun.map(|transaction| Work { transaction }).map_err(StoreError::during("begin to read"))
+        begun.map(Work::new).map_err(StoreError::during("begin to read"))
     }
 
     /// Closes all connections; what is committed stays.
     pub async fn close(&self) {
         self.readers.close().await;
         self.writer.close().await;
-    }
-}
-
-/// A unit of work. Dropped without [`Work::commit`], nothing of it happened.
-#[derive(Debug)]
-pub struct Work {
-    transaction: Transaction<'static, Database>,
-}
-
-impl Work {
-    /// Makes the work permanent.
-    ///
-    /// # Errors
-    /// [`StoreError::Statement`]; then nothing of it happened.
-    pub async fn commit(self) -> Result<(), StoreError> {
-        self.transaction.commit().await.map_err(StoreError::during("commit"))
-    }
-
-    pub(super) fn connection(&mut self) -> &mut Connection {
-        &mut self.transaction
     }
 }

@@ -4,11 +4,7 @@ use std::fmt;
 
 use asi_model::{DateTime, FactoryId, ToolId};
 
-use super::{
-    connection::{Connection, Work},
-    error::StoreError,
-    row::Columns,
-};
+use super::{database::Connection, error::StoreError, row::Columns};
 
 /// Who holds a credential.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -62,15 +58,8 @@ pub struct BrokerCredential {
 /// How many credentials of a holder are alive: the one in use and the one being rotated in.
 const ALIVE_MAX: i64 = 2;
 
-/// The repository.
-pub struct Credentials<'w>(&'w mut Connection);
-
-impl Work {
-    /// Enrolment tokens and broker credentials.
-    pub fn credentials(&mut self) -> Credentials<'_> {
-        Credentials(self.connection())
-    }
-}
+/// Repository of enrolment tokens and broker credentials.
+pub struct Credentials<'w>(pub(super) &'w mut Connection);
 
 impl Credentials<'_> {
     /// Stores a new token; tokens that have ended are forgotten.

@@ -3,7 +3,7 @@
 use asi_model::DateTime;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
 };
@@ -52,15 +52,8 @@ pub struct DeadLetter {
     pub replayed_at: Option<DateTime>,
 }
 
-/// The repository.
-pub struct DeadLetters<'w>(&'w mut Connection);
-
-impl Work {
-    /// Dead letters.
-    pub fn dead_letters(&mut self) -> DeadLetters<'_> {
-        DeadLetters(self.connection())
-    }
-}
+/// Repository of dead letters.
+pub struct DeadLetters<'w>(pub(super) &'w mut Connection);
 
 /// Most dead letters kept; the oldest go first.
 const KEPT_MAX: i64 = 10_000;

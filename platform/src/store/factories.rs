@@ -5,7 +5,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
     scope::Scope,
@@ -50,15 +50,8 @@ pub struct Heard {
     pub publisher_state: Option<&'static str>,
 }
 
-/// The repository.
-pub struct Factories<'w>(&'w mut Connection);
-
-impl Work {
-    /// Factories.
-    pub fn factories(&mut self) -> Factories<'_> {
-        Factories(self.connection())
-    }
-}
+/// Repository of factories.
+pub struct Factories<'w>(pub(super) &'w mut Connection);
 
 const SEEN: &str = "SELECT f.* FROM factory f
     WHERE CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (

@@ -8,7 +8,7 @@ use asi_model::{
 use sqlx::QueryBuilder;
 
 use super::{
-    connection::{Connection, Database, Work},
+    database::{Connection, Database},
     error::StoreError,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
@@ -67,15 +67,8 @@ pub struct FieldRow {
     pub current: Option<CurrentValue>,
 }
 
-/// The repository.
-pub struct Fields<'w>(&'w mut Connection);
-
-impl Work {
-    /// Requested fields.
-    pub fn fields(&mut self) -> Fields<'_> {
-        Fields(self.connection())
-    }
-}
+/// Repository of requested fields.
+pub struct Fields<'w>(pub(super) &'w mut Connection);
 
 /// Rows of one statement; eleven parameters each stay far under every database's limit.
 const ROWS_PER_STATEMENT: usize = 200;

@@ -7,7 +7,7 @@ use asi_model::{DateTime, MessageId};
 use sqlx::QueryBuilder;
 
 use super::{
-    connection::{Connection, Database, Work},
+    database::{Connection, Database},
     error::StoreError,
     row::Columns,
 };
@@ -25,15 +25,8 @@ pub struct NewInboxMessage {
     pub body: String,
 }
 
-/// The repository.
-pub struct Inbox<'w>(&'w mut Connection);
-
-impl Work {
-    /// Messages as they came.
-    pub fn inbox(&mut self) -> Inbox<'_> {
-        Inbox(self.connection())
-    }
-}
+/// Repository of messages as they came.
+pub struct Inbox<'w>(pub(super) &'w mut Connection);
 
 const ROWS_PER_STATEMENT: usize = 200;
 

@@ -3,21 +3,14 @@
 use asi_model::FactoryId;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, document, signed},
 };
 use crate::leases::FactoryLease;
 
-/// The repository.
-pub struct Leases<'w>(&'w mut Connection);
-
-impl Work {
-    /// Leases on factories' identities.
-    pub fn leases(&mut self) -> Leases<'_> {
-        Leases(self.connection())
-    }
-}
+/// Repository of leases on factories' identities.
+pub struct Leases<'w>(pub(super) &'w mut Connection);
 
 impl Leases<'_> {
     /// How a factory's lease stands; none where no connector has asked for it yet.

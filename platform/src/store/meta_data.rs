@@ -3,20 +3,13 @@
 use asi_model::{DateTime, FactoryId, messages::AssetOffer};
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, document},
 };
 
-/// The repository.
-pub struct MetaData<'w>(&'w mut Connection);
-
-impl Work {
-    /// Metadata and offers.
-    pub fn meta_data(&mut self) -> MetaData<'_> {
-        MetaData(self.connection())
-    }
-}
+/// Repository of metadata and offers.
+pub struct MetaData<'w>(pub(super) &'w mut Connection);
 
 impl MetaData<'_> {
     /// Stores the newest metadata message of a writer.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
     scope::Scope,
@@ -57,15 +57,8 @@ pub struct NetworkSummary {
     pub parts_rejected: u64,
 }
 
-/// The repository.
-pub struct Networks<'w>(&'w mut Connection);
-
-impl Work {
-    /// Operation networks.
-    pub fn networks(&mut self) -> Networks<'_> {
-        Networks(self.connection())
-    }
-}
+/// Repository of operation networks.
+pub struct Networks<'w>(pub(super) &'w mut Connection);
 
 impl Networks<'_> {
     /// Stores a revision as the newest.

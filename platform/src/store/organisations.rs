@@ -5,7 +5,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
     scope::Scope,
@@ -25,15 +25,8 @@ pub struct Organisation {
     pub created_at: DateTime,
 }
 
-/// The repository.
-pub struct Organisations<'w>(&'w mut Connection);
-
-impl Work {
-    /// Organisations.
-    pub fn organisations(&mut self) -> Organisations<'_> {
-        Organisations(self.connection())
-    }
-}
+/// Repository of organisations.
+pub struct Organisations<'w>(pub(super) &'w mut Connection);
 
 impl Organisations<'_> {
     /// Adds one. Says false where the id is taken.

@@ -8,7 +8,7 @@ use messaging::{
 };
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
 };
@@ -34,15 +34,8 @@ pub struct NewOutgoing {
     pub body: Bytes,
 }
 
-/// The repository.
-pub struct Outbox<'w>(&'w mut Connection);
-
-impl Work {
-    /// Outgoing messages.
-    pub fn outbox(&mut self) -> Outbox<'_> {
-        Outbox(self.connection())
-    }
-}
+/// Repository of outgoing messages.
+pub struct Outbox<'w>(pub(super) &'w mut Connection);
 
 impl Outbox<'_> {
     /// Stores a message to send.

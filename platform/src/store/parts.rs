@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
 };
@@ -76,15 +76,8 @@ pub struct Part {
     pub acknowledged_at: Option<DateTime>,
 }
 
-/// The repository.
-pub struct Parts<'w>(&'w mut Connection);
-
-impl Work {
-    /// Parts of networks.
-    pub fn parts(&mut self) -> Parts<'_> {
-        Parts(self.connection())
-    }
-}
+/// Repository of parts of networks.
+pub struct Parts<'w>(pub(super) &'w mut Connection);
 
 impl Parts<'_> {
     /// Stores a part in place of the factory's previous one.

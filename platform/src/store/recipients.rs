@@ -2,21 +2,10 @@
 
 use asi_model::{OperationNetworkId, OrganisationId, network::DynamicDataRequest};
 
-use super::{
-    connection::{Connection, Work},
-    error::StoreError,
-    row::Columns,
-};
+use super::{database::Connection, error::StoreError, row::Columns};
 
-/// The repository.
-pub struct Recipients<'w>(&'w mut Connection);
-
-impl Work {
-    /// Recipients of requests.
-    pub fn recipients(&mut self) -> Recipients<'_> {
-        Recipients(self.connection())
-    }
-}
+/// Repository of recipients of requests.
+pub struct Recipients<'w>(pub(super) &'w mut Connection);
 
 impl Recipients<'_> {
     /// Makes the request's list the one in effect. Those of requests that are gone stay, for the

@@ -6,7 +6,7 @@ use sqlx::QueryBuilder;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Database, Work},
+    database::{Connection, Database},
     error::StoreError,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
@@ -91,15 +91,8 @@ pub struct ReportQuery {
     pub is_newest: bool,
 }
 
-/// The repository.
-pub struct Reports<'w>(&'w mut Connection);
-
-impl Work {
-    /// Reports.
-    pub fn reports(&mut self) -> Reports<'_> {
-        Reports(self.connection())
-    }
-}
+/// Repository of reports.
+pub struct Reports<'w>(pub(super) &'w mut Connection);
 
 const ROWS_PER_STATEMENT: usize = 200;
 

@@ -6,7 +6,7 @@ use asi_model::DateTime;
 use serde::{Serialize, de::DeserializeOwned};
 use sqlx::{ColumnIndex, Decode, Row, Type};
 
-use super::{connection::Database, error::StoreError};
+use super::{database::Database, error::StoreError};
 
 pub(super) type DatabaseRow = <Database as sqlx::Database>::Row;
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
     scope::Scope,
@@ -30,15 +30,8 @@ pub struct Tool {
     pub created_at: DateTime,
 }
 
-/// The repository.
-pub struct Tools<'w>(&'w mut Connection);
-
-impl Work {
-    /// Tools.
-    pub fn tools(&mut self) -> Tools<'_> {
-        Tools(self.connection())
-    }
-}
+/// Repository of tools.
+pub struct Tools<'w>(pub(super) &'w mut Connection);
 
 impl Tools<'_> {
     /// Adds one. Says false where the id is taken.

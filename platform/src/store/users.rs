@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow},
 };
@@ -65,15 +65,8 @@ pub struct User {
     pub organisation_id: Option<OrganisationId>,
 }
 
-/// The repository.
-pub struct Users<'w>(&'w mut Connection);
-
-impl Work {
-    /// Users and sessions.
-    pub fn users(&mut self) -> Users<'_> {
-        Users(self.connection())
-    }
-}
+/// Repository of users and sessions.
+pub struct Users<'w>(pub(super) &'w mut Connection);
 
 impl Users<'_> {
     /// Adds or replaces a user; its sessions end when the password changes.

@@ -6,11 +6,11 @@ use asi_model::{
 };
 
 use super::{
-    connection::{Connection, Work},
+    database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
 };
-use crate::ingest::SequenceSet;
+use crate::sequences::SequenceSet;
 
 /// One writer within one epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -64,15 +64,8 @@ impl WriterRow {
     }
 }
 
-/// The repository.
-pub struct Writers<'w>(&'w mut Connection);
-
-impl Work {
-    /// Data set writers.
-    pub fn writers(&mut self) -> Writers<'_> {
-        Writers(self.connection())
-    }
-}
+/// Repository of data set writers.
+pub struct Writers<'w>(pub(super) &'w mut Connection);
 
 impl Writers<'_> {
     /// Looks one up.

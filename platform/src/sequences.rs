@@ -1,14 +1,14 @@
-//! Which sequence numbers of a writer are held within an epoch.
+//! Set of received sequence numbers of one data set writer within an epoch. Pure.
 //!
-//! An epoch counts from zero. Numbers arrive in any order - after an outage the newest first, the
-//! backlog behind it - and may repeat; some never come, which the connector announces. So what is
-//! held is "all up to the highest, but for the missing ranges".
+//! An epoch counts from zero. Numbers arrive in any order (after an outage the newest first, the
+//! backlog behind it) and may repeat; some never come, which the connector announces as a gap. So
+//! the set is stored as "all up to the highest, except the missing ranges".
 
 use std::collections::VecDeque;
 
 use asi_model::messages::WriterReceipt;
 
-/// The numbers held (or announced as a gap): all up to `through` but for the missing ranges.
+/// Numbers received or announced as a gap: all up to `through` except the missing ranges.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SequenceSet {
     through: Option<u32>,
@@ -16,58 +16,58 @@ pub struct SequenceSet {
     missing: VecDeque<(u32, u32)>,
 }
 
-/// Most missing numbers that one receipt lists per writer; a receipt with more would outgrow a
-/// message.
+/// Missing numbers that one receipt lists per writer at most; a receipt with more would exceed the
+/// largest message.
 const LISTED_MAX: usize = 1000;
 
 impl SequenceSet {
-    /// Nothing is held.
+    /// Returns the empty set.
     #[must_use]
     pub const fn new() -> Self {
         Self { through: None, missing: VecDeque::new() }
     }
 
-    /// From the store.
+    /// Returns the set that [`through`](Self::through) and [`missing`](Self::missing) gave.
     #[must_use]
     pub fn from_stored(through: Option<u32>, missing: Vec<(u32, u32)>) -> Self {
         Self { through, missing: missing.into() }
     }
 
-    /// The highest number held.
+    /// Returns the highest number; none when the set is empty.
     #[must_use]
     pub const fn through(&self) -> Option<u32> {
         self.through
     }
 
-    /// First and last of each missing range.
+    /// Returns first and last of each missing range, ascending.
     #[must_use]
     pub const fn missing(&self) -> &VecDeque<(u32, u32)> {
         &self.missing
     }
 
-    /// The missing numbers, lowest first. There may be very many: take as many as needed.
+    /// Iterates over the missing numbers, ascending. There may be four billion: take a bounded part.
     pub fn missing_numbers(&self) -> impl Iterator<Item = u32> {
         self.missing.iter().flat_map(|(first, last)| *first..=*last)
     }
 
-    /// How many numbers below the highest are missing.
+    /// Counts the missing numbers below the highest.
     #[must_use]
     pub fn missing_count(&self) -> u64 {
         self.missing.iter().map(|(first, last)| u64::from(last - first) + 1).sum()
     }
 
-    /// Whether a number is held.
+    /// Returns true if the number is in the set.
     #[must_use]
     pub fn contains(&self, number: u32) -> bool {
         self.through.is_some_and(|through| number <= through) && self.range_of(number).is_err()
     }
 
-    /// Adds a number. Says whether it is new.
+    /// Adds a number; returns true if it is new.
     pub fn add(&mut self, number: u32) -> bool {
         self.add_range(number, number) > 0
     }
 
-    /// Adds all numbers from `first` to `last`; how many of them are new.
+    /// Adds all numbers from `first` to `last`; returns how many of them are new.
     pub fn add_range(&mut self, first: u32, last: u32) -> u64 {
         if first > last {
             return 0;
@@ -82,27 +82,26 @@ impl SequenceSet {
             new += u64::from(last - first.max(next)) + 1;
             self.through = Some(last);
         }
-        let mut kept = VecDeque::with_capacity(self.missing.len());
+        let mut remaining = VecDeque::with_capacity(self.missing.len());
         for (from, to) in self.missing.drain(..) {
             if to < first || from > last {
-                kept.push_back((from, to));
+                remaining.push_back((from, to));
                 continue;
             }
             new += u64::from(to.min(last) - from.max(first)) + 1;
             if from < first {
-                kept.push_back((from, first - 1));
+                remaining.push_back((from, first - 1));
             }
             if to > last {
-                kept.push_back((last + 1, to));
+                remaining.push_back((last + 1, to));
             }
         }
-        self.missing = kept;
+        self.missing = remaining;
         new
     }
 
-    /// What to tell the connector; nothing where nothing is held. Where more numbers are missing
-    /// than a receipt lists, it tells only as far as the list reaches: a receipt never claims what
-    /// is not held.
+    /// Returns the receipt for the connector; none when the set is empty. If more numbers are missing
+    /// than a receipt lists, it ends where the list ends: a receipt never claims an absent number.
     #[must_use]
     pub fn receipt(&self, data_set_writer_id: u16, epoch: u32) -> Option<WriterReceipt> {
         let through = self.through?;
@@ -114,7 +113,7 @@ impl SequenceSet {
         Some(WriterReceipt { data_set_writer_id, epoch, through_sequence, missing_list })
     }
 
-    /// The missing range that contains the number.
+    /// Finds the missing range that contains the number, or the position to insert one at.
     fn range_of(&self, number: u32) -> Result<usize, usize> {
         self.missing.binary_search_by(|(first, last)| {
             if number < *first {
@@ -145,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_first_and_the_backlog_behind_it() {
+    fn a_backlog_fills_the_ranges_below_the_newest() {
         let mut set = SequenceSet::new();
         assert!(set.add(5));
         assert_eq!(set.missing(), &[(0, 4)]);
@@ -157,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_may_lie_above_everything_held() {
+    fn gaps_may_extend_beyond_the_highest_number() {
         let mut set = of(&[0, 1]);
         assert_eq!(set.add_range(5, 9), 5);
         assert_eq!((set.through(), set.missing()), (Some(9), &VecDeque::from([(2, 4)])));
@@ -166,9 +165,9 @@ mod tests {
     #[test]
     fn receipts_list_what_is_missing_and_never_claim_too_much() {
         assert_eq!(SequenceSet::new().receipt(1, 2), None);
-        let receipt = of(&[0, 3]).receipt(1, 2).expect("something is held");
+        let receipt = of(&[0, 3]).receipt(1, 2).expect("not empty");
         assert_eq!((receipt.through_sequence, receipt.missing_list), (3, vec![1, 2]));
-        let receipt = of(&[0, 5000]).receipt(1, 2).expect("something is held");
+        let receipt = of(&[0, 5000]).receipt(1, 2).expect("not empty");
         assert_eq!(receipt.missing_list.len(), LISTED_MAX);
         assert_eq!(receipt.through_sequence, 1000, "1001 is missing and not listed");
     }

@@ -1,0 +1,162 @@
+//! One unit of ingest: a transaction, its effects, and what all kinds of messages write.
+
+use std::collections::{HashMap, HashSet};
+
+use asi_model::{
+    CollaborationId, DateTime, FactoryId, MessageId, OperationNetworkId, OrganisationId,
+    pubsub::DataSetMetaData,
+};
+use messaging::LogicalAddress;
+
+use super::decode::Incoming;
+use crate::{
+    live::News,
+    store::{Heard, NewDeadLetter, NewOutgoing, Scope, StoreError, Work, WriterKey, WriterRow},
+};
+
+/// Effects of a unit, to be published after its commit.
+#[derive(Debug, Default)]
+pub(super) struct Effects {
+    /// Events for pages.
+    pub(super) news: Vec<News>,
+    /// True when messages wait in the outbox.
+    pub(super) has_outgoing: bool,
+    /// Metadata that decoding needs from now on.
+    pub(super) meta_data: Vec<((FactoryId, u16), DataSetMetaData)>,
+    /// Factories from which something arrived.
+    pub(super) heard: HashMap<FactoryId, Heard>,
+    /// Networks whose progress may have changed.
+    pub(super) networks: HashSet<OperationNetworkId>,
+    /// Number of reports stored.
+    pub(super) reports: u64,
+    /// Number of repeats discarded.
+    pub(super) duplicates: u64,
+    /// Code of each dead letter.
+    pub(super) dead_letters: Vec<&'static str>,
+}
+
+/// A transaction with the rows that several messages change; those are written once, at the end.
+pub(super) struct IngestUnit<'w> {
+    pub(super) work: &'w mut Work,
+    pub(super) now: DateTime,
+    pub(super) effects: Effects,
+    writers: HashMap<WriterKey, WriterRow>,
+    heard: HashMap<FactoryId, Heard>,
+}
+
+impl<'w> IngestUnit<'w> {
+    pub(super) fn new(work: &'w mut Work, now: DateTime) -> Self {
+        Self {
+            work,
+            now,
+            effects: Effects::default(),
+            writers: HashMap::new(),
+            heard: HashMap::new(),
+        }
+    }
+
+    /// Writes the collected rows and returns the effects.
+    pub(super) async fn finish(mut self) -> Result<Effects, StoreError> {
+        for writer in self.writers.values() {
+            self.work.writers().put(writer).await?;
+        }
+        for (factory, heard) in &self.heard {
+            self.work.factories().heard(factory, heard).await?;
+        }
+        self.effects.heard = self.heard;
+        Ok(self.effects)
+    }
+
+    /// Returns the evidence of life of a factory, to be updated.
+    pub(super) fn heard(&mut self, factory: &FactoryId) -> &mut Heard {
+        self.heard.entry(factory.clone()).or_default()
+    }
+
+    /// Records that something of the factory arrived.
+    pub(super) fn record_arrival(&mut self, factory: &FactoryId, received_at: DateTime) {
+        let heard = self.heard(factory);
+        heard.at = heard.at.max(Some(received_at));
+    }
+
+    /// Returns the row of a data set writer, to be updated.
+    pub(super) async fn writer(
+        &mut self,
+        factory: &FactoryId,
+        id: u16,
+        epoch: u32,
+    ) -> Result<&mut WriterRow, StoreError> {
+        let key = WriterKey { factory_id: factory.clone(), data_set_writer_id: id, epoch };
+        if !self.writers.contains_key(&key) {
+            let stored = self.work.writers().lookup(&key).await?;
+            let row = stored.unwrap_or_else(|| WriterRow::new(key.clone()));
+            self.writers.insert(key.clone(), row);
+        }
+        Ok(self.writers.entry(key.clone()).or_insert_with(|| WriterRow::new(key)))
+    }
+
+    /// Returns the members of a collaboration, the audience of its events.
+    pub(super) async fn members(
+        &mut self,
+        id: &CollaborationId,
+    ) -> Result<Vec<OrganisationId>, StoreError> {
+        let collaboration = self.work.collaborations().lookup(&Scope::Platform, id).await?;
+        Ok(collaboration.map(|collaboration| collaboration.members).unwrap_or_default())
+    }
+
+    /// Adds a message to the outbox.
+    pub(super) async fn send(
+        &mut self,
+        address: LogicalAddress,
+        message_id: MessageId,
+        subject: &str,
+        correlation_id: Option<MessageId>,
+        body: Vec<u8>,
+    ) -> Result<(), StoreError> {
+        self.effects.has_outgoing = true;
+        let message = NewOutgoing {
+            address,
+            message_id,
+            subject: subject.to_owned(),
+            correlation_id,
+            created_at: self.now,
+            time_to_live: None,
+            content_encoding: None,
+            body: body.into(),
+        };
+        self.work.outbox().add(&message).await
+    }
+
+    /// Makes a decoded message a dead letter.
+    pub(super) async fn reject(
+        &mut self,
+        address: &LogicalAddress,
+        incoming: &Incoming,
+        code: &'static str,
+        reason: String,
+    ) -> Result<(), StoreError> {
+        let letter = NewDeadLetter {
+            address: address.to_string(),
+            message_id: Some(incoming.message_id.to_string()),
+            subject: incoming.message_type.clone(),
+            code,
+            reason,
+            received_at: incoming.received_at,
+            body: incoming.body.clone().into_bytes(),
+            content_encoding: None,
+        };
+        self.add_dead_letter(&letter).await
+    }
+
+    pub(super) async fn add_dead_letter(
+        &mut self,
+        letter: &NewDeadLetter,
+    ) -> Result<(), StoreError> {
+        tracing::warn!(
+            address = letter.address,
+            code = letter.code,
+            "A message is of no use and was set aside."
+        );
+        self.effects.dead_letters.push(letter.code);
+        self.work.dead_letters().add(letter).await
+    }
+}

@@ -1,0 +1,138 @@
+//! Units of work: one transaction, and the repositories that borrow it.
+
+use sqlx::Transaction;
+
+use super::{
+    collaborations::Collaborations,
+    comments::Comments,
+    credentials::Credentials,
+    database::{Connection, Database},
+    dead_letters::DeadLetters,
+    error::StoreError,
+    factories::Factories,
+    fields::Fields,
+    inbox::Inbox,
+    leases::Leases,
+    meta_data::MetaData,
+    networks::Networks,
+    organisations::Organisations,
+    outbox::Outbox,
+    parts::Parts,
+    recipients::Recipients,
+    reports::Reports,
+    tools::Tools,
+    users::Users,
+    writers::Writers,
+};
+
+/// A unit of work. Dropped without [`Work::commit`], it has no effect.
+#[derive(Debug)]
+pub struct Work(Transaction<'static, Database>);
+
+impl Work {
+    pub(super) const fn new(transaction: Transaction<'static, Database>) -> Self {
+        Self(transaction)
+    }
+
+    /// Makes the work permanent.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`]; then the work has no effect.
+    pub async fn commit(self) -> Result<(), StoreError> {
+        self.0.commit().await.map_err(StoreError::during("commit"))
+    }
+
+    /// Collaborations.
+    pub fn collaborations(&mut self) -> Collaborations<'_> {
+        Collaborations(self.connection())
+    }
+
+    /// Comments.
+    pub fn comments(&mut self) -> Comments<'_> {
+        Comments(self.connection())
+    }
+
+    /// Enrolment tokens and broker credentials.
+    pub fn credentials(&mut self) -> Credentials<'_> {
+        Credentials(self.connection())
+    }
+
+    /// Dead letters of ingest.
+    pub fn dead_letters(&mut self) -> DeadLetters<'_> {
+        DeadLetters(self.connection())
+    }
+
+    /// Factories.
+    pub fn factories(&mut self) -> Factories<'_> {
+        Factories(self.connection())
+    }
+
+    /// Requested fields with decisions and current values.
+    pub fn fields(&mut self) -> Fields<'_> {
+        Fields(self.connection())
+    }
+
+    /// Received messages, for deduplication.
+    pub fn inbox(&mut self) -> Inbox<'_> {
+        Inbox(self.connection())
+    }
+
+    /// Leases on factories' identities.
+    pub fn leases(&mut self) -> Leases<'_> {
+        Leases(self.connection())
+    }
+
+    /// Metadata of data set writers, and asset offers.
+    pub fn meta_data(&mut self) -> MetaData<'_> {
+        MetaData(self.connection())
+    }
+
+    /// Operation networks.
+    pub fn networks(&mut self) -> Networks<'_> {
+        Networks(self.connection())
+    }
+
+    /// Organisations.
+    pub fn organisations(&mut self) -> Organisations<'_> {
+        Organisations(self.connection())
+    }
+
+    /// Outgoing messages.
+    pub fn outbox(&mut self) -> Outbox<'_> {
+        Outbox(self.connection())
+    }
+
+    /// Parts of networks, as sent to factories.
+    pub fn parts(&mut self) -> Parts<'_> {
+        Parts(self.connection())
+    }
+
+    /// Recipients of requests.
+    pub fn recipients(&mut self) -> Recipients<'_> {
+        Recipients(self.connection())
+    }
+
+    /// Reports.
+    pub fn reports(&mut self) -> Reports<'_> {
+        Reports(self.connection())
+    }
+
+    /// Tools.
+    pub fn tools(&mut self) -> Tools<'_> {
+        Tools(self.connection())
+    }
+
+    /// Users and sessions.
+    pub fn users(&mut self) -> Users<'_> {
+        Users(self.connection())
+    }
+
+    /// Data set writers with received sequence numbers.
+    pub fn writers(&mut self) -> Writers<'_> {
+        Writers(self.connection())
+    }
+
+    fn connection(&mut self) -> &mut Connection {
+        &mut self.0
+    }
+}
