@@ -8,14 +8,10 @@ mod evaluate;
 mod functions;
 mod lexer;
 mod parser;
-
-use std::sync::Arc;
-
-use asi_model::{Scalar, Variant};
-
-use crate::{convert, fault::Fault, number::Number};
+mod value;
 
 pub(crate) use parser::parse;
+pub(crate) use value::{ResultKind, Value};
 
 /// Longest expression, in bytes.
 pub const EXPRESSION_BYTES_MAX: usize = 4096;
@@ -68,49 +64,6 @@ pub(crate) enum Operator {
     LessOrEqual,
     Greater,
     GreaterOrEqual,
-}
-
-/// What expressions compute with.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Value {
-    Number(Number),
-    Boolean(bool),
-    Text(Arc<str>),
-}
-
-impl Value {
-    pub fn of(value: &Variant) -> Result<Self, Fault> {
-        let not_usable =
-            || Fault::type_mismatch("an expression takes numbers, Booleans, texts and times only");
-        let Variant::Scalar(scalar) = value else { return Err(not_usable()) };
-        match scalar {
-            Scalar::Boolean(v) => Ok(Self::Boolean(*v)),
-            Scalar::DateTime(time) => Ok(Self::Number(Number::Integer(time.unix_millis().into()))),
-            Scalar::String(Some(text)) => Ok(Self::Text(text.clone())),
-            other => match Number::of(other) {
-                Some(number) => Ok(Self::Number(number)),
-                None => convert::to_text(other)
-                    .map(|text| Self::Text(text.into()))
-                    .ok_or_else(not_usable),
-            },
-        }
-    }
-
-    pub fn into_variant(self) -> Variant {
-        match self {
-            Self::Number(number) => number.to_scalar().into(),
-            Self::Boolean(v) => v.into(),
-            Self::Text(text) => Scalar::String(Some(text)).into(),
-        }
-    }
-
-    fn kind(&self) -> &'static str {
-        match self {
-            Self::Number(_) => "a number",
-            Self::Boolean(_) => "a Boolean",
-            Self::Text(_) => "a text",
-        }
-    }
 }
 
 /// The inputs that an expression reads, and whether it reads `value`.
@@ -177,17 +130,12 @@ impl Expr {
     }
 }
 
-/// The kind of a value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ResultKind {
-    Number,
-    Boolean,
-    Text,
-}
-
 #[cfg(test)]
 mod tests {
+    use asi_model::Variant;
+
     use super::*;
+    use crate::number::Number;
     use proptest::prelude::*;
 
     fn run(text: &str, value: &Variant, inputs: &[Variant]) -> Result<Variant, String> {

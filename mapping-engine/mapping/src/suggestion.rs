@@ -6,118 +6,28 @@
 //! that cannot go together rule a variable out. The functions that would be needed (convert, unit
 //! conversion) are proposed with it.
 
+mod context;
 mod evidence;
 mod words;
 
-use asi_model::{BuiltInType, NodeId, network::Semantic, units as unece};
-use serde::{Deserialize, Serialize};
-use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
+use asi_model::{BuiltInType, NodeId, units as unece};
+use serde::Serialize;
+use shop_floor_model::SourceId;
 use utoipa::ToSchema;
 
 use crate::{
     convert::{self, Overflow, Rounding},
     document::{Convert, Step, TypeName, UnitConversion},
 };
+use context::unit;
+pub use context::{KnownVariable, PastDecision, WantedField};
 use evidence::Evidence;
+pub use evidence::{Reason, ReasonKind};
 
 /// Fewer points are no suggestion.
 const SCORE_MIN: i32 = 20;
 /// Most points.
 const SCORE_MAX: i32 = 100;
-
-/// What a partner wants.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WantedField {
-    /// The field's name.
-    pub name: String,
-    /// Its built-in type.
-    pub value_type: BuiltInType,
-    /// Its ValueRank: -1 scalar.
-    pub value_rank: i32,
-    /// Its unit.
-    pub unit: Option<String>,
-    /// Its meaning.
-    pub semantic: Option<Semantic>,
-    /// What is said about field, request, operation and product, in words.
-    pub descriptions: Vec<String>,
-    /// The asset that the operation is done with, where the network names one.
-    pub asset: Option<String>,
-}
-
-/// A variable of a local server.
-#[derive(Debug, Clone, PartialEq)]
-pub struct KnownVariable {
-    /// The server.
-    pub source_id: SourceId,
-    /// The variable.
-    pub node_id: NodeId,
-    /// Its own name.
-    pub name: String,
-    /// The names above it, outermost first.
-    pub path: Vec<String>,
-    /// What the server says about it.
-    pub description: Option<String>,
-    /// The built-in type of its value.
-    pub value_type: Option<BuiltInType>,
-    /// Its ValueRank.
-    pub value_rank: Option<i32>,
-    /// Its unit.
-    pub unit: Option<String>,
-    /// The names of its type and of the types above it, as companion specifications call them.
-    pub type_names: Vec<String>,
-    /// A value of it, as number.
-    pub value: Option<f64>,
-}
-
-impl KnownVariable {
-    /// A variable as a list of all of a server's shows it: names and types of what stands above,
-    /// nothing of its value.
-    #[must_use]
-    pub fn listed(source_id: &SourceId, variable: &ListedVariable) -> Self {
-        let (_, above) = variable.browse_path.0.split_last().unzip();
-        Self {
-            source_id: source_id.clone(),
-            node_id: variable.node_id.clone(),
-            name: variable.display_name.clone(),
-            path: above
-                .into_iter()
-                .flatten()
-                .filter_map(|element| element.name.as_deref().map(str::to_owned))
-                .collect(),
-            description: None,
-            value_type: None,
-            value_rank: None,
-            unit: None,
-            type_names: variable.type_names.iter().map(|name| (**name).to_owned()).collect(),
-            value: None,
-        }
-    }
-
-    /// With what browsing shows of it.
-    #[must_use]
-    pub fn described(self, node: &BrowsedNode) -> Self {
-        Self {
-            description: node.description.clone(),
-            value_type: node.built_in_type,
-            value_rank: node.value_rank,
-            unit: node.unit.as_ref().and_then(|unit| unit.code.clone()),
-            ..self
-        }
-    }
-}
-
-/// What an engineer of this factory decided before.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PastDecision {
-    /// The field's name.
-    pub field_name: String,
-    /// Its meaning.
-    pub semantic: Option<Semantic>,
-    /// The server it was mapped to.
-    pub source_id: SourceId,
-    /// The variable it was mapped to.
-    pub node_id: NodeId,
-}
 
 /// A variable that might be meant.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -137,42 +47,6 @@ pub struct Suggestion {
     pub reasons: Vec<Reason>,
     /// The functions it would need.
     pub steps: Vec<Step>,
-}
-
-/// A piece of evidence.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct Reason {
-    /// What kind of evidence.
-    pub kind: ReasonKind,
-    /// Its weight; negative where it speaks against.
-    pub points: i8,
-    /// In a sentence.
-    pub text: String,
-}
-
-/// Kinds of evidence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum ReasonKind {
-    /// The names are alike.
-    Name,
-    /// The name has words of the field's meaning.
-    Semantic,
-    /// The names above it, or the asset, are alike.
-    Place,
-    /// The descriptions have words in common.
-    Description,
-    /// The types go together.
-    Type,
-    /// The units go together.
-    Unit,
-    /// A companion specification defines it so.
-    CompanionType,
-    /// Its value is such as the field's would be, or not.
-    Value,
-    /// It was decided so before.
-    Decision,
 }
 
 /// The variables that might be meant, best first, at most so many.
@@ -268,10 +142,6 @@ fn steps_needed(wanted: &WantedField, variable: &KnownVariable) -> Option<Vec<St
         }
     }
     Some(steps)
-}
-
-fn unit(name: Option<&str>) -> Option<unece::EngineeringUnit> {
-    unece::lookup(name?)
 }
 
 #[cfg(test)]

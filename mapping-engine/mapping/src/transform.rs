@@ -8,10 +8,12 @@
 mod apply;
 mod compile;
 mod counting;
+mod flow;
+mod last_candidate;
 mod merging;
+mod operand;
 mod plan;
 mod reaction;
-mod shown;
 mod slots;
 mod table;
 mod windows;
@@ -22,27 +24,20 @@ use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use smallvec::SmallVec;
 
 use crate::{
-    convert,
     fault::Fault,
     quality::{Meta, severity, worst},
     state::{StepState, TransformState},
     trace::TraceStep,
 };
-use apply::Applied;
 pub use compile::compile;
+use flow::Applied;
+pub use flow::Flow;
+use last_candidate::LastCandidate;
 use plan::Function;
 pub use plan::Plan;
-pub use reaction::{FailedStep, Flow, Reaction, ScriptCall, ScriptYield};
-use shown::Shown;
+pub use reaction::{FailedStep, Reaction, ScriptCall, ScriptYield};
+pub use slots::Counters;
 use slots::{Arrival, Slot};
-
-/// What a transform counts about its inputs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counters {
-    pub late: u64,
-    pub repeated: u64,
-    pub clock_steps: u64,
-}
 
 /// A compiled mapping with its state.
 #[derive(Debug)]
@@ -53,10 +48,7 @@ pub struct Transform {
     state: TransformState,
     /// The value before each function at which another input than the first enters.
     carried: Vec<(usize, Flow)>,
-    /// The last value that was not Bad, with the status that the functions gave it beyond that of
-    /// the inputs.
-    last: Option<(DataValue, StatusCode)>,
-    shown: Shown,
+    last: LastCandidate,
     /// Per script step, which inputs changed since its last call.
     unsent: Vec<(usize, u32)>,
     pub counters: Counters,
@@ -73,16 +65,12 @@ impl Transform {
                 }
             }
         }
-        let shown = Shown::of(last.as_ref());
         Self {
             slots: plan.inputs.iter().map(|_| Slot::default()).collect(),
             unsent: plan.script_steps().map(|step| (step, u32::MAX)).collect(),
             carried: Vec::new(),
-            last: last
-                .filter(|value| !value.value.is_null())
-                .map(|value| (value, StatusCode::GOOD)),
+            last: LastCandidate::restored(last),
             state: TransformState::new(steps),
-            shown,
             plan,
             counters: Counters::default(),
         }
@@ -99,18 +87,12 @@ impl Transform {
 
     /// The last candidate, that of a former run included.
     pub fn shown(&self) -> Option<DataValue> {
-        match &self.shown {
-            Shown::Nothing => None,
-            Shown::Last(status) => {
-                self.last.as_ref().map(|(last, _)| DataValue { status: *status, ..last.clone() })
-            }
-            Shown::Bad(value) => Some((**value).clone()),
-        }
+        self.last.value()
     }
 
     /// The status of the last candidate.
     pub fn shown_status(&self) -> Option<StatusCode> {
-        self.shown.status()
+        self.last.status()
     }
 
     /// The last value of an input and when it came by the local clock.
@@ -191,13 +173,7 @@ impl Transform {
         let state = &mut Arc::make_mut(&mut self.state.0)[step];
         match function.on_timer(state, now) {
             Applied::Pass(flow) => {
-                TraceStep::passed(
-                    trace.as_deref_mut(),
-                    step,
-                    plan.name_of(step),
-                    &flow.value,
-                    &flow.meta,
-                );
+                trace_passed(trace.as_deref_mut(), &plan, step, &flow);
                 self.run(step + 1, flow, None, now, trace)
             }
             _ => Reaction::Quiet,
@@ -235,13 +211,7 @@ impl Transform {
             Some((value, status)) => {
                 meta.status = worst(meta.status, status);
                 let flow = Flow { value, meta };
-                TraceStep::passed(
-                    trace.as_deref_mut(),
-                    call.step,
-                    self.plan.name_of(call.step),
-                    &flow.value,
-                    &flow.meta,
-                );
+                trace_passed(trace.as_deref_mut(), &self.plan, call.step, &flow);
                 self.run(call.step + 1, flow, None, now, trace)
             }
         }
@@ -255,11 +225,9 @@ impl Transform {
         now: DateTime,
         trace: Option<&mut Vec<TraceStep>>,
     ) -> Reaction {
-        for (slot, planned) in self.slots.iter().zip(&self.plan.inputs) {
-            if !planned.is_required {
-                continue;
-            }
-            if let Some(bad) = slot.bad(self.last.is_some()) {
+        let slots = self.slots.iter().zip(&self.plan.inputs);
+        for (slot, _) in slots.filter(|(_, planned)| planned.is_required) {
+            if let Some(bad) = slot.bad(self.last.is_usable()) {
                 return self.say_bad(bad);
             }
             if slot.is_waiting() {
@@ -312,13 +280,7 @@ impl Transform {
             trigger = None;
             match applied {
                 Applied::Pass(next) => {
-                    TraceStep::passed(
-                        trace.as_deref_mut(),
-                        step,
-                        plan.name_of(step),
-                        &next.value,
-                        &next.meta,
-                    );
+                    trace_passed(trace.as_deref_mut(), plan, step, &next);
                     flow = next;
                 }
                 Applied::Hold => {
@@ -357,23 +319,7 @@ impl Transform {
     /// The end of the chain: the value must be one of the target's type.
     fn finish(&mut self, flow: Flow, trace: Option<&mut Vec<TraceStep>>) -> Reaction {
         let Flow { value, meta } = flow;
-        let rank_fits = match &value {
-            Variant::Null => true,
-            Variant::Scalar(_) => self.plan.target_rank < 1,
-            Variant::Array(array) => {
-                let rank = array.dimensions.as_ref().map_or(1, Vec::len);
-                usize::try_from(self.plan.target_rank)
-                    .is_ok_and(|wanted| wanted == rank || wanted == 0)
-            }
-        };
-        let coerced = if rank_fits {
-            convert::coerce(value, self.plan.target_type)
-        } else {
-            Err(Fault::type_mismatch(
-                "the chain yields an array where the field is a single value, or the reverse",
-            ))
-        };
-        match coerced {
+        match self.plan.coerce(value) {
             Err(fault) => self.fail(None, fault, meta, trace),
             Ok(Variant::Null) => self.say_bad(meta.failed(StatusCode::BAD_NO_DATA)),
             Ok(value) => {
@@ -384,44 +330,39 @@ impl Transform {
                 } else {
                     StatusCode::GOOD
                 };
-                self.shown = Shown::Last(value.status);
-                self.last = Some((value.clone(), own));
+                self.last.set_usable(&value, own);
                 Reaction::Candidate(value)
             }
         }
     }
 
-    /// The worst status among the inputs that count.
-    fn input_status(&self) -> StatusCode {
-        let counting =
-            self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
-        counting
-            .filter_map(|(slot, _)| slot.status(self.last.is_some()))
-            .fold(StatusCode::GOOD, worst)
+    /// Inputs whose values the functions need.
+    fn required(&self) -> impl Iterator<Item = &Slot> {
+        let slots = self.slots.iter().zip(&self.plan.inputs);
+        slots.filter(|(_, planned)| planned.is_required).map(|(slot, _)| slot)
     }
 
-    /// The chain has nothing new, but the status may have changed since the last candidate.
+    /// The worst status among the required inputs.
+    fn input_status(&self) -> StatusCode {
+        let statuses = self.required().filter_map(|slot| slot.status(self.last.is_usable()));
+        statuses.fold(StatusCode::GOOD, worst)
+    }
+
+    /// Yields the last value again where its status has changed with that of the inputs.
     fn show_again(&mut self) -> Reaction {
         let inputs = self.input_status();
         if severity(inputs) == 2 {
-            let bad =
-                self.slots.iter().zip(&self.plan.inputs).filter(|(_, planned)| planned.is_required);
-            return match bad.filter_map(|(slot, _)| slot.bad(self.last.is_some())).next() {
-                Some(bad) if self.shown.status() != Some(bad.status) => self.say_bad(bad),
+            let bad = self.required().find_map(|slot| slot.bad(self.last.is_usable()));
+            return match bad {
+                Some(bad) if self.last.status() != Some(bad.status) => self.say_bad(bad),
                 _ => Reaction::Quiet,
             };
         }
-        let Some((last, own)) = &self.last else { return Reaction::Quiet };
-        let status = worst(inputs, *own);
-        if self.shown.status() == Some(status) {
-            return Reaction::Quiet;
-        }
-        self.shown = Shown::Last(status);
-        Reaction::Candidate(DataValue { status, ..last.clone() })
+        self.last.refresh(inputs).map_or(Reaction::Quiet, Reaction::Candidate)
     }
 
     fn say_bad(&mut self, value: DataValue) -> Reaction {
-        self.shown.set_bad(&value);
+        self.last.set_bad(&value);
         Reaction::Candidate(value)
     }
 
@@ -436,12 +377,16 @@ impl Transform {
             TraceStep::failed(trace, step, self.plan.name_of(step), &fault);
         }
         let value = meta.failed(fault.status);
-        self.shown.set_bad(&value);
+        self.last.set_bad(&value);
         Reaction::Failed(value, FailedStep { step, fault })
     }
 }
 
-/// Keeps the value before a function at which another input than the first enters.
+fn trace_passed(trace: Option<&mut Vec<TraceStep>>, plan: &Plan, step: usize, flow: &Flow) {
+    TraceStep::passed(trace, step, plan.name_of(step), &flow.value, &flow.meta);
+}
+
+/// Stores the value before a function at which another input than the first enters.
 fn carry(carried: &mut Vec<(usize, Flow)>, step: usize, flow: &Flow) {
     match carried.iter_mut().find(|(at, _)| *at == step) {
         Some((_, kept)) => kept.clone_from(flow),

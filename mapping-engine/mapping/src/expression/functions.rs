@@ -53,55 +53,66 @@ pub(super) fn overflow() -> Fault {
 }
 
 impl Builtin {
+    /// Calls the function.
+    ///
+    /// # Errors
+    /// A [`Fault`] for arguments of the wrong kind and results that are not numbers.
     pub(super) fn call(self, arguments: &[Value]) -> Result<Value, Fault> {
-        let number = |index: usize| match arguments.get(index) {
+        let arguments = Arguments { of: self, values: arguments };
+        match self {
+            Self::Length | Self::Upper | Self::Lower | Self::Trim => arguments.text_function(),
+            Self::Text => arguments.to_text(),
+            Self::ToNumber => arguments.to_number(),
+            Self::Bit => arguments.bit().map(Value::Boolean),
+            _ => arguments.number_function().map(Value::Number),
+        }
+    }
+}
+
+/// Arguments of one call.
+struct Arguments<'a> {
+    of: Builtin,
+    values: &'a [Value],
+}
+
+impl Arguments<'_> {
+    fn number(&self, index: usize) -> Result<Number, Fault> {
+        let name = self.of.name();
+        match self.values.get(index) {
             Some(Value::Number(number)) => Ok(*number),
-            Some(other) => Err(Fault::type_mismatch(format!(
-                "{} takes a number, not {}",
-                self.name(),
-                other.kind()
-            ))),
-            None => Err(Fault::type_mismatch(format!("{} lacks an argument", self.name()))),
-        };
-        let text = |index: usize| match arguments.get(index) {
+            Some(other) => {
+                Err(Fault::type_mismatch(format!("{name} takes a number, not {}", other.kind())))
+            }
+            None => Err(Fault::type_mismatch(format!("{name} lacks an argument"))),
+        }
+    }
+
+    fn text(&self) -> Result<&str, Fault> {
+        match self.values.first() {
             Some(Value::Text(text)) => Ok(text),
-            _ => Err(Fault::type_mismatch(format!("{} takes a text", self.name()))),
-        };
-        let real = |value: f64| {
-            if value.is_nan() {
-                return Err(Fault::out_of_range(format!(
-                    "{} has no result for this number",
-                    self.name()
-                )));
-            }
-            Ok(Value::Number(Number::Real(value)))
-        };
-        Ok(match self {
-            Self::Min | Self::Max => {
-                let mut best = number(0)?;
-                for index in 1..arguments.len() {
-                    let next = number(index)?;
-                    if (self == Self::Min && next < best) || (self == Self::Max && next > best) {
-                        best = next;
-                    }
-                }
-                Value::Number(best)
-            }
-            Self::Abs => Value::Number(number(0)?.magnitude().ok_or_else(overflow)?),
-            Self::Round if arguments.len() == 2 => Value::Number(round_to(number(0)?, number(1)?)?),
-            Self::Round => Value::Number(whole(number(0)?, Rounding::Nearest)?),
-            Self::Floor => Value::Number(whole(number(0)?, Rounding::Down)?),
-            Self::Ceil => Value::Number(whole(number(0)?, Rounding::Up)?),
-            Self::Trunc => Value::Number(whole(number(0)?, Rounding::TowardZero)?),
-            Self::Sqrt => real(number(0)?.as_f64().sqrt())?,
-            Self::Exp => real(number(0)?.as_f64().exp())?,
-            Self::Ln => real(number(0)?.as_f64().ln())?,
-            Self::Log10 => real(number(0)?.as_f64().log10())?,
-            Self::Pow => power(number(0)?, number(1)?)
-                .map_or_else(|| real(f64::NAN), |n| Ok(Value::Number(n)))?,
-            Self::Clamp => {
-                let (value, low, high) = (number(0)?, number(1)?, number(2)?);
-                Value::Number(if value < low {
+            _ => Err(Fault::type_mismatch(format!("{} takes a text", self.of.name()))),
+        }
+    }
+
+    fn number_function(&self) -> Result<Number, Fault> {
+        use Builtin as B;
+        match self.of {
+            B::Abs => self.number(0)?.magnitude().ok_or_else(overflow),
+            B::Round if self.values.len() == 2 => round_to(self.number(0)?, self.number(1)?),
+            B::Floor => whole(self.number(0)?, Rounding::Down),
+            B::Ceil => whole(self.number(0)?, Rounding::Up),
+            B::Trunc => whole(self.number(0)?, Rounding::TowardZero),
+            B::Sqrt => self.real(f64::sqrt),
+            B::Exp => self.real(f64::exp),
+            B::Ln => self.real(f64::ln),
+            B::Log10 => self.real(f64::log10),
+            B::Pow => power(self.number(0)?, self.number(1)?).ok_or_else(|| self.no_result()),
+            B::Mod => modulo(self.number(0)?, self.number(1)?),
+            B::Min => self.best(|next, best| next < best),
+            B::Max => self.best(|next, best| next > best),
+            B::Clamp => {
+                let (value, low, high) = (self.number(0)?, self.number(1)?, self.number(2)?);
+                Ok(if value < low {
                     low
                 } else if value > high {
                     high
@@ -109,42 +120,68 @@ impl Builtin {
                     value
                 })
             }
-            Self::Mod => Value::Number(modulo(number(0)?, number(1)?)?),
-            Self::Bit => match (number(0)?, number(1)?) {
-                (Number::Integer(value), Number::Integer(bit @ 0..=63)) => {
-                    Value::Boolean(value >> bit & 1 == 1)
-                }
-                _ => {
-                    return Err(Fault::type_mismatch(
-                        "bit takes an integer and a position from 0 to 63",
-                    ));
-                }
-            },
-            Self::Length => Value::Number(Number::Integer(
-                i128::try_from(text(0)?.chars().count()).unwrap_or(i128::MAX),
-            )),
-            Self::Upper => Value::Text(text(0)?.to_uppercase().into()),
-            Self::Lower => Value::Text(text(0)?.to_lowercase().into()),
-            Self::Trim => Value::Text(text(0)?.trim().into()),
-            Self::Text => match arguments.first().cloned().ok_or_else(overflow)? {
-                text @ Value::Text(_) => text,
-                other => {
-                    match convert::to_text(other.into_variant().as_scalar().ok_or_else(overflow)?) {
-                        Some(text) => Value::Text(text.into()),
-                        None => return Err(Fault::type_mismatch("text takes a single value")),
-                    }
-                }
-            },
-            Self::ToNumber => match arguments.first() {
-                Some(Value::Text(text)) => Value::Number(
-                    text.trim()
-                        .parse()
-                        .map_err(|_| Fault::decoding("number: the text is not a number"))?,
-                ),
-                Some(Value::Boolean(v)) => Value::Number(Number::Integer((*v).into())),
-                _ => Value::Number(number(0)?),
-            },
+            _ => whole(self.number(0)?, Rounding::Nearest),
+        }
+    }
+
+    fn real(&self, function: impl FnOnce(f64) -> f64) -> Result<Number, Fault> {
+        let result = function(self.number(0)?.as_f64());
+        if result.is_nan() { Err(self.no_result()) } else { Ok(Number::Real(result)) }
+    }
+
+    fn no_result(&self) -> Fault {
+        Fault::out_of_range(format!("{} has no result for this number", self.of.name()))
+    }
+
+    fn best(&self, is_better: impl Fn(Number, Number) -> bool) -> Result<Number, Fault> {
+        let mut best = self.number(0)?;
+        for index in 1..self.values.len() {
+            let next = self.number(index)?;
+            if is_better(next, best) {
+                best = next;
+            }
+        }
+        Ok(best)
+    }
+
+    fn bit(&self) -> Result<bool, Fault> {
+        match (self.number(0)?, self.number(1)?) {
+            (Number::Integer(value), Number::Integer(bit @ 0..=63)) => Ok(value >> bit & 1 == 1),
+            _ => Err(Fault::type_mismatch("bit takes an integer and a position from 0 to 63")),
+        }
+    }
+
+    fn text_function(&self) -> Result<Value, Fault> {
+        let text = self.text()?;
+        Ok(match self.of {
+            Builtin::Upper => Value::Text(text.to_uppercase().into()),
+            Builtin::Lower => Value::Text(text.to_lowercase().into()),
+            Builtin::Trim => Value::Text(text.trim().into()),
+            _ => {
+                let length = i128::try_from(text.chars().count()).unwrap_or(i128::MAX);
+                Value::Number(Number::Integer(length))
+            }
         })
+    }
+
+    fn to_text(&self) -> Result<Value, Fault> {
+        match self.values.first().cloned().ok_or_else(overflow)? {
+            text @ Value::Text(_) => Ok(text),
+            other => convert::to_text(other.into_variant().as_scalar().ok_or_else(overflow)?)
+                .map(|text| Value::Text(text.into()))
+                .ok_or_else(|| Fault::type_mismatch("text takes a single value")),
+        }
+    }
+
+    fn to_number(&self) -> Result<Value, Fault> {
+        Ok(Value::Number(match self.values.first() {
+            Some(Value::Text(text)) => text
+                .trim()
+                .parse()
+                .map_err(|_| Fault::decoding("number: the text is not a number"))?,
+            Some(Value::Boolean(v)) => Number::Integer((*v).into()),
+            _ => self.number(0)?,
+        }))
     }
 }
 

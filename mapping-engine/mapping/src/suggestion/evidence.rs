@@ -3,12 +3,50 @@
 use std::collections::BTreeSet;
 
 use asi_model::network::Semantic;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::{
-    KnownVariable, PastDecision, Reason, ReasonKind, WantedField, unit,
+    context::{KnownVariable, PastDecision, WantedField, unit},
     words::{likeness, words},
 };
 use crate::document::Step;
+
+/// A piece of evidence.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Reason {
+    /// What kind of evidence.
+    pub kind: ReasonKind,
+    /// Its weight; negative where it speaks against.
+    pub points: i8,
+    /// In a sentence.
+    pub text: String,
+}
+
+/// Kinds of evidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ReasonKind {
+    /// The names are alike.
+    Name,
+    /// The name has words of the field's meaning.
+    Semantic,
+    /// The names above it, or the asset, are alike.
+    Place,
+    /// The descriptions have words in common.
+    Description,
+    /// The types go together.
+    Type,
+    /// The units go together.
+    Unit,
+    /// A companion specification defines it so.
+    CompanionType,
+    /// Its value is such as the field's would be, or not.
+    Value,
+    /// It was decided so before.
+    Decision,
+}
 
 /// Words that a variable of this meaning has in its name, and words that speak against it.
 fn meaning_words(semantic: &Semantic) -> (&'static str, &'static str) {

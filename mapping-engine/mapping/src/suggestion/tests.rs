@@ -1,3 +1,5 @@
+use asi_model::network::Semantic;
+
 use super::*;
 
 fn wanted(

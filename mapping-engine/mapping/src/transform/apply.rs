@@ -3,7 +3,9 @@
 use asi_model::{DateTime, Scalar, Variant, units as unece};
 
 use super::{
-    Flow,
+    counting,
+    flow::{Applied, Flow},
+    operand::{array_of, integer, number},
     plan::{Band, BitWords, Expression, Function, ScaleBy, Texts, ThresholdRule, UnitFactor},
     slots::Slot,
     windows,
@@ -18,15 +20,6 @@ use crate::{
     state::{Kept, Pending, RatePoint, StepState},
     text::{Source, Template},
 };
-
-/// What a function made of a value.
-#[derive(Debug)]
-pub(super) enum Applied {
-    Pass(Flow),
-    Hold,
-    Fail(Fault, Meta),
-    Call(Flow),
-}
 
 impl Function {
     /// Applies the function. `trigger` is the input that made the chain run from here.
@@ -45,13 +38,13 @@ impl Function {
             }
             (Self::Deadband(band), StepState::Deadband { passed }) => band.apply(passed, flow),
             (Self::Edge(direction), StepState::Edge { level }) => {
-                super::counting::edge(*direction, level, flow)
+                counting::edge(*direction, level, flow)
             }
             (Self::Increment(rule), StepState::Increment { last }) => {
-                super::counting::increment(rule, last, flow)
+                counting::increment(rule, last, flow)
             }
             (Self::Counter(rule), StepState::Counter { total, last, level }) => {
-                super::counting::count(rule, (total, last, level), flow, trigger, slots)
+                counting::count(rule, (total, last, level), flow, trigger, slots)
             }
             (Self::Threshold(rule), StepState::Threshold { above }) => rule.apply(above, flow),
             (Self::Rate(period), StepState::Rate { last }) => rate(*period, last, flow, now),
@@ -132,21 +125,6 @@ impl Function {
     }
 }
 
-/// The number that a function needs.
-pub(super) fn number(value: &Variant) -> Result<Number, Fault> {
-    value
-        .as_scalar()
-        .and_then(Number::of)
-        .ok_or_else(|| Fault::type_mismatch("a number is needed here"))
-}
-
-fn integer(value: &Variant) -> Result<i128, Fault> {
-    value
-        .as_scalar()
-        .and_then(Scalar::as_i128)
-        .ok_or_else(|| Fault::type_mismatch("an integer is needed here"))
-}
-
 /// A scalar's or every element's number through a function.
 fn each_number(
     value: &Variant,
@@ -158,18 +136,6 @@ fn each_number(
             .ok_or_else(|| Fault::type_mismatch("an array of numbers is needed here"))?)
     });
     Ok(array_of(numbers.collect::<Result<Vec<_>, _>>()?, array.dimensions.clone()))
-}
-
-/// An array of Int64, or of Double as soon as one element is not an integer of 64 bits.
-pub(super) fn array_of(numbers: Vec<Number>, dimensions: Option<Vec<u32>>) -> Variant {
-    let mut elements: Vec<Scalar> = numbers.iter().map(|n| n.to_scalar()).collect();
-    let first = elements.first().map_or(asi_model::BuiltInType::Double, Scalar::built_in_type);
-    let uniform = elements.iter().all(|element| element.built_in_type() == first);
-    let element_type = if uniform { first } else { asi_model::BuiltInType::Double };
-    if !uniform {
-        elements = numbers.iter().map(|n| Scalar::Double(n.as_f64())).collect();
-    }
-    Variant::Array(asi_model::values::Array { element_type, elements, dimensions }.into())
 }
 
 impl ScaleBy {

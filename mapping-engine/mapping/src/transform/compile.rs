@@ -14,6 +14,7 @@ use crate::{
     diagnostic::{DiagnosticCode as Code, MappingDiagnostic},
     document::{INPUTS_MAX, Mapping, SCRIPT_STEPS_MAX, STEPS_MAX, Step},
 };
+use types::{check_input, output_type};
 
 /// Compiles a mapping. There is a plan unless one of the diagnostics is an error.
 pub fn compile(mapping: &Arc<Mapping>) -> (Option<Plan>, Vec<MappingDiagnostic>) {
@@ -34,9 +35,12 @@ pub fn compile(mapping: &Arc<Mapping>) -> (Option<Plan>, Vec<MappingDiagnostic>)
     let mut functions = Vec::with_capacity(mapping.steps.len());
     for (index, step) in mapping.steps.iter().take(STEPS_MAX).enumerate() {
         let pointer = format!("/steps/{index}");
-        compiler.takes(&pointer, step, chain.value);
+        if let Some(Err(mismatch)) = chain.value.map(|value| check_input(step, value)) {
+            let pointer = format!("{pointer}{}", mismatch.member);
+            compiler.error(pointer, Code::TypeMismatch, mismatch.message);
+        }
         functions.extend(compiler.step(&pointer, index, step, &mut chain));
-        chain.value = compiler.yields(step, functions.last(), chain.value);
+        chain.value = output_type(mapping, step, functions.last(), chain.value);
     }
     compiler.target(&chain);
     let plan = if compiler.diagnostics.iter().any(MappingDiagnostic::is_error) {

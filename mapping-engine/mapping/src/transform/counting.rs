@@ -3,13 +3,12 @@
 use asi_model::{Scalar, Variant};
 
 use super::{
-    Flow,
-    apply::{Applied, number},
+    flow::{Applied, Flow},
+    operand::{level as level_in, number},
     plan::{CountRule, CounterRule},
     slots::Slot,
 };
 use crate::{
-    convert,
     document::{CounterInput, EdgeDirection, OnDecrease},
     fault::Fault,
     number::Number,
@@ -17,11 +16,6 @@ use crate::{
 
 fn overflow() -> Fault {
     Fault::out_of_range("the count is beyond all integer types")
-}
-
-fn level_of(value: &Variant) -> Result<bool, Fault> {
-    let level = value.as_scalar().and_then(convert::is_true);
-    level.ok_or_else(|| Fault::type_mismatch("a Boolean or a number is needed here"))
 }
 
 impl CountRule {
@@ -71,7 +65,7 @@ pub(super) fn count(
     let Flow { value, mut meta } = flow;
     if let Some(reset) = rule.reset_by.filter(|reset| trigger == Some(*reset)) {
         let slot = slots.get(reset);
-        let is_set = slot.and_then(Slot::variant).map(level_of);
+        let is_set = slot.and_then(Slot::variant).map(level_in);
         if !matches!(is_set, Some(Ok(true))) {
             return Applied::Hold;
         }
@@ -101,7 +95,7 @@ fn advance(
     let step = match counts {
         CounterInput::Values => Number::ONE,
         CounterInput::RisingEdges => {
-            let now = level_of(value)?;
+            let now = level_in(value)?;
             let before = level.replace(now);
             if now && before == Some(false) { Number::ONE } else { Number::ZERO }
         }
@@ -118,7 +112,7 @@ fn advance(
 }
 
 pub(super) fn edge(direction: EdgeDirection, level: &mut Option<bool>, flow: Flow) -> Applied {
-    let now = match level_of(&flow.value) {
+    let now = match level_in(&flow.value) {
         Ok(now) => now,
         Err(fault) => return Applied::Fail(fault, flow.meta),
     };

@@ -3,8 +3,8 @@
 use asi_model::{BuiltInType, Scalar, Variant, values::Array};
 
 use super::{
-    Flow,
-    apply::{Applied, array_of, number},
+    flow::{Applied, Flow},
+    operand::{array_of, level, number},
     plan::MergeOf,
     slots::Slot,
 };
@@ -89,10 +89,7 @@ fn join(rule: MergeRule, values: &[&Variant], separator: &str) -> Result<Variant
             Ok((sum.as_f64() / numbers.len().max(1) as f64).into())
         }
         MergeRule::All | MergeRule::Any => {
-            let levels = values.iter().map(|value| {
-                let level = value.as_scalar().and_then(convert::is_true);
-                level.ok_or_else(|| Fault::type_mismatch("a Boolean or a number is needed here"))
-            });
+            let levels = values.iter().map(|value| level(value));
             let levels = levels.collect::<Result<Vec<bool>, Fault>>()?;
             Ok(if rule == MergeRule::All {
                 levels.iter().all(|l| *l)

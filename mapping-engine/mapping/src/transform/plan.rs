@@ -6,11 +6,12 @@ use asi_model::{BuiltInType, Variant, units::EngineeringUnit};
 
 use super::table::Table;
 use crate::{
-    convert::{Overflow, Rounding},
+    convert::{self, Overflow, Rounding},
     document::{
         Aggregate, CounterInput, EdgeDirection, LateValues, Mapping, MergeRule, OnDecrease,
     },
     expression::Expr,
+    fault::Fault,
     number::Number,
     path::Part,
     state::{StepState, WindowState},
@@ -163,6 +164,28 @@ impl Plan {
             return Vec::new();
         }
         self.functions.iter().map(Function::fresh_state).collect()
+    }
+
+    /// Returns the value at the end of the chain as one of the target's type.
+    ///
+    /// # Errors
+    /// A [`Fault`] where type or rank do not fit, or the number is none of the type's.
+    pub(super) fn coerce(&self, value: Variant) -> Result<Variant, Fault> {
+        let is_rank = match &value {
+            Variant::Null => true,
+            Variant::Scalar(_) => self.target_rank < 1,
+            Variant::Array(array) => {
+                let rank = array.dimensions.as_ref().map_or(1, Vec::len);
+                // 0 is an array of any number of dimensions.
+                usize::try_from(self.target_rank).is_ok_and(|wanted| wanted == rank || wanted == 0)
+            }
+        };
+        if !is_rank {
+            return Err(Fault::type_mismatch(
+                "the chain yields an array where the field is a single value, or the reverse",
+            ));
+        }
+        convert::coerce(value, self.target_type)
     }
 
     /// The steps that are scripts.

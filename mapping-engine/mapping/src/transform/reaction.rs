@@ -1,23 +1,11 @@
-//! What comes of an event at a transform, and what travels meanwhile.
+//! Reactions of a transform to an event.
 
 use std::sync::Arc;
 
 use asi_model::{DataValue, StatusCode, Variant};
 
+use super::flow::Flow;
 use crate::{fault::Fault, quality::Meta};
-
-/// A value on its way through the chain.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Flow {
-    pub value: Variant,
-    pub meta: Meta,
-}
-
-impl Flow {
-    pub fn into_value(self) -> DataValue {
-        self.meta.with(self.value)
-    }
-}
 
 /// What came of an event.
 #[derive(Debug, Clone, PartialEq)]

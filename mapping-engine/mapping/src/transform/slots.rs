@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 
-use super::{Counters, Flow};
+use super::flow::Flow;
 use crate::{
     document::LateValues,
     quality::{Meta, is_source_away, severity},
@@ -14,6 +14,17 @@ use crate::{
 const LATE_MAX: Duration = Duration::from_secs(10);
 /// So many late values in a row are a clock that was set back a little.
 const LATE_IN_A_ROW_MAX: u8 = 16;
+
+/// Numbers of values of all inputs that were not taken as they came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Values older than the newest one of the same variable.
+    pub late: u64,
+    /// Values equal to the one before, its source time included.
+    pub repeated: u64,
+    /// Values that show that the source's clock was set back.
+    pub clock_steps: u64,
+}
 
 /// An input as the transform knows it.
 #[derive(Debug, Default)]

@@ -9,8 +9,8 @@ use std::time::Duration;
 use asi_model::{DateTime, Variant};
 
 use super::{
-    Flow,
-    apply::{Applied, number},
+    flow::{Applied, Flow},
+    operand::number,
     plan::Span,
 };
 use crate::{

@@ -5,8 +5,8 @@ use std::time::Duration;
 use super::{Chain, Code, Compiler};
 use crate::{
     document::{
-        Bit, BitTexts, Counter, Deadband, Enumeration, Lookup, Merge, MergeRule, Scale, Script,
-        Step, Window,
+        Bit, BitTexts, Counter, Deadband, Enumeration, Lookup, Merge, MergeRule, OnDecrease, Parse,
+        RatePeriod, Scale, Script, Step, Threshold, Window,
     },
     expression,
     number::Number,
@@ -55,31 +55,16 @@ impl Compiler<'_> {
             ),
             Step::Counter(counter) => self.counter(pointer, counter)?,
             Step::Edge(edge) => Function::Edge(edge.direction),
-            Step::Threshold(threshold) => {
-                let release = threshold.release.unwrap_or(threshold.limit);
-                if !threshold.limit.is_finite() || !release.is_finite() || release > threshold.limit
-                {
-                    return self.invalid(
-                        pointer,
-                        "release",
-                        "release is a number that is not above the limit",
-                    );
-                }
-                let above = Self::literal(threshold.above.as_ref(), true);
-                let below = Self::literal(threshold.below.as_ref(), false);
-                Function::Threshold(
-                    ThresholdRule { limit: threshold.limit, release, above, below }.into(),
-                )
-            }
+            Step::Threshold(threshold) => self.threshold(pointer, threshold)?,
             Step::Debounce(debounce) => {
                 Function::Debounce(self.span(pointer, "quietMs", debounce.quiet_ms)?)
             }
             Step::Deadband(deadband) => self.deadband(pointer, deadband)?,
             Step::Rate(rate) => Function::Rate(match rate.per {
-                crate::document::RatePeriod::Second => 1.0,
-                crate::document::RatePeriod::Minute => 60.0,
-                crate::document::RatePeriod::Hour => 3600.0,
-                crate::document::RatePeriod::Day => 86_400.0,
+                RatePeriod::Second => 1.0,
+                RatePeriod::Minute => 60.0,
+                RatePeriod::Hour => 3600.0,
+                RatePeriod::Day => 86_400.0,
             }),
             Step::Window(window) => self.window(pointer, window)?,
             Step::Lookup(lookup) => self.lookup(pointer, lookup)?,
@@ -90,22 +75,7 @@ impl Compiler<'_> {
             Step::Bit(Bit { bit }) => Function::Bit(*bit),
             Step::BitTexts(texts) => self.bit_texts(pointer, texts)?,
             Step::Format(format) => self.format(pointer, &format.template)?,
-            Step::Parse(parse) => {
-                if parse
-                    .radix
-                    .is_some_and(|radix| !(2..=36).contains(&radix) || !parse.to.0.is_integer())
-                {
-                    return self.invalid(
-                        pointer,
-                        "radix",
-                        "a radix is 2 to 36, and goes with an integer type",
-                    );
-                }
-                match Pattern::new(parse) {
-                    Ok(pattern) => Function::Parse(pattern.into()),
-                    Err(message) => return self.invalid(pointer, "pattern", message),
-                }
-            }
+            Step::Parse(parse) => self.parse(pointer, parse)?,
             Step::Expression(expression) => self.expression(pointer, &expression.expression)?,
             Step::Merge(merge) => self.merge(pointer, merge)?,
             Step::Script(script) => self.script(pointer, script, chain)?,
@@ -150,7 +120,7 @@ impl Compiler<'_> {
         &mut self,
         pointer: &str,
         modulus: Option<Number>,
-        on_decrease: crate::document::OnDecrease,
+        on_decrease: OnDecrease,
     ) -> Option<CountRule> {
         if modulus.is_some_and(|modulus| !modulus.is_finite() || modulus <= Number::ZERO) {
             return self.invalid(
@@ -171,6 +141,30 @@ impl Compiler<'_> {
         Some(Function::Counter(
             CounterRule { counts: counter.counts, start: counter.start, rule, reset_by }.into(),
         ))
+    }
+
+    fn threshold(&mut self, pointer: &str, threshold: &Threshold) -> Option<Function> {
+        let limit = threshold.limit;
+        let release = threshold.release.unwrap_or(limit);
+        if !limit.is_finite() || !release.is_finite() || release > limit {
+            let rule = "release is a number that is not above the limit";
+            return self.invalid(pointer, "release", rule);
+        }
+        let above = Self::literal(threshold.above.as_ref(), true);
+        let below = Self::literal(threshold.below.as_ref(), false);
+        Some(Function::Threshold(ThresholdRule { limit, release, above, below }.into()))
+    }
+
+    fn parse(&mut self, pointer: &str, parse: &Parse) -> Option<Function> {
+        let is_radix = |radix| (2..=36).contains(&radix) && parse.to.0.is_integer();
+        if parse.radix.is_some_and(|radix| !is_radix(radix)) {
+            let rule = "a radix is 2 to 36, and goes with an integer type";
+            return self.invalid(pointer, "radix", rule);
+        }
+        match Pattern::new(parse) {
+            Ok(pattern) => Some(Function::Parse(pattern.into())),
+            Err(message) => self.invalid(pointer, "pattern", message),
+        }
     }
 
     fn deadband(&mut self, pointer: &str, deadband: &Deadband) -> Option<Function> {

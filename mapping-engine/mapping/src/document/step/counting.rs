@@ -1,0 +1,73 @@
+//! Steps that count: increments of a counter and their sum.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::number::Number;
+
+/// How much a counter went on since its last value. The first value yields nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Increment {
+    /// How many values the counter has before it starts again at zero (65536 for a UInt16); it does
+    /// not wrap where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modulus: Option<Number>,
+    /// What a decrease means that is no wrap.
+    #[serde(default)]
+    pub on_decrease: OnDecrease,
+}
+
+/// What it means when a counter's value gets smaller and that is no wrap.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
+)]
+#[serde(rename_all = "camelCase")]
+pub enum OnDecrease {
+    /// The counter was reset to zero and has counted to its value since.
+    #[default]
+    Reset,
+    /// The counter was set; nothing was counted.
+    Set,
+    /// It counts downwards too: the increment is negative.
+    Subtract,
+}
+
+/// The sum of a counter's increments, across wraps, resets and restarts of machine and connector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Counter {
+    /// What is counted; by the type of the value where absent: increments of numbers, rising edges
+    /// of Booleans.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts: Option<CounterInput>,
+    /// Where it starts.
+    #[serde(default = "zero")]
+    pub start: Number,
+    /// As in `increment`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modulus: Option<Number>,
+    /// As in `increment`.
+    #[serde(default)]
+    pub on_decrease: OnDecrease,
+    /// An input that sets the sum back to `start` when it becomes true (or not zero).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reset_by: Option<String>,
+}
+
+/// What a `counter` counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum CounterInput {
+    /// How much the number went on.
+    Increments,
+    /// How often the value became true (or not zero).
+    RisingEdges,
+    /// How many values came.
+    Values,
+}
+
+const fn zero() -> Number {
+    Number::ZERO
+}

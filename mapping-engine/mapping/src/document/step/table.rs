@@ -1,0 +1,93 @@
+//! Steps that give values and bits a meaning by a table.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::document::Literal;
+
+/// From values to values by a table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Lookup {
+    /// The table. Numbers match by value whatever their types, texts exactly.
+    #[schema(max_items = 1024)]
+    pub entries: Vec<LookupEntry>,
+    /// What is yielded for a value that is not in the table; a fault where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub otherwise: Option<Literal>,
+    /// Between two numeric entries, interpolate linearly; outside, the nearest entry.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub interpolate: bool,
+}
+
+/// One line of a lookup table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct LookupEntry {
+    /// The value that comes in.
+    pub from: Literal,
+    /// The value that goes out.
+    pub to: Literal,
+}
+
+/// From the numbers of an enumeration to texts.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Enumeration {
+    /// Number to text.
+    #[schema(max_items = 1024)]
+    pub texts: Vec<EnumerationText>,
+    /// The text for any other number; the number itself in digits where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub otherwise: Option<String>,
+}
+
+/// The text of one number of an enumeration.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct EnumerationText {
+    /// The number.
+    pub value: i64,
+    /// Its text.
+    pub text: String,
+}
+
+/// One bit of an integer, as Boolean.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Bit {
+    /// 0 is the lowest.
+    #[schema(maximum = 63)]
+    pub bit: u8,
+}
+
+/// The texts of all bits that are set, in their order.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct BitTexts {
+    /// What the bits mean; others are left out.
+    #[schema(max_items = 64)]
+    pub bits: Vec<BitText>,
+    /// What stands between two texts.
+    #[serde(default = "comma")]
+    pub separator: String,
+    /// The text when none of the bits is set.
+    #[serde(default)]
+    pub none: String,
+}
+
+/// What a bit means.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct BitText {
+    /// 0 is the lowest.
+    #[schema(maximum = 63)]
+    pub bit: u8,
+    /// Its text.
+    pub text: String,
+}
+
+fn comma() -> String {
+    ", ".to_owned()
+}

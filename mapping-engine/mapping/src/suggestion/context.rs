@@ -1,0 +1,103 @@
+//! Facts that suggestions are made from: the field, the variables, earlier decisions.
+
+use asi_model::{BuiltInType, NodeId, network::Semantic, units as unece};
+use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
+
+/// What a partner wants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WantedField {
+    /// The field's name.
+    pub name: String,
+    /// Its built-in type.
+    pub value_type: BuiltInType,
+    /// Its ValueRank: -1 scalar.
+    pub value_rank: i32,
+    /// Its unit.
+    pub unit: Option<String>,
+    /// Its meaning.
+    pub semantic: Option<Semantic>,
+    /// What is said about field, request, operation and product, in words.
+    pub descriptions: Vec<String>,
+    /// The asset that the operation is done with, where the network names one.
+    pub asset: Option<String>,
+}
+
+/// A variable of a local server.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownVariable {
+    /// The server.
+    pub source_id: SourceId,
+    /// The variable.
+    pub node_id: NodeId,
+    /// Its own name.
+    pub name: String,
+    /// The names above it, outermost first.
+    pub path: Vec<String>,
+    /// What the server says about it.
+    pub description: Option<String>,
+    /// The built-in type of its value.
+    pub value_type: Option<BuiltInType>,
+    /// Its ValueRank.
+    pub value_rank: Option<i32>,
+    /// Its unit.
+    pub unit: Option<String>,
+    /// The names of its type and of the types above it, as companion specifications call them.
+    pub type_names: Vec<String>,
+    /// A value of it, as number.
+    pub value: Option<f64>,
+}
+
+impl KnownVariable {
+    /// A variable as a list of all of a server's shows it: names and types of what stands above,
+    /// nothing of its value.
+    #[must_use]
+    pub fn listed(source_id: &SourceId, variable: &ListedVariable) -> Self {
+        let (_, above) = variable.browse_path.0.split_last().unzip();
+        Self {
+            source_id: source_id.clone(),
+            node_id: variable.node_id.clone(),
+            name: variable.display_name.clone(),
+            path: above
+                .into_iter()
+                .flatten()
+                .filter_map(|element| element.name.as_deref().map(str::to_owned))
+                .collect(),
+            description: None,
+            value_type: None,
+            value_rank: None,
+            unit: None,
+            type_names: variable.type_names.iter().map(|name| (**name).to_owned()).collect(),
+            value: None,
+        }
+    }
+
+    /// With what browsing shows of it.
+    #[must_use]
+    pub fn described(self, node: &BrowsedNode) -> Self {
+        Self {
+            description: node.description.clone(),
+            value_type: node.built_in_type,
+            value_rank: node.value_rank,
+            unit: node.unit.as_ref().and_then(|unit| unit.code.clone()),
+            ..self
+        }
+    }
+}
+
+/// What an engineer of this factory decided before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PastDecision {
+    /// The field's name.
+    pub field_name: String,
+    /// Its meaning.
+    pub semantic: Option<Semantic>,
+    /// The server it was mapped to.
+    pub source_id: SourceId,
+    /// The variable it was mapped to.
+    pub node_id: NodeId,
+}
+
+/// Returns the unit of measurement with this UNECE code or alias.
+pub(super) fn unit(name: Option<&str>) -> Option<unece::EngineeringUnit> {
+    unece::lookup(name?)
+}
