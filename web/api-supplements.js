@@ -106,7 +106,7 @@ export const connectorSupplements = () => ({
     SpoolStatus: object({ waiting: count, sent: count, bytes: count }, { oldestAt: optionalText }),
     TwinStatus: object({}, { endpointUrl: optionalText }),
     OperatorProblem: object({ text, since: text, toldBy: text }),
-    // Any part of a policy and of what is monitored may be left out.
+    // Any part of a policy and of the monitoring options may be left out.
     DisclosurePolicy: withoutDefaults,
     MonitorOptions: withoutDefaults,
     Identity: (/** @type {{ oneOf: { properties: object }[] }} */ known) => ({

@@ -5,10 +5,9 @@ import type { UserConfig } from 'vite'
 const here = fileURLToPath(new URL('.', import.meta.url))
 
 /**
- * One single-page app of this package.
- *
- * The daemons serve the result under a policy that allows scripts, styles and fonts from themselves only, so nothing may
- * be inlined: neither the module-preload helper nor small assets.
+ * Build configuration of one single-page app. The daemons' content security policy allows scripts,
+ * styles and fonts only from themselves, so nothing may be inlined: neither the module-preload
+ * helper nor small assets.
  */
 export function app(name: 'engineer' | 'partner', backend: string): UserConfig {
   return {

@@ -12,7 +12,8 @@ export default defineConfig({
     environment: 'jsdom',
     include: ['**/*.test.ts'],
     exclude: ['node_modules/**', 'dist/**'],
-    // One browser environment for all files of a worker: making one for each took two thirds of the time.
+    // All files of a worker share one browser environment: creating one for each took two thirds of
+    // the time.
     isolate: false,
     pool: 'threads',
     setupFiles: ['./vitest.setup.ts'],

@@ -11,8 +11,8 @@ export interface Asked {
 type Answer = (asked: Asked) => unknown
 
 /**
- * Stands in for the daemon: answers by `METHOD /path`, whatever the query; anything else is not found. Returns what was
- * asked, in its order.
+ * Stands in for the daemon. Answers by `METHOD /path`, ignoring the query, and with 404 otherwise.
+ * Returns the log of requests.
  */
 export function serve(answers: Record<string, Answer>): Asked[] {
   const log: Asked[] = []

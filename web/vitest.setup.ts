@@ -13,7 +13,7 @@ if (typeof window !== 'undefined') {
     removeListener: () => undefined,
     dispatchEvent: () => false,
   })
-  // Nor does it lay anything out.
+  // Nor does it compute layout.
   window.ResizeObserver = class {
     observe = (): void => undefined
     unobserve = (): void => undefined

@@ -1,6 +1,6 @@
 import type { Locator } from '@playwright/test'
 
-/** Counts what a person does: clicks (of the mouse or a finger) and texts typed. Waiting and looking cost nothing. */
+/** Counts what a person does: clicks (mouse or finger) and texts typed. */
 export class Counted {
   readonly clicks: string[] = []
   readonly texts: string[] = []

@@ -4,9 +4,9 @@ import { connector } from './world.ts'
 
 const CLICKS_MAX = 20
 const TEXTS_MAX = 5
-/** A machine's OPC UA server that shows a certificate nobody trusts yet. */
+/** URL of a machine's OPC UA server whose certificate is not trusted yet. */
 const MACHINE = process.env['MACHINE_URL'] ?? ''
-/** A field that a partner has asked for and that the machine can answer. */
+/** Field that a partner requested and the machine can answer. */
 const FIELD = 'spindlePower'
 
 test('from an empty installation to the first mapped field', async ({ page }) => {

@@ -37,7 +37,7 @@ async function operations(page: Page): Promise<Operation[]> {
   ).items
 }
 
-/** What the connector has of this operator, in the order in which it was entered. */
+/** Entries of this operator at the connector, in order of their time. */
 async function entries(page: Page, operation: Operation): Promise<Entry[]> {
   const { items } = await api<{ items: Entry[] }>(
     page.request,
@@ -49,7 +49,7 @@ async function entries(page: Page, operation: Operation): Promise<Entry[]> {
     .toSorted((a, b) => a.madeAt.localeCompare(b.madeAt))
 }
 
-/** The page is kept by the browser, so that it opens without a network. */
+/** Returns whether the browser has stored the page, so that it opens without a network. */
 async function isKept(page: Page): Promise<boolean> {
   return page.evaluate(async () => {
     const script = document.querySelector<HTMLScriptElement>('script[src]')?.src ?? ''

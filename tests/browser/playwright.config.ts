@@ -1,8 +1,8 @@
 import { defineConfig, devices } from '@playwright/test'
 
 /**
- * Drives both pages in Debian's Chromium against daemons that run already; `world.ts` says by which variables they are
- * found. One worker: the tests share one world and change it.
+ * Runs both pages in Debian's Chromium against running daemons; `world.ts` reads their addresses
+ * from the environment. One worker, as the tests share and change one world.
  */
 export default defineConfig({
   outputDir: '../../target/browser',

@@ -5,7 +5,10 @@ const REQUESTS = 2_000
 const FIELDS_PER_REQUEST = 10
 const NETWORKS = 10
 const OPERATIONS_PER_NETWORK = 20
-/** The field of each request that a rule opens: it is in the ledger then, in the leak budget and among what rules decided. */
+/**
+ * Field of each request that a rule opens; it then appears in the ledger, the leak budget and the
+ * decisions of rules.
+ */
 const OPENED = 'value0'
 const INTERACTION_MS_MAX = 200
 const PAINT_MS_MAX = 1_000

@@ -1,7 +1,7 @@
 import { expect, test, type Locator, type Page } from '@playwright/test'
 import { api, connector, platform, signedIn, signIn } from './world.ts'
 
-/** A variable of a machine that counts, from the Objects folder down, and the source it belongs to. */
+/** Source of a machine and the path of a counter in it, from the Objects folder. */
 const SOURCE = process.env['STORY_SOURCE'] ?? 'MillingCell1'
 const NODE_PATH = (process.env['STORY_NODE'] ?? 'MillingCell1/Production/PartCounter').split('/')
 
@@ -21,7 +21,7 @@ interface View {
   }
 }
 
-/** The first operation of the connector's factory that makes something, with the network it stands in. */
+/** Returns the first production operation of the connector's factory, with its network. */
 async function place(
   partner: Page,
   engineer: Page,

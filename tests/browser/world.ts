@@ -7,7 +7,7 @@ import {
   type Page,
 } from '@playwright/test'
 
-/** A daemon with its page, and who signs in there. */
+/** Daemon with its page and a user who can sign in. */
 export interface Site {
   app: 'engineer' | 'partner'
   url: string
@@ -49,7 +49,10 @@ export async function signIn(page: Page, site: Site): Promise<void> {
 
 const sessions = new Map<string, Awaited<ReturnType<BrowserContext['storageState']>>>()
 
-/** A browser that is signed in already: each site is signed in to once, as attempts to sign in are throttled. */
+/**
+ * Opens a page that is signed in. Each site is signed in to once, as sign-in attempts are
+ * throttled.
+ */
 export async function signedIn(
   browser: Browser,
   site: Site,
@@ -102,7 +105,7 @@ interface Items<T> {
   items: T[]
 }
 
-/** A place in an app, and what to do there to see all of it. */
+/** Page of an app, with the steps that show all of it. */
 export interface Place {
   name: string
   hash: string
@@ -285,14 +288,14 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
   ]
 }
 
-/** Opens a place and waits until it has what it shows. */
+/** Opens a page and waits until its data is loaded. */
 export async function visit(page: Page, site: Site, hash: string): Promise<void> {
   await page.goto(`${site.url.replace(/\/$/, '')}/${hash}`)
   await expect(page.locator('main h1')).toBeVisible()
   await expect(page.locator('main .loading')).toHaveCount(0)
 }
 
-/** Opens a place anew, also where the one before was at the same address, and does what is to be done there. */
+/** Opens a page again, also at the same address as before, and performs its steps. */
 export async function enter(page: Page, site: Site, { hash, act }: Place): Promise<void> {
   if (act !== undefined) await page.goto('about:blank')
   await visit(page, site, hash)

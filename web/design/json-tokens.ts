@@ -6,7 +6,7 @@ export interface Token {
 const PATTERN =
   /("(?:[^"\\]|\\.)*")(\s*:)?|(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)|(true|false|null)|([^"\d-]+|-)/g
 
-/** JSON text cut into coloured pieces; joined they are the text, whatever it was. */
+/** Splits JSON text into coloured tokens; joined they are the text again, also for invalid JSON. */
 export function tokens(text: string): Token[] {
   const result: Token[] = []
   let end = 0

@@ -21,7 +21,7 @@ class Toasts {
     }, SHOWN_MS)
   }
 
-  /** Says what went wrong in the server's words. */
+  /** Shows the server's description of a problem. */
   problem(thrown: unknown): void {
     this.show('bad', Problem.from(thrown).message)
   }
@@ -31,5 +31,5 @@ class Toasts {
   }
 }
 
-/** Short news about what the reader just did. */
+/** Short messages about the reader's last actions. */
 export const toasts = new Toasts()

@@ -1,7 +1,7 @@
 import type { Severity } from '@/format/status'
 import type { IconName } from './icons'
 
-/** What a colour means. Colour never stands alone: there is always a word or an icon with it. */
+/** Meaning of a colour. A word or an icon always goes with it. */
 export type Tone = 'good' | 'warn' | 'bad' | 'info' | 'violet' | 'accent' | 'idle'
 
 export function mappingTone(state: string): Tone {

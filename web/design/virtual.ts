@@ -1,4 +1,7 @@
-/** Where items of a long list lie when each has a height of its own. Pure arithmetic; the component around it measures. */
+/**
+ * Positions of the items of a long list, each with its own height. Pure arithmetic; the component
+ * measures.
+ */
 export interface Layout {
   /** The top of every item, and behind the last one the height of all. */
   offsets: Float64Array
@@ -11,7 +14,7 @@ export function layOut(heights: (index: number) => number, count: number): Layou
   return { offsets }
 }
 
-/** Which items touch the stretch between `from` and `to`: the first one, and the one behind the last. */
+/** Range of the items between `from` and `to`: the first index and the index behind the last. */
 export function within(
   { offsets }: Layout,
   from: number,

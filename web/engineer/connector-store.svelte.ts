@@ -15,8 +15,8 @@ const TOGETHER_MS = 100
 type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' | 'refreshSoon'>
 
 /**
- * Shared state of the pages: status of the connector and totals of all fields. Requests can be many,
- * so each page reads those that it shows and registers them here to have them updated by events.
+ * Shared state of the pages: status of the connector and totals of all fields. Requests can be
+ * many, so each page reads those that it shows and registers them here for updates by events.
  */
 class ConnectorStore {
   readonly status = new Resource<LinkedStatus>(async (signal) =>
@@ -103,7 +103,10 @@ class ConnectorStore {
     }
   }
 
-  /** Collects values of events, which may come often, so that the page is drawn a few times a second. */
+  /**
+   * Collects values of events, which may come often, so that the page is drawn a few times a
+   * second.
+   */
   #take(event: unknown): void {
     if (event === null || typeof event !== 'object' || !('key' in event)) {
       this.refreshSoon()

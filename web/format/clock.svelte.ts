@@ -1,4 +1,4 @@
-/** The time, ticking once a second, as the server tells it: ages stay right on a tablet whose clock is wrong. */
+/** Time of the server, updated every second. Ages stay right on a device whose clock is wrong. */
 class Clock {
   now = $state(Date.now())
   #ahead = 0
@@ -7,7 +7,10 @@ class Clock {
     setInterval(() => (this.now = Date.now() + this.#ahead), 1000)
   }
 
-  /** Corrects for this machine's clock. `Date` headers count whole seconds, so small differences are left alone. */
+  /**
+   * Corrects for the device's clock. `Date` headers have whole seconds, so small differences are
+   * ignored.
+   */
   heard(date: string | null): void {
     const server = date === null ? Number.NaN : Date.parse(date)
     if (Number.isNaN(server)) return

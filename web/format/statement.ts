@@ -3,7 +3,7 @@ import { en } from '@/language/en'
 import { language, type LanguageCode } from '@/language/language.svelte'
 import { weekday } from './time'
 
-/** A part of a precision as partners are told it: a code with its parameters. */
+/** Part of a precision: a code with its parameters. */
 export type StatementPart =
   | { code: 'UNCHANGED' | 'WITHHELD' }
   | { code: 'AGGREGATED'; function: string; windowMs: number }
@@ -25,8 +25,8 @@ const SIZES = [
 ] as const
 
 /**
- * A precision in the reader's words. What the connector says in English is taken where it has no parts, or one that this
- * page does not know.
+ * Text of a precision in the chosen language. The connector's English text is used where parts are
+ * missing or unknown.
  */
 export function statementText(
   parts: readonly StatementPart[] | undefined,
@@ -35,7 +35,7 @@ export function statementText(
   return sentence(parts ?? [], language.code) ?? english
 }
 
-/** A precision as one sentence; in English the one that the connector tells. Nothing where a part is not known. */
+/** Precision as one sentence, in English the connector's own; `undefined` if a part is unknown. */
 export function sentence(parts: readonly StatementPart[], code: LanguageCode): string | undefined {
   const said = parts.map((part) => partText(part, code))
   if (said.length === 0 || said.includes(undefined)) return undefined

@@ -2,7 +2,10 @@ import { words } from '@/language/words'
 
 export type Severity = 'good' | 'uncertain' | 'bad'
 
-/** OPC UA status codes that a field or an input can have here, by the upper half of the code (OPC 10000-6, annex A). */
+/**
+ * OPC UA status codes that a field or an input can have, by the upper half of the code (OPC
+ * 10000-6, annex A).
+ */
 const NAMES: Record<number, string> = {
   0x0000: 'Good',
   0x0030: 'GoodClamped',
@@ -24,7 +27,7 @@ const NAMES: Record<number, string> = {
   0x408f: 'UncertainNoCommunicationLastUsableValue',
 }
 
-/** The standard's name of a status given as code or name; the code itself where it is a rare one. */
+/** Standard name of a status given as code or name; the code itself if it is not in the list. */
 export function statusName(status: number | string | null | undefined): string {
   if (status === null || status === undefined) return 'Good'
   if (typeof status === 'string') return status
@@ -40,7 +43,7 @@ export function severity(status: number | string | null | undefined): Severity {
   return status.startsWith('Bad') ? 'bad' : 'good'
 }
 
-/** The status in the reader's words. */
+/** Text of a status in the chosen language. */
 export function statusText(status: number | string | null | undefined): string {
   const name = statusName(status)
   return words.status[name] ?? name

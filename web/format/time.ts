@@ -6,7 +6,7 @@ const MINUTE = 60 * SECOND
 const HOUR = 60 * MINUTE
 const DAY = 24 * HOUR
 
-/** How long ago, as one rounded-down figure: "12 s ago". */
+/** Age as one rounded-down figure: "12 s ago". */
 export function age(at: number, now: number): string {
   const past = now - at
   if (past < -SECOND) return words.age.future(span(-past))
@@ -36,7 +36,9 @@ export function span(milliseconds: number): string {
   return `${decimal(whole)} ${name} ${decimal(remainder)} ${rest[1]}`
 }
 
-/** An ISO 8601 duration without years and months in milliseconds; `undefined` where it is not one. */
+/**
+ * Parses an ISO 8601 duration without years and months to milliseconds; `undefined` if it is none.
+ */
 export function isoDuration(text: string): number | undefined {
   const match = /^P(?:(\d+)W)?(?:(\d+)D)?(?:T(?:(\d+)H)?(?:(\d+)M)?(?:(\d+(?:\.\d+)?)S)?)?$/.exec(
     text,

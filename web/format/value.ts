@@ -1,7 +1,7 @@
 import { language } from '@/language/language.svelte'
 import { words } from '@/language/words'
 
-/** A value for reading. Every digit that was sent is shown: precision is what disclosure is about. */
+/** Text of a value. All digits are shown, as precision is decided by disclosure. */
 export function valueText(value: unknown): string {
   if (value === null || value === undefined) return words.value.none
   if (typeof value === 'number') return numberText(value)
@@ -27,7 +27,7 @@ export function valueNumber(value: unknown): number | undefined {
   return body === undefined ? undefined : valueNumber(body.value)
 }
 
-/** Bytes as people say them. */
+/** Text of a number of bytes in the fitting unit. */
 export function bytesText(bytes: number): string {
   const units = ['B', 'KiB', 'MiB', 'GiB']
   let size = bytes

@@ -18,14 +18,13 @@ class Language {
   }
 }
 
-/** The language in use: the one chosen before, else the first of the browser's that we speak, else English. */
+/** Chosen language: the stored one, else the first known one of the browser, else English. */
 export const language = new Language()
 document.documentElement.lang = language.code
 
 /**
- * A catalogue of texts that follows the language in use: reading `words.section.text` in a template is reactive.
- *
- * Both languages have one type, so that a text missing in either is a compile error.
+ * Catalogue of texts that follows the chosen language: reading `words.section.text` in a template
+ * is reactive. Both languages have one type, so that a text missing in either is a compile error.
  */
 export function catalogue<T extends object>(texts: Record<LanguageCode, T>): T {
   return new Proxy(texts.en, {

@@ -1,6 +1,6 @@
 import { tick } from 'svelte'
 
-/** Where the reader is: the parts of the address after `#/`, decoded. The first part names the page. */
+/** Address of the page: the decoded parts after `#/`. The first part names the page. */
 class Router {
   parts = $state.raw<string[]>(read())
 
@@ -18,7 +18,7 @@ class Router {
 
 export const router = new Router()
 
-/** The link to a page. Ids may contain anything. */
+/** Link to a page. Ids may contain any character. */
 export function to(...parts: string[]): string {
   return `#/${parts.map(encodeURIComponent).join('/')}`
 }

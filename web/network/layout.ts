@@ -1,4 +1,4 @@
-/** Where the boxes of a layered graph stand, left to right. Sizes are in the units of the drawing. */
+/** Positions of the boxes of a layered graph, left to right, in drawing units. */
 export interface Layout {
   width: number
   height: number
@@ -21,8 +21,9 @@ interface Edge {
 const SWEEPS = 6
 
 /**
- * Layers by the longest path from a start, then orders each layer by the mean position of its neighbours, back and
- * forth, which removes most crossings. Edges that would close a cycle are left out of the layering.
+ * Layers operations by the longest path from a start, then orders each layer by the mean position
+ * of its neighbours, back and forth, which removes most crossings. Edges that close a cycle are
+ * ignored.
  */
 export function layered(
   ids: readonly string[],
@@ -82,7 +83,8 @@ function longestPaths(ids: readonly string[], edges: readonly Edge[]): Map<strin
   const lengths = new Map(ids.map((id) => [id, measure(id)]))
   const deepest = Math.max(0, ...lengths.values())
   const layers = new Map(ids.map((id) => [id, deepest - (lengths.get(id) ?? 0)]))
-  // What has no predecessor stands directly before its first successor already; what has no edges at all stands first.
+  // An operation without predecessors is directly before its first successor already; one without
+  // edges is first.
   for (const id of ids)
     if (!edges.some((edge) => edge.from === id || edge.to === id)) layers.set(id, 0)
   return layers

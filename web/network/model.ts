@@ -1,7 +1,7 @@
 import { isoDuration, shortMoment, span } from '@/format/time'
 import { words } from '@/language/words'
 
-/** An operation as graph and timeline draw it, whoever owns it. */
+/** Operation as the graph and the timeline draw it. */
 export interface GraphOperation {
   operationId: string
   name: string
@@ -45,7 +45,7 @@ export function conditionText(condition: DrawnCondition): string {
   return words.condition[condition.conditionKind]?.(what) ?? condition.conditionKind
 }
 
-/** How far an operation is, 0 to 1: by its own word, else by quantities. */
+/** Progress of an operation, 0 to 1: the reported share, else from its quantities. */
 export function completion(operation: GraphOperation): number | undefined {
   if (operation.percentComplete !== undefined)
     return Math.min(1, Math.max(0, operation.percentComplete / 100))

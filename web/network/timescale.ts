@@ -5,9 +5,9 @@ export interface Timescale {
   start: number
   end: number
   ticks: number[]
-  /** How far apart the ticks are, in milliseconds. */
+  /** Distance of the ticks in milliseconds. */
   step: number
-  /** Share of the width, 0 to 1, where a moment lies. */
+  /** Returns the position of a moment as a share of the width, 0 to 1. */
   at: (moment: number) => number
 }
 
@@ -33,7 +33,9 @@ const STEPS = [
 ]
 const TICKS_MAX = 5
 
-/** A scale on which all planned and actual times and the present have a place; `undefined` without any. */
+/**
+ * Scale that covers all planned and actual times and the present; `undefined` if there are none.
+ */
 export function timescale(
   operations: readonly GraphOperation[],
   now: number,

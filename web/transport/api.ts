@@ -28,7 +28,7 @@ type Answer<Operation> =
     ? Content
     : undefined
 
-/** A member that is left out where there is nothing to say, and required where there is. */
+/** Optional member if its value may be empty, and required member otherwise. */
 type Member<Name extends string, Value> = [Value] extends [never]
   ? unknown
   : Record<never, never> extends Value
@@ -91,7 +91,7 @@ export class Api<Paths> {
     return send('POST', path, { ...(input as AnyInput), ...file })
   }
 
-  /** Has the browser keep a file under the name that the daemon gives it. */
+  /** Downloads a file to the browser under the name that the daemon gives it. */
   download<Path extends PathWith<Paths, 'get'>>(
     path: Path,
     input: Parameters<OperationOf<Paths[Path], 'get'>>,

@@ -3,7 +3,9 @@ import { Problem } from './problem'
 
 const TIMEOUT_MS = 15_000
 
-/** Set by the session: the token that changes need, and what to do when the server no longer knows us. */
+/**
+ * Credentials of the session: the CSRF token of changes, and the reaction to an expired session.
+ */
 export const credentials: { csrfToken: string | undefined; onExpired: () => void } = {
   csrfToken: undefined,
   onExpired: () => undefined,
@@ -18,7 +20,7 @@ export interface RequestOptions {
   /** The version that was read: the change is refused where another came in between. */
   ifMatch?: number
   signal?: AbortSignal
-  /** For what takes longer than usual. */
+  /** Timeout of an operation that takes longer than usual, in ms. */
   timeoutMs?: number
   /** The one call that may be answered 401 without ending the session: signing in. */
   signingIn?: boolean
@@ -26,7 +28,7 @@ export interface RequestOptions {
 
 type Method = 'GET' | 'POST' | 'PUT' | 'DELETE'
 
-/** Where a path of the API is, for a link that the browser follows by itself. */
+/** Address of an API path for a link that the browser follows. */
 export function address(path: string): string {
   return `/api/v1${path}`
 }
@@ -70,7 +72,7 @@ export async function request<T>(
   return (await response.json()) as T
 }
 
-/** Fetches a file of the API and hands it to the browser to keep, under the name that the server gives it. */
+/** Downloads a file of the API under the name that the server gives it. */
 export async function download(path: string): Promise<void> {
   const response = await fetch(address(path), {
     credentials: 'same-origin',

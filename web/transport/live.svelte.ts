@@ -9,11 +9,10 @@ const BACKOFF_MAX_MS = 15_000
 type Listener = (event: unknown) => void
 
 /**
- * The server's stream of events.
- *
- * The browser reconnects by itself and names the last event it saw, so that the server can send what was missed. When
- * it gave up (the server answered with an error), we start again with a growing pause. After every interruption the
- * pages are told to catch up, so that they are right even where the server's memory of events was too short.
+ * Server-sent events of a daemon. The browser reconnects and sends the last event id, so that the
+ * server can send missed events. If it gives up after an error, the feed starts again with growing
+ * pauses. After every interruption the pages read their state again, as the server may not remember
+ * all missed events.
  */
 export class LiveFeed {
   state = $state<FeedState>('connecting')
@@ -42,7 +41,7 @@ export class LiveFeed {
       this.#pause = BACKOFF_MIN_MS
       this.#become('live')
       this.#wasLive = true
-      // Also the first time: what happened between reading the page's state and listening is in no event we got.
+      // Also after the first connection: events between reading the state and listening are missed.
       this.#catchUp()
     }
     source.onerror = () => {
@@ -77,13 +76,19 @@ export class LiveFeed {
     }
   }
 
-  /** Calls `catchUp` whenever the stream is back after an interruption. Returns how to stop that. */
+  /**
+   * Calls `catchUp` whenever the stream is back after an interruption. Returns a function that
+   * stops this.
+   */
   onCatchUp(catchUp: () => void): () => void {
     this.#catchUps.add(catchUp)
     return () => this.#catchUps.delete(catchUp)
   }
 
-  /** Keeps something fresh: it is read again on events of these types and after interruptions. */
+  /**
+   * Refreshes resources on events of these types and after interruptions. Returns a function that
+   * stops.
+   */
   keepFresh(types: readonly string[], ...resources: { refreshSoon(): void }[]): () => void {
     const refresh = (): void => {
       for (const each of resources) each.refreshSoon()

@@ -7,10 +7,10 @@ export interface PageOf<T> {
   nextCursor?: string | null
 }
 
-/** A list that is read page by page, as far as somebody asked for; when it is read again, it is read that far. */
+/** List that is read page by page on demand. Reading it again reads as many pages as before. */
 export class PagedList<T> {
   readonly list = new Resource<T[]>((signal) => this.#read(signal))
-  /** Why no more came. */
+  /** Problem of the last attempt to read more. */
   problem = $state.raw<Problem>()
   hasMore = $state(false)
   isReading = $state(false)

@@ -1,4 +1,4 @@
-/** What a problem document (RFC 9457) of the server says, or what stands in for it when none arrived. */
+/** Content of a problem document (RFC 9457) of the server, or a substitute if none arrived. */
 export interface ProblemDocument {
   title: string
   status: number
@@ -38,7 +38,7 @@ export class Problem extends Error {
     })
   }
 
-  /** What anything thrown amounts to. */
+  /** Converts anything thrown to a problem. */
   static from(thrown: unknown): Problem {
     if (thrown instanceof Problem) return thrown
     const detail = thrown instanceof Error ? thrown.message : String(thrown)

@@ -5,10 +5,9 @@ const SOON_MS = 150
 const RETRY_MS = 3_000
 
 /**
- * Something read from the server: its last good value, when that was, and what went wrong since.
- *
- * A value is never thrown away because a refresh failed; it becomes stale and says so. While the server is out of reach
- * it is asked again every few seconds.
+ * Value read from the server: the last good value, its time, and the problem of later reads. A
+ * failed refresh keeps the value, which becomes stale. While the server is out of reach the
+ * resource retries every few seconds.
  */
 export class Resource<T> {
   value = $state.raw<T | undefined>()
@@ -20,7 +19,7 @@ export class Resource<T> {
   #running: AbortController | undefined
   #soon: ReturnType<typeof setTimeout> | undefined
   #again = false
-  /** What events told while a read was under way: what it brings may be older. */
+  /** Changes by events during a read, whose answer may be older. */
   #overtaken: ((value: T) => T)[] = []
 
   constructor(load: (signal: AbortSignal) => Promise<T>) {
@@ -53,7 +52,10 @@ export class Resource<T> {
     }
   }
 
-  /** Reads in a moment; any number of calls within it are one read. A read under way is finished first. */
+  /**
+   * Reads after a short delay; several calls within it make one read. A running read is finished
+   * first.
+   */
   refreshSoon(): void {
     if (this.#running !== undefined) {
       this.#again = true
@@ -73,8 +75,8 @@ export class Resource<T> {
   }
 
   /**
-   * Changes the value because an event told news. A read under way may bring what was before them, and is changed, too:
-   * the change must be one that does nothing where it was made already.
+   * Changes the value by an event. The answer of a running read may be older than the event, so it
+   * is changed, too: the change must have no effect if it was already made.
    */
   amendByEvent(change: (value: T) => T): void {
     if (this.#running !== undefined) this.#overtaken.push(change)
@@ -94,7 +96,10 @@ export class Resource<T> {
   }
 }
 
-/** A resource of a component: read when it appears and whenever what `load` depends on changes, abandoned when it goes. */
+/**
+ * Resource of a component. It is read on mount and whenever a dependency of `load` changes, and
+ * cancelled on unmount.
+ */
 export function resource<T>(load: () => (signal: AbortSignal) => Promise<T>): Resource<T> {
   const current = new Resource<T>((signal) => load()(signal))
   $effect(() => {
@@ -107,7 +112,7 @@ export function resource<T>(load: () => (signal: AbortSignal) => Promise<T>): Re
   return current
 }
 
-/** Reads again every so often while somebody looks, for what no event tells. Returns how to stop. */
+/** Refreshes resources periodically while the page is visible. Returns a function that stops. */
 export function poll(periodMs: number, ...resources: { refreshSoon(): void }[]): () => void {
   const timer = setInterval(() => {
     if (!document.hidden) for (const each of resources) each.refreshSoon()

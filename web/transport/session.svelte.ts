@@ -1,7 +1,7 @@
 import { credentials, request } from './http'
 import { Problem } from './problem'
 
-/** Who is signed in. */
+/** Person who is signed in, with the token for changes. */
 export interface SignedIn {
   userName: string
   role: string
@@ -14,7 +14,10 @@ type State =
   | { is: 'signedIn'; who: SignedIn }
   | { is: 'unreachable'; problem: Problem }
 
-/** Who was signed in last in this browser: enough to let that person's page open while the server is out of reach. */
+/**
+ * Person who was signed in last in this browser. That person's page may open while the server is
+ * out of reach.
+ */
 export interface Known {
   userName: string
   role: string
@@ -35,12 +38,12 @@ class Session {
     return this.state.is === 'signedIn' ? this.state.who : undefined
   }
 
-  /** Who is signed in or, while that cannot be asked, who was. */
+  /** Person who is signed in or, while the server is out of reach, who was last. */
   get known(): Known | undefined {
     return this.who ?? (this.state.is === 'unreachable' ? remembered() : undefined)
   }
 
-  /** Asks the server whether the cookie that this browser holds is still good. */
+  /** Asks the server whether the session cookie is still valid. */
   async resume(): Promise<void> {
     try {
       this.#enter(await request<SignedIn>('GET', '/session', { signingIn: true }))

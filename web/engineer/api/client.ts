@@ -5,7 +5,7 @@ import type { paths } from './generated'
 /** The connector's API. */
 export const connector = new Api<paths>()
 
-/** Path of a requested field; what belongs to the field lies below. */
+/** Path of a requested field; its sub-resources are below it. */
 export const FIELD =
   '/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}' as const
 /** Path of a data request. */

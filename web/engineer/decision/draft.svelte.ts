@@ -10,7 +10,7 @@ import type {
 } from '../api/types'
 import { newStep, type Step } from './step-catalogue'
 
-/** What the engineer is about to decide on a field; nothing of it counts before consent. */
+/** Decision on a field that is being prepared; nothing takes effect before consent. */
 export class Draft {
   source = $state<ValueSource>('MAPPING')
   inputs = $state<MappingInput[]>([])
@@ -30,7 +30,7 @@ export class Draft {
     this.inputs = structuredClone(mapping?.inputs ?? [])
     this.steps = structuredClone(mapping?.steps ?? [])
     this.policyId = field.grounds?.policyId ?? ''
-    // A field that is open for the first time starts with the period that the partner asked for.
+    // The first decision on a field starts with the period that the partner requested.
     const asked: Disclosure = request.updateIntervalMs
       ? { minimumIntervalMs: request.updateIntervalMs }
       : {}
@@ -44,11 +44,11 @@ export class Draft {
 
   get mapping(): Mapping | undefined {
     if (this.source !== 'MAPPING') return undefined
-    // The connector checks the parameters and says what is wrong with them.
+    // The connector checks the parameters and reports faults.
     return { inputs: this.inputs, steps: this.steps as Mapping['steps'] }
   }
 
-  /** Whether there is anything to consent to. */
+  /** Returns whether there is a source to consent to. */
   get isComplete(): boolean {
     return (
       this.source !== 'MAPPING' ||
@@ -57,7 +57,7 @@ export class Draft {
     )
   }
 
-  /** Whether it differs from what it started from. */
+  /** Returns whether the draft differs from the stored decision. */
   get isChanged(): boolean {
     return JSON.stringify(this.decision) !== this.#before
   }
@@ -72,7 +72,7 @@ export class Draft {
     }
   }
 
-  /** Where the first input's type is not the one that is asked for. */
+  /** Difference between the first input's type and the requested one. */
   get typeDifference(): { is: string; wanted: string } | undefined {
     const is = this.inputs[0]?.valueType
     const wanted = this.#wanted.type
@@ -80,7 +80,7 @@ export class Draft {
     return { is, wanted }
   }
 
-  /** Where the first input's unit is not the one that is asked for. */
+  /** Difference between the first input's unit and the requested one. */
   get unitDifference(): { is: string; wanted: string } | undefined {
     const is = this.inputs[0]?.unit
     const wanted = this.#wanted.unit
@@ -104,7 +104,7 @@ export class Draft {
     })
   }
 
-  /** Takes a whole mapping, as a suggestion or a template makes it. Returns how to go back. */
+  /** Adopts a whole mapping from a suggestion or a template. Returns a function that undoes it. */
   adopt(mapping: Mapping): () => void {
     const [inputs, steps, source] = [
       $state.snapshot(this.inputs),
@@ -164,7 +164,7 @@ export class Draft {
   }
 }
 
-/** Without the members that say nothing. */
+/** Returns the policy without empty members. */
 export function tidy(disclosure: Disclosure): Disclosure {
   return Object.fromEntries(
     Object.entries(disclosure).filter(

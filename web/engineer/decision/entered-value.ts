@@ -1,8 +1,8 @@
 const INTEGERS = ['SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32']
 
 /**
- * What a person typed as a JSON value of the field's type; `undefined` where it is none. 64-bit integers stay text, as
- * numbers in JSON are not exact that far. A decimal comma is understood.
+ * Returns a typed text as a JSON value of the field's type, or `undefined` if it is none. 64-bit
+ * integers stay text, as JSON numbers are not exact that far. A decimal comma is accepted.
  */
 export function enteredValue(type: string, written: string): unknown {
   const text = written.trim()

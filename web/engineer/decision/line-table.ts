@@ -1,6 +1,9 @@
 import { parseLiteral, writeLiteral } from './step-catalogue'
 
-/** Parameters that are entered as lines of two columns: lookup entries, texts of an enumeration, texts of bits. */
+/**
+ * Parameters entered as lines of two columns: lookup entries and texts of an enumeration or of
+ * bits.
+ */
 export type TableKind = 'table' | 'texts' | 'bits'
 
 export interface Line {

@@ -6,7 +6,10 @@ import { tidy, type Draft } from './draft.svelte'
 const TYPING_MS = 250
 const LIVE_MS = 1_500
 
-/** The preview of a draft: computed by the connector on live values, again after each change and every other moment. */
+/**
+ * Preview of a draft. The connector computes it from live values after each change and
+ * periodically.
+ */
 export class PreviewRun {
   value = $state.raw<Preview | undefined>()
   problem = $state.raw<Problem | undefined>()
@@ -20,7 +23,7 @@ export class PreviewRun {
     return this.diagnostics.filter((diagnostic) => stepOf(diagnostic) === step)
   }
 
-  /** What keeps the draft from being consented to. */
+  /** Faults that prevent consent. */
   get errors(): Diagnostic[] {
     return this.diagnostics.filter((diagnostic) => diagnostic.severity === 'error')
   }
@@ -69,7 +72,7 @@ export class PreviewRun {
   }
 }
 
-/** The function that a diagnostic is about; `undefined` where it is about the mapping as a whole. */
+/** Index of the function that a diagnostic is about; `undefined` for the mapping as a whole. */
 export function stepOf(diagnostic: Diagnostic): number | undefined {
   const match = /\/steps\/(\d+)(\/|$)/.exec(diagnostic.pointer)
   return match === null ? undefined : Number(match[1])

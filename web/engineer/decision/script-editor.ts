@@ -59,10 +59,8 @@ const looks = EditorView.theme({
 })
 
 /**
- * The JavaScript editor.
- *
- * It lives in a shadow root: there the editor adopts its style sheets instead of writing style elements, which the
- * policy that the pages are served under forbids.
+ * JavaScript editor in a shadow root. There the editor adopts style sheets instead of writing style
+ * elements, which the content security policy forbids.
  */
 export class ScriptEditor {
   readonly #view: EditorView
@@ -98,13 +96,13 @@ export class ScriptEditor {
     })
   }
 
-  /** Puts another text in, where it is another. */
+  /** Replaces the text if it differs. */
   replace(source: string): void {
     if (this.#view.state.doc.toString() === source) return
     this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: source } })
   }
 
-  /** Underlines what the connector finds wrong. */
+  /** Underlines the connector's diagnostics. */
   mark(diagnostics: readonly Diagnostic[]): void {
     const { doc } = this.#view.state
     const marks = diagnostics

@@ -4,7 +4,7 @@ export interface Step {
   [parameter: string]: unknown
 }
 
-/** How a parameter of a function is entered. */
+/** Input control of a parameter. */
 export type ParameterKind =
   | { is: 'number' }
   | { is: 'text'; wide?: boolean }
@@ -29,7 +29,7 @@ export interface Parameter {
 export interface StepKind {
   function: string
   parameters: readonly Parameter[]
-  /** What a new one starts with. */
+  /** Initial parameters of a new function. */
   initial: Step
 }
 
@@ -175,7 +175,10 @@ export function newStep(name: string): Step {
   return structuredClone(stepKind(name)?.initial ?? { function: name })
 }
 
-/** The function with one parameter changed; an empty one is left out, as the connector then takes its default. */
+/**
+ * Returns the function with one parameter changed. An empty parameter is left out, so that the
+ * connector uses its default.
+ */
 export function withParameter(step: Step, parameter: Parameter, value: unknown): Step {
   const { [parameter.name]: _, ...others } = step
   const isEmpty =
@@ -187,7 +190,10 @@ export function withParameter(step: Step, parameter: Parameter, value: unknown):
   ) as Step
 }
 
-/** A literal as it is written in a form: `true`, `12`, `0.5` and text; quotes make text of what looks otherwise. */
+/**
+ * Text of a literal in a form: `true`, `12`, `0.5` or text. Quotes mark text that looks like
+ * another type.
+ */
 export function parseLiteral(written: string): unknown {
   const trimmed = written.trim()
   if (trimmed === '') return undefined

@@ -7,7 +7,7 @@ export interface Match {
 }
 
 /**
- * The fields that are looked for, in requests that the connector has found: it finds whole requests, by all words and by
+ * Returns the fields that match the search. The connector finds whole requests, by all words and by
  * the state of any field.
  */
 export function matching(

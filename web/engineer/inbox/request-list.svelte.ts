@@ -3,18 +3,18 @@ import { Resource } from '@/transport/resource.svelte'
 import { connector, REQUEST } from '../api/client'
 import type { FieldKey, InboxAnswer, InboxQuery, InboxRequest } from '../api/types'
 
-/** Requests that are read at once while somebody scrolls, and at most. */
+/** Requests read at once while the list scrolls, and the largest page. */
 const PAGE = 40
 const PAGE_MAX = 200
 const PAGES_MAX = 100
 
-/** The requests that a query means, read as far as somebody has scrolled. */
+/** Requests that match a query, read as far as the list was scrolled. */
 export class RequestList {
   readonly answer = new Resource<InboxAnswer>((signal) => this.#read(signal))
-  /** Why no more came. */
+  /** Problem of the last attempt to read more. */
   problem = $state.raw<Problem>()
   #query: InboxQuery = {}
-  /** The query that the answer is to: while another one is asked, there is nothing to read on from. */
+  /** Query of the present answer; while another query runs, no further page can be read. */
   #answered: InboxQuery | undefined
   #held = PAGE
   #isReading = false
@@ -64,7 +64,7 @@ export async function everyRequest(
   return (await readOn(query, PAGES_MAX * PAGE_MAX, signal)).items
 }
 
-/** The request that a field belongs to: a page of one, or of none where nobody asks any more. */
+/** Returns the request of a field as a page of one, or of none if it is no longer requested. */
 export async function requestOf(
   key: FieldKey,
   signal: AbortSignal,
@@ -97,7 +97,10 @@ async function readOn(query: InboxQuery, count: number, signal: AbortSignal): Pr
   return answer
 }
 
-/** Two pages as one: the second begins behind the last request of the first, whatever came or went in between. */
+/**
+ * Joins two pages. The second starts behind the last request of the first, whatever changed in
+ * between.
+ */
 function joined(known: InboxAnswer, next: InboxAnswer): InboxAnswer {
   return { ...next, items: [...known.items, ...next.items] }
 }

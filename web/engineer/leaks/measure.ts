@@ -6,16 +6,16 @@ import { texts } from '../language/texts'
 /** Rates are drawn from once a day to ten times a second, in equal steps for equal factors. */
 const RATE_LEAST = 1 / 24
 const RATE_MOST = 36_000
-/** The most that a value of a built-in type with a bound can tell. */
+/** Information of a value of a bounded built-in type, in bits. */
 const BITS_MOST = 64
-/** Up to here people can picture how many values are told apart. */
+/** Largest information, in bits, that is shown as a number of distinct values. */
 const BITS_PICTURED_MAX = 20
 
 export function releasedPerHour({ measured }: Pick<FieldLeak, 'measured'>): number | undefined {
   return measured.hours > 0 ? measured.released / measured.hours : undefined
 }
 
-/** Where a rate lies on its scale, 0 to 1; none where nothing limits it. */
+/** Position of a rate on its scale, 0 to 1; `undefined` without a limit. */
 export function rateReach(perHour: number | null | undefined): number | undefined {
   if (perHour == null) return undefined
   return within(Math.log(perHour / RATE_LEAST) / Math.log(RATE_MOST / RATE_LEAST))
@@ -29,7 +29,7 @@ export function rateText(perHour: number | null | undefined): string {
   return perHour == null ? texts.leaks.noLimit : texts.leaks.perHour(figure(perHour))
 }
 
-/** How exact a value is: how many it is one of, or bits where that number says nothing to people. */
+/** Text of a precision: one of a number of values, or bits where the number is too large. */
 export function precisionText(bits: number | null | undefined): string {
   if (bits == null) return texts.leaks.noBound
   return bits <= BITS_PICTURED_MAX
@@ -44,7 +44,7 @@ export function figure(value: number): string {
 
 export const nameOf = (key: FieldKey): string => fieldAddress(key).join('/')
 
-/** Fields that a warning names come first, then those that tell most. */
+/** Sorts fields: those named in a warning first, then by information. */
 export function byWeight(
   fields: readonly FieldLeak[],
   warnings: readonly LeakWarning[],

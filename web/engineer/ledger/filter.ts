@@ -20,7 +20,7 @@ export type LedgerSubject = Pick<
   'operationNetworkId' | 'operationId' | 'dynamicDataRequestId' | 'fieldName'
 >
 
-/** What a filter is about, as a person reads it; nothing where it is about everything. */
+/** Text of the subject of a filter; empty for all subjects. */
 export function subjectText({
   operationNetworkId,
   operationId,
@@ -63,7 +63,7 @@ export function subjectsOf(keys: readonly FieldKey[]): LedgerSubject[] {
 
 export type ExportFormat = 'jsonl' | 'csv' | 'html'
 
-/** What an input of date and time says, which is this machine's time, as a moment; none where it says nothing. */
+/** Converts the text of a local date and time input to a moment; `undefined` if it is empty. */
 export function momentOf(written: string): string | undefined {
   const at = new Date(written)
   return written === '' || Number.isNaN(at.getTime()) ? undefined : at.toISOString()

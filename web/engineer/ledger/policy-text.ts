@@ -3,7 +3,7 @@ import { numberText } from '@/format/value'
 import type { Disclosure } from '../api/types'
 import { texts } from '../language/texts'
 
-/** A disclosure policy on one line, in the reader's words. */
+/** Text of a disclosure policy on one line. */
 export function policyText(policy: Disclosure): string {
   const parts: string[] = []
   if (policy.roundingStep != null)

@@ -9,7 +9,7 @@ export function withLink({ link, ...others }: Status): LinkedStatus {
   return { ...others, link: link ?? { state: 'notConfigured', backlog: others.spool.waiting } }
 }
 
-/** The link's state in words; a state we have no words for as it is. */
+/** Text of a link state; an unknown state is shown as it is. */
 export function linkText(state: string): string {
   return texts.link.state[state] ?? state
 }

@@ -36,10 +36,10 @@ export const countOf = (counts: HealthCounts, health: MappingHealth): number =>
   counts[MEMBERS[health]]
 export const healthTone = (health: MappingHealth): Tone => TONES[health]
 
-/** Those that yield nothing useful until somebody mends them. */
+/** Counts mappings that produce no useful values until they are repaired. */
 export const brokenOf = (counts: HealthCounts): number => counts.resting + counts.failing
 
-/** What ails a mapping, in a sentence. */
+/** Text of the problem of a mapping. */
 export function whyOf(
   health: MappingHealth,
   { circuit, lastFault, inputs, lastCandidate }: MappingStatus,

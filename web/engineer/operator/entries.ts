@@ -15,7 +15,9 @@ export type Entry = EntryAction & {
   madeAt: string
 }
 
-/** Entry with its author: on a shared tablet each person's entries are sent in that person's name. */
+/**
+ * Entry with its author. On a shared tablet each person's entries are sent in that person's name.
+ */
 export interface StoredEntry {
   entry: Entry
   userName: string

@@ -33,7 +33,10 @@ export class EntryQueue {
   refused = $state.raw<Refused[]>([])
   /** Time of the first of the failures in a row, in ms; undefined while deliveries succeed. */
   failingSince = $state<number | undefined>()
-  /** The entries of an earlier page are read; before, nothing is said about what has arrived. */
+  /**
+   * Set once the entries of an earlier page are read; before, it is unknown whether all have
+   * arrived.
+   */
   isRead = $state(false)
   /** The browser stores nothing: entries are lost when this page is closed. */
   isVolatile = $state(false)
@@ -57,7 +60,7 @@ export class EntryQueue {
     this.#send = send
   }
 
-  /** Entries of the person who is signed in: only these are delivered and counted. */
+  /** Entries of the person who is signed in. Only these are delivered and counted. */
   get own(): Entry[] {
     return this.stored.filter((each) => each.userName === this.#userName).map((each) => each.entry)
   }

@@ -11,7 +11,7 @@ const NUMERIC = [
   'Double',
 ]
 
-/** Whether values of this type can be rounded. */
+/** Returns whether values of this type can be rounded. */
 export function isNumber(type: string): boolean {
   return NUMERIC.includes(type)
 }
@@ -21,7 +21,7 @@ export function numberOf(written: string): number | null {
   return written.trim() === '' ? null : Number(written)
 }
 
-/** Bounds of bands as they are typed, in order; what is no number is left out. */
+/** Parses bounds of bands and sorts them; text that is no number is dropped. */
 export function bandsOf(written: string): number[] {
   return written
     .split(';')
@@ -31,7 +31,7 @@ export function bandsOf(written: string): number[] {
     .toSorted((a, b) => a - b)
 }
 
-/** How far this place's clock is ahead of UTC now, in minutes. */
+/** Returns the local offset from UTC in minutes. */
 export function utcOffsetMinutes(now = new Date()): number {
   // The platform's function counts the other way round; adding 0 makes of its -0 a 0.
   return -now.getTimezoneOffset() + 0

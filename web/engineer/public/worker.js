@@ -1,5 +1,5 @@
-// Keeps the operator's page on the device, so that a tablet that is restarted during an outage opens it all the same.
-// Nothing of the API is kept here: what was entered and last seen lies in the page's own database.
+// Stores the operator's page on the device, so that a tablet that restarts during an outage opens
+// it. Nothing of the API is stored here: entries and operations are in the page's own database.
 
 const CACHE = 'verbund-page'
 const PAGE = '/'
@@ -34,7 +34,7 @@ addEventListener('fetch', (event) => {
   else if (isFile(url)) event.respondWith(file(request))
 })
 
-/** Files are named by their content: what is here is right. */
+/** Files are named by their content, so a stored file is always valid. */
 function isFile(url) {
   return url.origin === location.origin && url.pathname.startsWith('/assets/')
 }

@@ -2,7 +2,7 @@ import { words } from '@/language/words'
 import type { Rule } from '../api/types'
 import { texts } from '../language/texts'
 
-/** Which fields a rule means, on one line. */
+/** Text of a rule's conditions on one line. */
 export function conditionText({ when }: Pick<Rule, 'when'>): string {
   const parts = [
     when.partners.length > 0 ? when.partners.join(', ') : texts.rules.anyPartner,
@@ -39,7 +39,7 @@ export function idOf(name: string, taken: readonly string[]): string {
   return id
 }
 
-/** What is written with commas between, without what is empty. */
+/** Splits a list at its commas and drops empty parts. */
 export function listOf(written: string): string[] {
   return written
     .split(/[,;]/)

@@ -29,7 +29,7 @@ const policy = {
 }
 const nothing = { items: [] }
 
-/** Everything that the page reads, with what a test says otherwise. */
+/** Answers to all requests of the page, with the differences of a test. */
 function connector(answers: Parameters<typeof serve>[0] = {}): Asked[] {
   return serve({
     'GET /rules': () => ({ items: [rule] }),

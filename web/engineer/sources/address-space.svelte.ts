@@ -3,18 +3,21 @@ import { Problem } from '@/transport/problem'
 import { connector } from '../api/client'
 import type { BrowsedNode, DataValue } from '../api/types'
 
-/** A node as it stands in the tree. */
+/** Node as a row of the tree. */
 export interface TreeRow {
   node: BrowsedNode
   depth: number
   isOpen: boolean
   isLoading: boolean
-  /** Its place among its siblings, for screen readers; -1 siblings while not all are known. */
+  /**
+   * Position among its siblings for screen readers; the number is -1 while not all siblings are
+   * known.
+   */
   position: number
   siblings: number
 }
 
-/** What was read of a node's children, and where the next ones begin. */
+/** Children of a node read so far, and the cursor of the next page. */
 interface Children {
   nodes: BrowsedNode[]
   next: string | undefined
@@ -25,8 +28,8 @@ const VALUES_READ = 40
 const VALUES_EVERY_MS = 1_500
 
 /**
- * What a source offers, as far as somebody looked: children are fetched when a node is opened, and page by page while
- * somebody scrolls, so that a folder of a hundred thousand costs what is seen of it.
+ * Address space of a source, read on demand: children are fetched when a node is opened, page by
+ * page while the tree scrolls, so that a folder of 100 000 nodes costs only the visible part.
  */
 export class AddressSpace {
   readonly #sourceId: string
@@ -52,7 +55,7 @@ export class AddressSpace {
 
   async start(): Promise<void> {
     await this.#load(ROOT)
-    // A root with a single folder in it is opened at once: that click tells nothing.
+    // A root with a single folder is opened at once, as nothing else can be chosen.
     const only = this.#children.get(ROOT)?.nodes
     if (only?.length === 1 && only[0] !== undefined) await this.open(only[0])
   }
@@ -88,7 +91,7 @@ export class AddressSpace {
     }
   }
 
-  /** Keeps the values of the variables that `visible` names live. Returns how to stop. */
+  /** Polls the values of the variables among the visible nodes. Returns a function that stops. */
   watch(visible: () => readonly BrowsedNode[]): () => void {
     const running = new AbortController()
     const read = async (): Promise<void> => {

@@ -1,7 +1,10 @@
 /** No certificate with its chain is larger. */
 export const FILE_BYTES_MAX = 256 * 1024
 
-/** A chosen file as the API takes it: PEM is text, anything else is taken for DER. `undefined` where it is too large. */
+/**
+ * Reads a chosen file for the API: PEM as text, anything else as base64 of DER. Returns `undefined`
+ * if it is too large.
+ */
 export async function fileContent(file: File): Promise<string | undefined> {
   if (file.size > FILE_BYTES_MAX) return undefined
   const bytes = new Uint8Array(await file.arrayBuffer())

@@ -5,7 +5,7 @@ import { connector } from '../api/client'
 import type { Certificate, ClientCertificate, SourceStatus } from '../api/types'
 import { texts } from '../language/texts'
 
-/** A certificate as the list shows it, whoever showed it. */
+/** Certificate of a server or a client as the list shows it. */
 export interface ShownCertificate {
   thumbprint: string
   subject: string
@@ -13,8 +13,8 @@ export interface ShownCertificate {
   validTo?: string | null | undefined
   keyBits?: number | null | undefined
   isTrusted: boolean
-  /** When its bearer was turned away last, why, and what is known of it. */
-  knock?:
+  /** Last rejection of its owner, with the reason and the owner's application and address. */
+  rejection?:
     | { at: string; reason: string; address: string | null; applicationName: string | null }
     | undefined
 }
@@ -43,7 +43,7 @@ export function ofClients(certificates: readonly ClientCertificate[]): ShownCert
       validFrom: notBefore,
       validTo: notAfter,
       isTrusted: state === 'TRUSTED',
-      knock:
+      rejection:
         rejectedAt == null
           ? undefined
           : {
@@ -57,10 +57,10 @@ export function ofClients(certificates: readonly ClientCertificate[]): ShownCert
 }
 
 const DAY_MS = 86_400_000
-/** So long before its end a certificate is to be renewed. */
+/** Period before its end in which a certificate should be renewed, in ms. */
 export const SOON_DAYS = 30
 
-/** Whether something is valid at a time, and how much longer, where it says when it is. */
+/** Validity at a time, and the remaining time, where the certificate has dates. */
 export function validity(
   { validFrom, validTo }: Pick<ShownCertificate, 'validFrom' | 'validTo'>,
   now: number,

@@ -13,7 +13,7 @@ let known: ClientCertificate[]
 let authorities: ClientAuthority[]
 let lists: ClientRevocationList[]
 
-/** A trust list as the twin keeps it. */
+/** Trust list of the twin. */
 function twin(): Asked[] {
   const trust = ({ path, body }: Asked): unknown => {
     const state = (body as { isTrusted: boolean }).isTrusted
@@ -125,7 +125,7 @@ afterEach(() => {
 })
 
 describe('certificates of OPC UA clients', () => {
-  it('say who knocked, with which thumbprint, and whether the certificate is valid', async () => {
+  it('show the rejected client, its thumbprint and the validity of its certificate', async () => {
     twin()
     render(ClientCertificates)
     await screen.findByText('CN=Planner')

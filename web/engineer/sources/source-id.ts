@@ -1,4 +1,6 @@
-/** A source's id from its address, as long as nobody typed one: `opc.tcp://press-1.hall2:4840/x` is `press-1-4840`. */
+/**
+ * Suggests a source's id from its address: `opc.tcp://press-1.hall2:4840/x` gives `press-1-4840`.
+ */
 export function suggestedId(endpointUrl: string, taken: readonly string[]): string {
   const match = /^opc\.tcp:\/\/(\[[^\]]+\]|[^:/]+)(?::(\d+))?/.exec(endpointUrl.trim())
   if (match === null) return ''

@@ -10,7 +10,7 @@ import UsersPage from './UsersPage.svelte'
 const LAST_ENGINEER = 'This is the last engineer. Make somebody else one first.'
 let people: User[]
 
-/** A connector that keeps users as the real one does. */
+/** Connector that stores users. */
 function connector(refusing?: Response): Asked[] {
   const put = ({ path, body }: Asked): unknown => {
     if (refusing) return refusing

@@ -2,8 +2,8 @@ import type { Resource } from '@/transport/resource.svelte'
 import type { FieldKey, FieldState, NetworkView, OperationProgress } from '../api/types'
 
 /**
- * Puts the value of an event into the network it belongs to, at once. An event we cannot place makes the network be read
- * again.
+ * Applies the value of an event to its network. An event of an unknown field makes the network be
+ * read again.
  */
 export function takeEvent(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   const changed = fieldsOf(event).filter((field) => field.key.operationNetworkId === networkId)
@@ -15,7 +15,7 @@ export function takeEvent(view: Resource<NetworkView>, networkId: string, event:
   } else if (fieldsOf(event).length === 0) view.refreshSoon()
 }
 
-/** Puts the progress of an event into the network it belongs to. */
+/** Applies the progress of an event to its network. */
 export function takeProgress(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   if (
     event === null ||

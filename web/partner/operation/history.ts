@@ -3,7 +3,7 @@ import type { Resource } from '@/transport/resource.svelte'
 import { platform } from '../api/client'
 import type { FieldState } from '../api/types'
 
-/** As much of a report as a curve needs. */
+/** Members of a report that a curve needs. */
 export interface Point {
   at: string
   fields: Record<string, unknown>
@@ -29,7 +29,7 @@ export async function newestReports(
   }))
 }
 
-/** Adds what a live event says about a request. */
+/** Adds a live event to the history of a request. */
 export function takeReport(
   points: Resource<Point[]>,
   request: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string },
@@ -60,7 +60,7 @@ export function takeReport(
   ])
 }
 
-/** The numbers that reports said about a field, oldest first. */
+/** Reported numbers of a field, oldest first. */
 export function series(
   points: readonly Point[],
   fieldName: string,

@@ -4,10 +4,9 @@ import { language } from '@/language/language.svelte'
 import type { DisclosureStatement } from '../api/types'
 
 /**
- * What a factory tells of a precision, in the reader's language.
- *
- * Its sentence may say more than its members do, or be in words of its own. So it is said anew
- * only where the members make that very sentence, and left as it came otherwise.
+ * Text of a precision in the reader's language. The factory's sentence may contain more than its
+ * members. It is translated only if the members yield that very sentence, and shown unchanged
+ * otherwise.
  */
 export function precisionText(
   told: DisclosureStatement | null | undefined,
@@ -44,7 +43,7 @@ function partsOf(
   return parts.length === 0 ? [{ code: 'UNCHANGED' }] : parts
 }
 
-/** The code of an aggregate that is told in English words; of an unknown one, its words. */
+/** Code of an aggregate with an English name; an unknown name is returned unchanged. */
 function aggregateOf(words: string): string {
   return Object.entries(en.statement.aggregates).find(([, known]) => known === words)?.[0] ?? words
 }

@@ -16,7 +16,7 @@ const LENGTHS_MS: Record<UpdateFrequencyUnit, number> = {
   WEEK: 604_800_000,
 }
 
-/** How often the partner wants to hear, as the period between reports; `undefined`: on change. */
+/** Requested period between reports in ms; `undefined` means on change. */
 export function cadenceMs(
   request: Pick<DynamicDataRequest, 'updateFrequency' | 'updateFrequencyUnit'>,
 ): number | undefined {

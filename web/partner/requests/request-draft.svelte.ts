@@ -69,7 +69,7 @@ export class RequestDraft {
   }
 }
 
-/** What a `datetime-local` field says, which is this machine's time zone, as an instant. */
+/** Converts the text of a `datetime-local` input, which is local time, to ISO 8601. */
 function instant(local: string): string {
   return new Date(local).toISOString()
 }

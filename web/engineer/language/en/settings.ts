@@ -26,7 +26,7 @@ export const settings = {
       admin: 'First user',
       log: 'Log',
     } as Record<string, string>,
-    /** By the path of a key. */
+    /** Texts by the path of a key. */
     meaning: {
       data_directory:
         'Where the durable file, keys and certificates live. On a local disk; back it up as a whole.',
