@@ -3,4 +3,5 @@
 
 mod chaos;
 mod demo;
+mod former_store;
 mod house;
