@@ -5,3 +5,4 @@ mod chaos;
 mod demo;
 mod former_store;
 mod house;
+mod promises;

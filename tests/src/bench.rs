@@ -2,6 +2,7 @@
 //! tests: machines are noisy, so distributions are printed with a description of the machine.
 
 mod browsable;
+pub mod goals;
 mod ledger;
 mod links;
 mod mappings;
@@ -45,7 +46,7 @@ pub enum Subject {
 /// Measures these subjects, all where there are none, and writes the results.
 ///
 /// # Errors
-/// When the story does not play or something stays away.
+/// When the story does not play, something stays away, or a figure misses its goal.
 pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
     let subjects = if subjects.is_empty() { Subject::value_variants() } else { subjects };
     say(&format!("{}\n", machine()));
@@ -61,8 +62,15 @@ pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
     }
     let file = repository()?.join("target/bench/results.json");
     std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
+    let short = goals::judge(&mut results);
     std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
     say(&format!("\nWritten to {}", file.display()));
+    anyhow::ensure!(
+        short.is_empty(),
+        "{} figures fall short:\n  {}",
+        short.len(),
+        short.join("\n  ")
+    );
     Ok(())
 }
 
@@ -84,7 +92,8 @@ async fn path() -> anyhow::Result<Vec<Value>> {
 }
 
 fn result(name: &str, value: f64, unit: &str) -> Value {
-    say(&format!("  {name}: {value:.*} {unit}", if value.abs() < 10.0 { 2 } else { 1 }));
+    let digits = if value.abs() < 10.0 { 2 } else { 1 };
+    say(&format!("  {name}: {value:.digits$} {unit}{}", goals::beside(name, value, unit)));
     json!({ "name": name, "value": value, "unit": unit })
 }
 

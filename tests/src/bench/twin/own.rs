@@ -104,6 +104,11 @@ pub(in crate::bench) async fn readers() -> anyhow::Result<Vec<Value>> {
     results.push(figure("twin: reads meanwhile that took over 20 ms", late as f64, "reads"));
     results.push(figure("twin: browsing an interface among 10, median", among_few, "ms"));
     results.push(figure("twin: browsing an interface among 10 000, median", among_many, "ms"));
+    results.push(figure(
+        "twin: browsing an interface among 10 000 against among 10",
+        among_many / among_few,
+        "times",
+    ));
     Ok(results)
 }
 

@@ -1,0 +1,102 @@
+//! The table of promises names only proofs that exist.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use verbund_tests::bench::goals::GOALS;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Returns the texts between backticks in the rows of the tables.
+fn named_proofs(document: &str) -> Vec<String> {
+    let rows = document.lines().filter(|line| line.starts_with('|'));
+    let last_cell =
+        |row: &str| row.trim_end_matches([' ', '|']).rsplit(" | ").next().map(String::from);
+    rows.filter_map(last_cell)
+        .flat_map(|cell| {
+            cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<String>>()
+        })
+        .collect()
+}
+
+/// Returns `package::function` of each test in the committed sources: functions below an attribute
+/// that ends in `test`, and those of `proptest!`.
+fn tests() -> BTreeSet<String> {
+    let listed =
+        Command::new("git").args(["ls-files", "-z", "*.rs"]).current_dir(root()).output().unwrap();
+    let files = String::from_utf8(listed.stdout).unwrap();
+    let mut tests = BTreeSet::new();
+    for file in files.split('\0').filter(|file| !file.is_empty() && !file.starts_with("vendor/")) {
+        // Listed and not there: being moved.
+        let Ok(source) = fs::read_to_string(root().join(file)) else { continue };
+        let package = package_of(file);
+        tests.extend(test_names(&source).into_iter().map(|name| format!("{package}::{name}")));
+    }
+    tests
+}
+
+fn test_names(source: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut is_test = false;
+    for line in source.lines().map(str::trim) {
+        if line.starts_with("#[test]") || line.starts_with("#[tokio::test") {
+            is_test = true;
+        } else if let Some(rest) =
+            line.strip_prefix("async fn ").or_else(|| line.strip_prefix("fn ")).filter(|_| is_test)
+        {
+            names.extend(rest.split('(').next().map(str::to_owned));
+            is_test = false;
+        }
+    }
+    names
+}
+
+/// Returns the name of the package that a file belongs to.
+fn package_of(file: &str) -> String {
+    let manifest = Path::new(file)
+        .ancestors()
+        .skip(1)
+        .map(|folder| root().join(folder).join("Cargo.toml"))
+        .find(|manifest| manifest.exists())
+        .unwrap();
+    let manifest: toml::Table = fs::read_to_string(manifest).unwrap().parse().unwrap();
+    let name = manifest.get("package").and_then(|package| package.get("name"));
+    name.and_then(|name| name.as_str()).unwrap_or_default().to_owned()
+}
+
+#[test]
+fn every_proof_exists() {
+    let document = fs::read_to_string(root().join("docs/promises.md")).unwrap();
+    let makefile = fs::read_to_string(root().join("Makefile")).unwrap();
+    let (proofs, tests) = (named_proofs(&document), tests());
+    assert!(proofs.len() > 100, "{} proofs were read", proofs.len());
+    let exists = |proof: &String| {
+        if let Some(figure) = proof.strip_prefix("bench: ") {
+            GOALS.iter().any(|goal| goal.figure == figure)
+        } else if let Some(target) = proof.strip_prefix("make ") {
+            makefile.lines().any(|line| line.starts_with(&format!("{target}:")))
+        } else if proof.contains('/') {
+            root().join(proof).exists()
+        } else {
+            tests.contains(proof)
+        }
+    };
+    let missing: Vec<&String> = proofs.iter().filter(|proof| !exists(proof)).collect();
+    assert!(missing.is_empty(), "named in docs/promises.md and not there:\n{missing:#?}");
+}
+
+#[test]
+fn every_goal_of_a_figure_is_a_promise() {
+    let document = fs::read_to_string(root().join("docs/promises.md")).unwrap();
+    let proofs = named_proofs(&document);
+    for goal in GOALS {
+        let name = format!("bench: {}", goal.figure);
+        assert!(proofs.contains(&name), "docs/promises.md does not name `{name}`");
+    }
+}
