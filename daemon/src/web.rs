@@ -9,6 +9,7 @@ pub mod health;
 pub mod problem;
 pub mod server;
 pub mod session;
+pub mod shared_responses;
 
 pub use extract::{ApiJson, ApiPath, ApiQuery};
 pub use problem::Problem;

@@ -1,4 +1,4 @@
-//! How many reports per second ingest stores, from bytes to the commit. `cargo run --release -p
+//! Measures the reports per second that ingest stores, from bytes to the commit. `cargo run --release -p
 //! platform --example ingest_rate [reports per message] [messages per batch] [batches]`.
 
 use std::{io::Write, sync::Arc, time::Instant};
@@ -8,13 +8,13 @@ use asi_model::DateTime;
 use daemon::telemetry::Metrics;
 use messaging::{Delivery, Envelope, Inbox, LogicalAddress, Settlement};
 use platform::{
+    broker_access::BrokerAccess,
     clock::Clock,
     ingest::Ingest,
     live::LiveLog,
     networks::{Author, PutNetwork, put},
     principal::Principal,
-    progress_board::ProgressBoard,
-    reach::Reach,
+    progress_notifier::ProgressNotifier,
     store::{Collaboration, Organisation, Role, Store, User},
 };
 use tokio_util::sync::CancellationToken;
@@ -31,12 +31,12 @@ async fn main() -> anyhow::Result<()> {
     let store = Store::open(&folder.path().join("platform.sqlite")).await?;
     set_up(&store).await?;
     let live = LiveLog::new(1_000, 1);
-    let (_board, progress) = ProgressBoard::new(store.clone(), live.clone());
+    let (_board, progress) = ProgressNotifier::new(store.clone(), live.clone());
     let wait = std::time::Duration::from_secs(60);
     let (ingest, handle) = Ingest::new(
         store.clone(),
         live,
-        Reach::new(Vec::new()),
+        BrokerAccess::new(Vec::new()),
         progress,
         Clock::system(),
         wait,

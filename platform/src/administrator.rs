@@ -1,5 +1,5 @@
-//! The first administrator: there is always somebody who can sign in, and never with a password
-//! that others know.
+//! The first administrator, with the configured password or a generated one; there is no default
+//! password.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::{
     store::{Organisation, Role, Store, StoreError, User},
 };
 
-/// The administrator cannot be made.
+/// Failure to create the administrator.
 #[derive(Debug, thiserror::Error)]
 pub enum AdministratorError {
     /// The password is refused.
@@ -29,13 +29,13 @@ pub enum AdministratorError {
     Store(#[from] StoreError),
 }
 
-/// Where a made-up password is written.
+/// Returns the path of the file with the generated password.
 #[must_use]
 pub fn password_path(config: &PlatformConfig) -> PathBuf {
     config.data_directory.join("admin-password.txt")
 }
 
-/// Makes the configured administrator where it differs from the one stored, or one with a made-up
+/// Creates the configured administrator where it differs from the one stored, or one with a made-up
 /// password where there is no user at all.
 ///
 /// # Errors
@@ -56,7 +56,7 @@ pub async fn ensure(
         organisation_id: admin.organisation_id.clone(),
     };
     let password = match (&admin.password, count) {
-        // The configured password is the one in force; storing it anew would end everybody's
+        // The configured password is the one in force; storing it again would end all
         // sessions for nothing.
         (Some(password), _) => {
             if known.is_some_and(|(stored, hash)| stored == user && hash.is_of(password)) {
@@ -65,14 +65,14 @@ pub async fn ensure(
             password.clone()
         }
         (None, 0) => {
-            let made_up: Confidential<String> = random_token().into();
+            let generated: Confidential<String> = random_token().into();
             let path = password_path(config);
-            write(&path, format!("{}\n", made_up.expose()).as_bytes(), 0o600)?;
+            write(&path, format!("{}\n", generated.expose()).as_bytes(), 0o600)?;
             tracing::warn!(
                 path = %path.display(), user = admin.user_name,
-                "The first administrator has a made-up password; read it in this file, set another one, remove the file."
+                "The first administrator has a generated password; read it in this file, set another one, remove the file."
             );
-            made_up
+            generated
         }
         (None, _) => return Ok(()),
     };

@@ -1,7 +1,7 @@
-//! The HTTP side: `/api/v1` described by OpenAPI, the partners' pages, health.
+//! HTTP API `/api/v1` described by OpenAPI, with the partners' pages and health checks.
 //!
-//! Handlers extract, authorise, call and map; they contain no SQL and no business decisions. What a
-//! viewer has no part in is "not found".
+//! Handlers extract, authorise, call and map; they contain no SQL and no business decisions. Data
+//! outside the viewer's scope is "not found".
 
 mod administrator_only;
 mod collaborations;
@@ -29,6 +29,7 @@ use axum::Router;
 use daemon::web::{
     self,
     api::{Operations, Shell},
+    shared_responses::share_problem_responses,
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -38,7 +39,7 @@ use crate::application::Application;
 /// Largest body of any request: a network may be as large as its parts together.
 const BODY_BYTES_MAX: usize = 4 * 1024 * 1024;
 
-/// The partners' pages, as Vite has built them.
+/// Partners' pages, built by Vite.
 #[derive(rust_embed::RustEmbed)]
 #[folder = "../web/dist/partner"]
 struct PartnerPages;
@@ -51,7 +52,7 @@ struct PartnerPages;
 ))]
 struct Description;
 
-/// Pages, API and health in one router.
+/// Returns pages, API and health checks as one router.
 pub fn router(application: &Application, has_tls: bool) -> Router {
     let shell = Shell {
         state: application.clone(),
@@ -64,15 +65,16 @@ pub fn router(application: &Application, has_tls: bool) -> Router {
     web::api::router::<PartnerPages, _, _>(operations(), openapi(), shell)
 }
 
-/// The description of the whole API.
+/// Returns the OpenAPI description of the whole API.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    web::api::described(
-        Description::openapi(),
-        operations(),
-        env!("CARGO_PKG_VERSION"),
-        "verbund_platform",
-    )
+    // Merged first: of a path with operations in both parts the description would have one part.
+    let all = Operations { guarded: guarded().merge(open()), open: OpenApiRouter::new() };
+    let version = env!("CARGO_PKG_VERSION");
+    let mut description =
+        web::api::described(Description::openapi(), all, version, "verbund_platform");
+    share_problem_responses(&mut description);
+    description
 }
 
 fn operations() -> Operations<Application> {

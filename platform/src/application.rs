@@ -1,4 +1,4 @@
-//! What the API's handlers share.
+//! State shared by the API's handlers.
 
 use std::{sync::Arc, time::Duration};
 
@@ -11,16 +11,15 @@ use messaging::BrokerProfile;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    accounts::StoredAccounts, clock::Clock, config::PlatformConfig, ingest::IngestHandle,
-    live::LiveLog, reach::Reach, store::Store,
+    accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock, config::PlatformConfig,
+    ingest::IngestHandle, live::LiveLog, store::Store,
 };
 
-/// How connectors and tools reach the broker; told when they get their credentials.
+/// Endpoint of the broker for connectors and tools, handed out with their credentials.
 #[derive(Debug, Clone)]
-pub struct BrokerAccess {
-    /// Its address.
+pub struct BrokerEndpoint {
     pub url: String,
-    /// What logical addresses are called there.
+    /// Names of logical addresses at this broker.
     pub profile: BrokerProfile,
     /// The authority that vouches for it; absent where the system's roots do.
     pub root_certificate_pem: Option<String>,
@@ -30,31 +29,27 @@ pub struct BrokerAccess {
 #[derive(Clone)]
 pub struct Application(Arc<Parts>);
 
-/// What [`Application`] is made of.
+/// Components of an [`Application`].
 pub struct Parts {
-    /// The configuration.
     pub config: PlatformConfig,
-    /// The database.
     pub store: Store,
-    /// Live news.
     pub live: LiveLog,
     /// Users, queues and the link.
-    pub reach: Reach,
+    pub broker_access: BrokerAccess,
     /// To try dead letters again.
     pub ingest: IngestHandle,
-    /// Who is signed in.
+    /// The signed-in user and the token of its session.
     pub sessions: Sessions<StoredAccounts>,
-    /// The time.
     pub clock: Clock,
-    /// How the broker is reached.
-    pub broker_access: BrokerAccess,
-    /// How browsers and connectors reach us.
+    /// Endpoint of the broker for connectors and tools.
+    pub broker_endpoint: BrokerEndpoint,
+    /// Base URL for browsers and connectors.
     pub public_url: String,
-    /// What the daemon waits for.
+    /// Conditions of readiness.
     pub readiness: Readiness,
     /// The process's metrics.
     pub metrics: Metrics,
-    /// When the daemon started.
+    /// Time of the daemon's start.
     pub started_at: DateTime,
     /// Cancelled at shutdown, so that live streams end.
     pub shutdown: CancellationToken,

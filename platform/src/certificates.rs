@@ -19,18 +19,12 @@ use time::{Duration, OffsetDateTime};
 pub enum CertificateError {
     /// A file cannot be read or written.
     #[error("cannot access {}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    File { path: PathBuf, source: std::io::Error },
     /// A key or certificate cannot be made or read.
     #[error("cannot {action}")]
     Make {
-        /// What was tried.
+        /// Imperative phrase for the message, for example "store a part".
         action: &'static str,
-        /// Why.
         source: rcgen::Error,
     },
 }
@@ -51,7 +45,6 @@ impl std::fmt::Debug for CertificateAuthority {
 pub struct IssuedCertificate {
     /// The chain, leaf first.
     pub certificates_pem: Bytes,
-    /// The key.
     pub key_pem: Bytes,
 }
 

@@ -43,13 +43,13 @@ enum Command {
     /// Check or show the configuration.
     #[command(subcommand)]
     Config(ConfigCommand),
-    /// Organisations.
+    /// Add organisations to the platform.
     #[command(subcommand)]
     Organisation(OrganisationCommand),
-    /// Factories.
+    /// Add factories and make their enrolment tokens.
     #[command(subcommand)]
     Factory(FactoryCommand),
-    /// Users.
+    /// Add or change users of the platform.
     #[command(subcommand)]
     User(UserCommand),
 }
@@ -68,7 +68,7 @@ enum OrganisationCommand {
     Add {
         /// Its id: letters, digits, `_` and `-`.
         organisation: String,
-        /// What people call it; the id by default.
+        /// Name for people; the id by default.
         #[arg(long)]
         name: Option<String>,
     },
@@ -83,13 +83,13 @@ enum FactoryCommand {
         /// The organisation it belongs to; made where it is not known.
         #[arg(long)]
         organisation: String,
-        /// What people call it; the id by default.
+        /// Name for people; the id by default.
         #[arg(long)]
         name: Option<String>,
     },
     /// Print a new enrolment token for a factory.
     Token {
-        /// Its id.
+        /// Id of the factory.
         factory: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Time as an argument, so that tests can set it.
+//! Clock as an argument, so that tests can set the time.
 
 use std::{fmt, sync::Arc, time::SystemTime};
 

@@ -20,7 +20,7 @@ pub const EXAMPLE: &str = include_str!("../platform.example.toml");
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlatformConfig {
-    /// Where database, broker store and certificate authority live. On a local disk.
+    /// Folder of the database, the broker's store and the certificate authority, on a local disk.
     pub data_directory: PathBuf,
     /// Pages and API.
     pub web: WebConfig,
@@ -28,15 +28,13 @@ pub struct PlatformConfig {
     pub broker: BrokerConfig,
     /// The first administrator.
     pub admin: AdminConfig,
-    /// What connectors are told of the reports that arrived.
+    /// Receipts for connectors.
     pub receipts: ReceiptConfig,
     /// Sending parts of networks.
     pub parts: PartConfig,
-    /// Which of several connectors with one credential speaks for a factory.
+    /// Leases, by which one of several connectors speaks for a factory.
     pub leases: LeaseConfig,
-    /// How long things are kept.
     pub retention: RetentionConfig,
-    /// Logging.
     pub log: LogConfig,
 }
 
@@ -60,9 +58,9 @@ impl Default for PlatformConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WebConfig {
-    /// Where to listen.
+    /// Address to listen on.
     pub listen: SocketAddr,
-    /// How browsers and connectors reach us; part of enrolment tokens.
+    /// Base URL for browsers and connectors; part of enrolment tokens.
     pub public_url: Option<String>,
     /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
     /// TLS.
@@ -79,13 +77,14 @@ impl Default for WebConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BrokerConfig {
-    /// Where the embedded broker listens with TLS.
+    /// Address of the embedded broker's TLS listener.
     pub listen: SocketAddr,
-    /// Where it listens without TLS as well; loopback only.
+    /// Address of a listener without TLS, in addition; loopback only.
     pub plain_listen: Option<SocketAddr>,
-    /// Where it listens for AMQP in WebSockets as well, with TLS and the same certificate.
+    /// Address of a listener for AMQP in WebSockets, in addition; with TLS and the same
+    /// certificate.
     pub websocket_listen: Option<SocketAddr>,
-    /// How connectors reach the broker; told at enrolment.
+    /// URL of the broker for connectors, handed out at enrolment.
     pub public_url: Option<BrokerUrl>,
     /// Names and addresses that the embedded broker's certificate is for, beside localhost.
     pub host_names: Vec<String>,
@@ -136,12 +135,11 @@ fn patterns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<AddressPat
 pub struct ExternalBrokerConfig {
     /// Its addresses; the next one is tried when one fails.
     pub urls: Vec<BrokerUrl>,
-    /// What logical addresses are called there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own
+    /// Names of logical addresses at this broker: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own
     /// templates.
     pub profile: BrokerProfile,
     /// The platform's user there.
     pub user_name: String,
-    /// Its password.
     pub password: Confidential<String>,
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
@@ -185,7 +183,7 @@ impl Default for AdminConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReceiptConfig {
-    /// Time between two receipts to a factory while there is news, in milliseconds.
+    /// Time between two receipts to a factory while there is notifications, in milliseconds.
     pub interval_ms: u64,
 }
 
@@ -210,7 +208,7 @@ impl Default for PartConfig {
     }
 }
 
-/// Which of several connectors with one credential speaks for a factory.
+/// Leases, by which one of several connectors speaks for a factory.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LeaseConfig {
@@ -225,13 +223,13 @@ impl Default for LeaseConfig {
     }
 }
 
-/// How long things are kept.
+/// Retention periods.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RetentionConfig {
     /// Messages as they came, in days. Reports themselves are kept.
     pub inbox_days: u32,
-    /// How long an enrolment token can be used, in hours.
+    /// Lifetime of an enrolment token, in hours.
     pub enrolment_token_hours: u32,
 }
 
@@ -242,7 +240,7 @@ impl Default for RetentionConfig {
 }
 
 impl PlatformConfig {
-    /// What is wrong beyond the form, in sentences that name key and remedy.
+    /// Returns faults beyond the form, as sentences that name key and remedy.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -318,7 +316,7 @@ impl PlatformConfig {
         Duration::from_millis(self.receipts.interval_ms)
     }
 
-    /// How long a connector may be silent before it may lose its lease.
+    /// Returns the time after which a silent connector may lose its lease.
     #[must_use]
     pub const fn lease_silence(&self) -> Duration {
         Duration::from_millis(self.leases.silence_ms)

@@ -22,7 +22,6 @@ pub struct EnrolmentToken {
 /// A credential for the broker, shown once.
 #[derive(Debug)]
 pub struct NewCredential {
-    /// Whose it is.
     pub holder: Holder,
     /// The secret: 256 random bits as text.
     pub secret: Confidential<String>,
@@ -48,7 +47,7 @@ pub async fn make_token(
     Ok(EnrolmentToken { token: token.into(), expires_at })
 }
 
-/// Why there is no credential.
+/// Failure to issue a credential.
 #[derive(Debug, thiserror::Error)]
 pub enum EnrolmentError {
     /// The token is unknown, used or too old.
@@ -66,7 +65,7 @@ pub enum EnrolmentError {
 }
 
 /// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that
-/// enrolling anew rotates without an interruption. With another broker the configured account is
+/// enrolling again rotates without an interruption. With another broker the configured account is
 /// handed out.
 ///
 /// # Errors

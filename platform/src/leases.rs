@@ -1,12 +1,12 @@
-//! Who speaks for a factory. Of all running connectors with its credential one holds the lease; the
-//! others are refused, and everybody concerned is told. Pure: the time and what was heard are
-//! arguments.
+//! Leases on factories' identities. Of all running connectors with one credential, one holds the
+//! lease; the others are refused, and both sides are notified. Pure: the time and the holder's
+//! silence are arguments.
 //!
-//! A connector says *where* its store is in use (its place), and no two living processes can say
-//! the same place. So who asks from the holder's place has come after it, as after a crash, and
-//! goes on at once. Who asks from elsewhere may be the holder's successor on another machine or a
-//! copy beside it. It gets the lease when the holder has fallen silent - but never any more once
-//! the holder was heard *after* it had asked: then there are two, and people have to decide.
+//! A connector names the place where its store is in use, and no two living processes can name the
+//! same place. So a request from the holder's place comes from its successor, for example after a
+//! crash, and is granted at once. A request from another place comes from a successor on another
+//! machine or from a copy. It is granted when the holder has fallen silent, unless the holder was
+//! heard *after* the first request: then both run, and an administrator has to decide.
 
 use asi_model::{
     DateTime, FactoryId, InstanceId, PlaceId,
@@ -18,57 +18,57 @@ use utoipa::ToSchema;
 
 use crate::clock::new_message_id;
 
-/// Connectors remembered that were refused; beyond, those that were not heard for longest go.
+/// Refused connectors that are remembered; beyond, the one heard least recently is forgotten.
 const CONTENDERS_MAX: usize = 8;
-/// How long the holder is told of a connector that was refused.
-const TOLD_FOR: Duration = Duration::from_secs(15 * 60);
+/// Time for which the holder is notified of a refused connector, from its last request.
+const CONTENDER_SHOWN_FOR: Duration = Duration::from_secs(15 * 60);
 
-/// A connector that holds the lease or asked for it.
+/// A connector that holds the lease or has requested it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Party {
     /// The running connector; another one at every start.
     #[schema(value_type = String)]
     pub instance_id: InstanceId,
-    /// Where its store is in use.
+    /// Place of its store.
     #[schema(value_type = String)]
     pub place: PlaceId,
-    /// Its machine and folder.
+    /// Machine and folder of its store.
     pub host: String,
-    /// Since when it holds the lease, or when it asked first.
+    /// Time of the grant, or of the first refused request.
     #[schema(value_type = String, format = DateTime)]
     pub since: DateTime,
-    /// When it asked last.
+    /// Time of the last request.
     #[schema(value_type = String, format = DateTime)]
     pub last_heard_at: DateTime,
-    /// The holder was heard after it had asked: both run. It gets the lease from an administrator
-    /// only.
+    /// True if the holder was heard after the first request: both run, and only an administrator can
+    /// grant the lease.
     #[serde(default)]
     pub is_second: bool,
 }
 
-/// How a factory's lease stands.
+/// Lease of a factory, with its holder and the refused connectors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FactoryLease {
     /// Counts up whenever the lease passes to another place.
     pub number: u64,
-    /// Who holds it.
+    /// Holder of the credential.
     pub holder: Party,
-    /// Who else asked and was refused, whoever was heard last first.
+    /// Refused connectors, the last heard first.
     pub contenders: Vec<Party>,
 }
 
-/// What a request for the lease led to.
+/// Decision about a lease request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Who asks has it, and had it before at the same place.
+pub enum LeaseDecision {
+    /// Granted to the holder, at the same place.
     Renewed,
-    /// Who asks has it from now on.
+    /// Granted to a new holder.
     Passed,
-    /// Somebody else has it.
+    /// Held by another connector.
     Refused {
-        /// It was not known of this one before, or not that both run.
-        is_news: bool,
+        /// True for the first refusal of this connector.
+        is_new: bool,
     },
 }
 
@@ -84,7 +84,7 @@ impl Party {
         }
     }
 
-    fn told(&self) -> LeaseParty {
+    fn view(&self) -> LeaseParty {
         LeaseParty {
             instance_id: self.instance_id.clone(),
             host: self.host.clone(),
@@ -95,25 +95,25 @@ impl Party {
 }
 
 impl FactoryLease {
-    /// Decides about a request. `is_silent`: nothing was heard of the holder for the time that
-    /// makes it count as gone.
+    /// Decides about a request. `is_silent`: the holder was not heard for the time after which it
+    /// counts as gone.
     #[must_use]
     pub fn ask(
         before: Option<Self>,
         request: &LeaseRequest,
         is_silent: bool,
         now: DateTime,
-    ) -> (Self, Verdict) {
+    ) -> (Self, LeaseDecision) {
         let Some(mut lease) = before else {
             let holder = Party::asking(request, now, now);
-            return (Self { number: 1, holder, contenders: Vec::new() }, Verdict::Passed);
+            return (Self { number: 1, holder, contenders: Vec::new() }, LeaseDecision::Passed);
         };
         if lease.holder.place == request.place {
             lease.holder = Party::asking(request, lease.holder.since, now);
             for contender in &mut lease.contenders {
                 contender.is_second = true;
             }
-            return (lease, Verdict::Renewed);
+            return (lease, LeaseDecision::Renewed);
         }
         let known = lease.contenders.iter().position(|contender| contender.place == request.place);
         let known = known.map(|place| lease.contenders.remove(place));
@@ -121,16 +121,16 @@ impl FactoryLease {
         if is_silent && !is_second {
             lease.number += 1;
             lease.holder = Party::asking(request, now, now);
-            return (lease, Verdict::Passed);
+            return (lease, LeaseDecision::Passed);
         }
-        // Told once when it first asks; what follows is the same as long as it goes on asking.
-        let is_news = known.is_none();
+        // Logged once: later refusals repeat the first as long as the connector goes on asking.
+        let is_new = known.is_none();
         let since = known.map_or(now, |known| known.since);
         lease.remember(Party { is_second, ..Party::asking(request, since, now) });
-        (lease, Verdict::Refused { is_news })
+        (lease, LeaseDecision::Refused { is_new })
     }
 
-    /// Gives the lease to a connector that was refused; none where there is no such connector.
+    /// Hands the lease to a refused connector; none when no such connector is remembered.
     #[must_use]
     pub fn handed_over(mut self, to: &InstanceId, now: DateTime) -> Option<Self> {
         let place = self.contenders.iter().position(|contender| contender.instance_id == *to)?;
@@ -142,26 +142,26 @@ impl FactoryLease {
         Some(self)
     }
 
-    /// The answer to a request. `silence`: after how long the holder counts as gone.
+    /// Returns the answer to a request. `silence`: time after which the holder counts as gone.
     #[must_use]
     pub fn answer(
         &self,
         request: &LeaseRequest,
-        verdict: Verdict,
+        decision: LeaseDecision,
         silence: Duration,
         now: DateTime,
     ) -> Lease {
         let is_second = self.contenders.first().is_some_and(|contender| contender.is_second);
-        let (result, ask_again) = match verdict {
-            Verdict::Renewed | Verdict::Passed => (LeaseResult::Granted, silence / 3),
-            Verdict::Refused { .. } if is_second => (LeaseResult::Refused, silence * 2),
-            Verdict::Refused { .. } => (LeaseResult::Refused, silence / 6),
+        let (result, ask_again) = match decision {
+            LeaseDecision::Renewed | LeaseDecision::Passed => (LeaseResult::Granted, silence / 3),
+            LeaseDecision::Refused { .. } if is_second => (LeaseResult::Refused, silence * 2),
+            LeaseDecision::Refused { .. } => (LeaseResult::Refused, silence / 6),
         };
         let is_granted = result == LeaseResult::Granted;
         let contender = self
             .contenders
             .first()
-            .filter(|contender| now.since(contender.last_heard_at) < TOLD_FOR);
+            .filter(|contender| now.since(contender.last_heard_at) < CONTENDER_SHOWN_FOR);
         Lease {
             message_id: new_message_id(),
             factory_id: request.factory_id.clone(),
@@ -172,12 +172,12 @@ impl FactoryLease {
             result,
             lease_number: self.number,
             ask_again_ms: u64::try_from(ask_again.as_millis()).unwrap_or(u64::MAX),
-            holder: (!is_granted).then(|| self.holder.told()),
-            contender: contender.filter(|_| is_granted).map(Party::told),
+            holder: (!is_granted).then(|| self.holder.view()),
+            contender: contender.filter(|_| is_granted).map(Party::view),
         }
     }
 
-    /// Why a message that carries another lease's number is of no use.
+    /// Returns the reason for which a message with another lease number is rejected.
     #[must_use]
     pub fn why_not(&self, factory: &FactoryId, number: u64) -> String {
         let Self { number: current, holder, .. } = self;
@@ -216,35 +216,38 @@ mod tests {
         }
     }
 
-    /// Asks one after the other: instance, place, whether the holder is silent; and what the
-    /// answers are.
-    fn play(asked: &[(&str, &str, bool)]) -> (FactoryLease, Vec<Verdict>) {
+    /// Sends requests one after the other (instance, place, whether the holder is silent); returns
+    /// the lease and the decisions.
+    fn request_in_turn(asked: &[(&str, &str, bool)]) -> (FactoryLease, Vec<LeaseDecision>) {
         let mut lease = None;
-        let mut verdicts = Vec::new();
+        let mut decisions = Vec::new();
         for (second, (instance, place, is_silent)) in (1..).zip(asked) {
-            let (after, verdict) =
+            let (after, decision) =
                 FactoryLease::ask(lease, &request(instance, place), *is_silent, at(second));
             lease = Some(after);
-            verdicts.push(verdict);
+            decisions.push(decision);
         }
-        (lease.expect("somebody asked"), verdicts)
+        (lease.expect("somebody asked"), decisions)
     }
 
-    const fn refused(is_news: bool) -> Verdict {
-        Verdict::Refused { is_news }
+    const fn refused(is_new: bool) -> LeaseDecision {
+        LeaseDecision::Refused { is_new }
     }
 
     #[test]
-    fn who_comes_after_at_the_same_place_goes_on_at_once() {
-        let (lease, verdicts) =
-            play(&[("a1", "here", false), ("a2", "here", false), ("a3", "here", true)]);
-        assert_eq!(verdicts, [Verdict::Passed, Verdict::Renewed, Verdict::Renewed]);
+    fn a_successor_at_the_same_place_is_granted_at_once() {
+        let (lease, decisions) =
+            request_in_turn(&[("a1", "here", false), ("a2", "here", false), ("a3", "here", true)]);
+        assert_eq!(
+            decisions,
+            [LeaseDecision::Passed, LeaseDecision::Renewed, LeaseDecision::Renewed]
+        );
         assert_eq!((lease.number, lease.holder.since), (1, at(1)));
         assert_eq!(lease.holder.instance_id.as_str(), "a3");
     }
 
     #[test]
-    fn a_copy_is_refused_and_gets_nothing_by_waiting_once_both_were_heard() {
+    fn a_copy_stays_refused_once_both_were_heard() {
         let asked = [
             ("a", "here", false),
             ("b", "there", false),
@@ -252,10 +255,16 @@ mod tests {
             ("b", "there", true),
             ("b2", "there", true),
         ];
-        let (lease, verdicts) = play(&asked);
+        let (lease, decisions) = request_in_turn(&asked);
         assert_eq!(
-            verdicts,
-            [Verdict::Passed, refused(true), Verdict::Renewed, refused(false), refused(false)]
+            decisions,
+            [
+                LeaseDecision::Passed,
+                refused(true),
+                LeaseDecision::Renewed,
+                refused(false),
+                refused(false)
+            ]
         );
         assert_eq!((lease.number, lease.holder.instance_id.as_str()), (1, "a"));
         let contender = &lease.contenders[0];
@@ -266,15 +275,15 @@ mod tests {
     }
 
     #[test]
-    fn a_successor_elsewhere_gets_it_when_the_holder_has_fallen_silent() {
-        let (lease, verdicts) =
-            play(&[("a", "here", false), ("b", "there", false), ("b", "there", true)]);
-        assert_eq!(verdicts, [Verdict::Passed, refused(true), Verdict::Passed]);
+    fn a_successor_elsewhere_is_granted_when_the_holder_is_silent() {
+        let (lease, decisions) =
+            request_in_turn(&[("a", "here", false), ("b", "there", false), ("b", "there", true)]);
+        assert_eq!(decisions, [LeaseDecision::Passed, refused(true), LeaseDecision::Passed]);
         assert_eq!(
             (lease.number, lease.holder.instance_id.as_str(), lease.contenders.len()),
             (2, "b", 0)
         );
-        // What was forgotten elsewhere stays refused, whoever else comes.
+        // A contender stays refused after the lease has passed to a third connector.
         let asked = [
             ("a", "here", false),
             ("b", "there", false),
@@ -282,40 +291,43 @@ mod tests {
             ("c", "boot-2", true),
             ("b", "there", true),
         ];
-        let (lease, verdicts) = play(&asked);
-        assert_eq!(verdicts[3..], [Verdict::Passed, refused(false)]);
+        let (lease, decisions) = request_in_turn(&asked);
+        assert_eq!(decisions[3..], [LeaseDecision::Passed, refused(false)]);
         assert_eq!((lease.number, lease.holder.instance_id.as_str()), (2, "c"));
     }
 
     #[test]
-    fn people_hand_it_over_and_the_former_holder_does_not_get_it_back_by_silence() {
-        let (lease, _) = play(&[("a", "here", false), ("b", "there", false)]);
+    fn a_former_holder_does_not_regain_a_lease_that_was_handed_over() {
+        let (lease, _) = request_in_turn(&[("a", "here", false), ("b", "there", false)]);
         assert_eq!(lease.clone().handed_over(&"nobody".parse().expect("valid"), at(3)), None);
         let lease = lease.handed_over(&"b".parse().expect("valid"), at(3)).expect("b was refused");
         assert_eq!(
             (lease.number, lease.holder.instance_id.as_str(), lease.holder.since),
             (2, "b", at(3))
         );
-        let (lease, verdict) = FactoryLease::ask(Some(lease), &request("a", "here"), true, at(4));
-        assert_eq!((verdict, lease.number), (refused(false), 2));
+        let (lease, decision) = FactoryLease::ask(Some(lease), &request("a", "here"), true, at(4));
+        assert_eq!((decision, lease.number), (refused(false), 2));
     }
 
     #[test]
-    fn both_are_told_of_each_other() {
-        let told =
-            |lease: &FactoryLease, request: &LeaseRequest, verdict, seconds| -> serde_json::Value {
-                let message = lease.answer(request, verdict, SILENCE, at(seconds));
-                serde_json::to_value(PlatformMessage::Lease(message)).expect("JSON")
-            };
-        let (lease, verdicts) = play(&[("a", "here", false), ("b", "there", false)]);
-        let refusal = told(&lease, &request("b", "there"), verdicts[1], 2);
+    fn answers_name_the_other_connector() {
+        let told = |lease: &FactoryLease,
+                    request: &LeaseRequest,
+                    decision,
+                    seconds|
+         -> serde_json::Value {
+            let message = lease.answer(request, decision, SILENCE, at(seconds));
+            serde_json::to_value(PlatformMessage::Lease(message)).expect("JSON")
+        };
+        let (lease, decisions) = request_in_turn(&[("a", "here", false), ("b", "there", false)]);
+        let refusal = told(&lease, &request("b", "there"), decisions[1], 2);
         assert_eq!(
             (&refusal["result"], &refusal["holder"]["host"]),
             (&"REFUSED".into(), &"host of here".into())
         );
         assert_eq!(refusal["askAgainMs"], 5_000, "whether there are two is not known yet");
-        let (lease, verdict) = FactoryLease::ask(Some(lease), &request("a", "here"), false, at(3));
-        let grant = told(&lease, &request("a", "here"), verdict, 3);
+        let (lease, decision) = FactoryLease::ask(Some(lease), &request("a", "here"), false, at(3));
+        let grant = told(&lease, &request("a", "here"), decision, 3);
         assert_eq!(
             (&grant["result"], &grant["contender"]["host"]),
             (&"GRANTED".into(), &"host of there".into())
@@ -324,17 +336,17 @@ mod tests {
             (&grant["holder"], &grant["askAgainMs"]),
             (&serde_json::Value::Null, &10_000.into())
         );
-        let later = told(&lease, &request("a", "here"), verdict, 3600);
+        let later = told(&lease, &request("a", "here"), decision, 3600);
         assert_eq!(later["contender"], serde_json::Value::Null, "it has not asked for long");
     }
 
     #[test]
-    fn what_is_remembered_has_a_bound() {
+    fn refused_connectors_are_bounded() {
         let mut asked = vec![("a".to_owned(), "here".to_owned())];
         asked.extend((0..20).map(|number| (format!("c{number}"), format!("place{number}"))));
         let asked: Vec<_> =
             asked.iter().map(|(instance, place)| (&**instance, &**place, false)).collect();
-        let (lease, _) = play(&asked);
+        let (lease, _) = request_in_turn(&asked);
         assert_eq!(
             (lease.contenders.len(), lease.contenders[0].instance_id.as_str()),
             (CONTENDERS_MAX, "c19")

@@ -1,21 +1,25 @@
-//! The cloud services of Verbund: organisations agree on operation networks here, factories get
-//! their parts, reports come in, and partners see them as they happen.
+//! Cloud services of Verbund: organisations agree on operation networks, factories are sent their
+//! parts, reports are received, and partners see them as they arrive.
 //!
-//! - [`config`]: what an operator sets. [`service`]: everything opened and started from it.
-//! - [`store`]: the database, one repository per noun; [`accounts`], [`administrator`]: who may
-//!   sign in.
-//! - [`networks`]: changing networks and sending parts. [`ingest`]: what factories and tools send,
-//!   each message once.
-//! - [`leases`] (pure): which of a factory's running connectors speaks for it.
-//! - [`progress`] (pure), [`progress_board`], [`live`]: how operations stand, and telling it.
-//! - [`receipts`], [`retention`], [`outgoing`]: what is told to connectors, forgotten, sent.
-//! - [`reach`], [`enrolment`], [`certificates`]: who may use the broker, and how it is trusted.
-//! - [`api`]: the HTTP side.
+//! Start reading at [`service`], which opens everything from the [`config`] and starts the tasks.
+//! Modules from the bottom to the top:
+//!
+//! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
+//!   sequence numbers), [`value_json`] (values in the API), [`tools`] (messages of partners' tools).
+//! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
+//! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
+//! - [`broker_access`], [`certificates`], [`enrolment`]: users, queues and certificates of the
+//!   broker, and credentials of connectors. [`spool`]: outgoing messages for the link.
+//! - [`networks`]: changes of networks and the parts sent to factories. [`ingest`]: received
+//!   messages, each exactly once.
+//! - Tasks: [`receipts`], [`retention`], [`progress_notifier`].
+//! - [`accounts`], [`administrator`], [`application`], [`api`]: the HTTP API.
 
 pub mod accounts;
 pub mod administrator;
 pub mod api;
 pub mod application;
+pub mod broker_access;
 pub mod certificates;
 pub mod clock;
 pub mod config;
@@ -24,15 +28,14 @@ pub mod ingest;
 pub mod leases;
 pub mod live;
 pub mod networks;
-pub mod outgoing;
-pub mod plain;
 pub mod principal;
 pub mod progress;
-pub mod progress_board;
-pub mod reach;
+pub mod progress_notifier;
 pub mod receipts;
 pub mod retention;
 pub mod sequences;
 pub mod service;
+pub mod spool;
 pub mod store;
 pub mod tools;
+pub mod value_json;

@@ -1,4 +1,4 @@
-//! Live news for pages, told after the commit of what they tell, and only to whom it may concern.
+//! Live events for pages, published after the commit, each to its audience only.
 
 use asi_model::{
     DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey, messages::Fault,
@@ -9,23 +9,23 @@ use serde::Serialize;
 use crate::{progress::OperationProgress, store::PartState};
 
 /// The log behind `GET /live`.
-pub type LiveLog = EventLog<News>;
+pub type LiveLog = EventLog<Notification>;
 
 /// Events kept for pages that catch up.
 pub const EVENTS_KEPT_MAX: usize = 20_000;
 
 /// An event and who may know of it.
 #[derive(Debug, Clone)]
-pub struct News {
-    /// What happened.
+pub struct Notification {
+    /// An event for pages.
     pub event: LiveEvent,
     /// The organisations that may know.
     pub audience: Vec<OrganisationId>,
-    /// Whether administrators without an organisation may know, too: structure yes, values no.
+    /// True if administrators of any organisation may see it: structure yes, values no.
     pub is_structure: bool,
 }
 
-/// What happened.
+/// An event for pages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged, rename_all_fields = "camelCase")]
 pub enum LiveEvent {
@@ -34,60 +34,45 @@ pub enum LiveEvent {
         /// The request it answers.
         #[serde(flatten)]
         request: RequestKey,
-        /// Who reported.
         factory_id: FactoryId,
         /// The values, each as `GET /operation-networks/{operationNetworkId}` would show it now.
-        fields: Vec<ValueNews>,
+        fields: Vec<FieldUpdate>,
     },
     /// `decision`: the factory's engineer decided about a field.
     Decision {
-        /// The field.
         key: FieldKey,
         /// `PENDING`, `MAPPED` or `REFUSED`.
         mapping_state: asi_model::messages::MappingState,
-        /// Why.
         reason: Option<String>,
-        /// When.
         decided_at: DateTime,
     },
     /// `part`: a factory was sent its part, or answered.
     Part {
-        /// The network.
         operation_network_id: OperationNetworkId,
-        /// The factory.
         factory_id: FactoryId,
         /// The part's revision.
         revision: u64,
-        /// How it stands.
+        /// State of the part.
         state: PartState,
-        /// Why it was rejected.
+        /// Faults for which it was rejected.
         fault_list: Vec<Fault>,
     },
     /// `factory`: something arrived of a factory; at most once a second each.
     Factory {
-        /// The factory.
         factory_id: FactoryId,
-        /// When.
         last_seen_at: DateTime,
-        /// What its publisher said of itself last.
+        /// State that its publisher reported last.
         publisher_state: Option<String>,
     },
     /// `progress`: how an operation stands, as far as this audience may know.
     Progress {
-        /// The network.
         operation_network_id: OperationNetworkId,
-        /// The operation.
         #[serde(flatten)]
         operation: OperationProgress,
     },
     /// `network`: a new revision, or a withdrawal.
-    Network {
-        /// The network.
-        operation_network_id: OperationNetworkId,
-        /// Its revision.
-        revision: u64,
-    },
-    /// `comment`: somebody said something.
+    Network { operation_network_id: OperationNetworkId, revision: u64 },
+    /// `comment`: a comment was added.
     Comment {
         /// The network talked about.
         operation_network_id: OperationNetworkId,
@@ -99,18 +84,17 @@ pub enum LiveEvent {
 /// A newer value of a field.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct ValueNews {
-    /// The field.
+pub struct FieldUpdate {
     pub key: FieldKey,
     /// The value; 64-bit integers are texts.
     pub value: serde_json::Value,
     /// Its quality, by the standard's name.
     pub status: String,
-    /// When the source measured it.
+    /// Source timestamp: time of the measurement.
     pub source_timestamp: Option<DateTime>,
-    /// When the connector reported it.
+    /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
     /// The writer's epoch.
     pub epoch: u32,
@@ -135,18 +119,18 @@ impl LiveEvent {
 
     /// The event for an audience.
     #[must_use]
-    pub const fn to(self, audience: Vec<OrganisationId>) -> News {
+    pub const fn to(self, audience: Vec<OrganisationId>) -> Notification {
         let is_structure = matches!(
             self,
             Self::Part { .. } | Self::Factory { .. } | Self::Network { .. } | Self::Comment { .. }
         );
-        News { event: self, audience, is_structure }
+        Notification { event: self, audience, is_structure }
     }
 }
 
-impl News {
-    /// Name and JSON of the event, if somebody who looks for `organisation` (or, without one, as
-    /// administrator) may know of it.
+impl Notification {
+    /// Returns name and JSON of the event if a viewer for `organisation` (or, without one, as
+    /// administrator) may see it.
     #[must_use]
     pub fn shown_to(
         &self,

@@ -1,4 +1,4 @@
-//! How operations stand, read from the *meaning* of report fields, never from their names.
+//! Progress of operations, derived from the *semantic* of report fields, never from their names.
 
 use asi_model::{
     DateTime, FactoryId, OperationId,
@@ -10,15 +10,14 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use crate::{
-    plain::as_number,
     store::{CurrentValue, FieldRow},
+    value_json::as_number,
 };
 
-/// How an operation stands, as far as the viewer's fields tell.
+/// Progress of an operation, derived from the viewer's fields.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OperationProgress {
-    /// The operation.
     #[schema(value_type = String)]
     pub operation_id: OperationId,
     /// The factory that carries it out.
@@ -29,40 +28,38 @@ pub struct OperationProgress {
     pub state: Option<OperationState>,
     /// True where nobody reported the state and it is concluded from quantities and times.
     pub is_state_inferred: bool,
-    /// What is produced so far, in `quantityUnit`; the good ones where only those are reported.
+    /// Produced quantity in `quantityUnit`; the good quantity if only that is reported.
     pub quantity: Option<f64>,
-    /// What of it is good.
+    /// Good part of the quantity.
     pub good_quantity: Option<f64>,
-    /// What of it is scrap.
+    /// Scrap part of the quantity.
     pub scrap_quantity: Option<f64>,
-    /// How much is planned.
     pub planned_quantity: Option<f64>,
     /// The unit of all quantities.
     pub quantity_unit: Option<String>,
-    /// How far it is, 0 to 100: as reported, else from the quantities.
+    /// Completion, 0 to 100: as reported, else derived from the quantities.
     pub percent_complete: Option<f64>,
-    /// When it started.
+    /// Time of the start.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub actual_start: Option<DateTime>,
-    /// When it ended.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub actual_end: Option<DateTime>,
-    /// When the factory expects it to end.
+    /// End expected by the factory.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub expected_end: Option<DateTime>,
-    /// When a report about it arrived last.
+    /// Arrival of the last report about it.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
 }
 
-/// How each operation stands, in the order of the network. `fields` are those that the viewer may
-/// see.
+/// Derives the progress of each operation, in the order of the network. `fields` are those that the
+/// viewer may see.
 #[must_use]
 pub fn progress(network: &OperationNetwork, fields: &[FieldRow]) -> Vec<OperationProgress> {
     network.operation_list.iter().map(|operation| of_operation(operation, fields)).collect()
 }
 
-/// How one operation stands.
+/// Derives the progress of one operation.
 #[must_use]
 pub fn of_operation(operation: &Operation, fields: &[FieldRow]) -> OperationProgress {
     let newest = Newest { operation, fields };

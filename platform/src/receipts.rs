@@ -1,5 +1,5 @@
 //! Receipts: telling connectors what is held, so that they may let go of it - at most once per
-//! interval and factory, while there is news.
+//! interval and factory, while there is notifications.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -10,9 +10,9 @@ use asi_model::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    broker_access::BrokerAccess,
     clock::{Clock, new_message_id},
     networks::outgoing,
-    reach::Reach,
     store::{Store, StoreError, WriterRow},
 };
 
@@ -20,7 +20,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Receipter {
     store: Store,
-    reach: Reach,
+    broker_access: BrokerAccess,
     clock: Clock,
     interval: Duration,
 }
@@ -34,8 +34,13 @@ const WRITERS_PER_ROUND_MAX: u32 = 5_000;
 impl Receipter {
     /// A receipter over the store.
     #[must_use]
-    pub const fn new(store: Store, reach: Reach, clock: Clock, interval: Duration) -> Self {
-        Self { store, reach, clock, interval }
+    pub const fn new(
+        store: Store,
+        broker_access: BrokerAccess,
+        clock: Clock,
+        interval: Duration,
+    ) -> Self {
+        Self { store, broker_access, clock, interval }
     }
 
     /// Runs until shutdown.
@@ -84,7 +89,7 @@ impl Receipter {
                     };
                     let message =
                         outgoing(&factory, &PlatformMessage::Receipt(receipt), self.clock.now());
-                    work.outbox().add(&message).await?;
+                    work.outgoing().add(&message).await?;
                 }
                 for row in rows {
                     work.writers().receipted(&row.key).await?;
@@ -94,7 +99,7 @@ impl Receipter {
         }
         work.commit().await?;
         metrics::counter!("verbund_receipts_total").increment(count as u64);
-        self.reach.wake_link();
+        self.broker_access.wake_link();
         Ok(count)
     }
 }

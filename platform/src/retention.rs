@@ -1,4 +1,4 @@
-//! Forgetting what has served its time, little by little.
+//! Deletion of raw messages after their retention period, in small portions.
 
 use std::time::Duration;
 

@@ -1,94 +1,44 @@
 //! The platform as a component: opened from its configuration, run until shutdown.
 
 mod brokers;
+mod data_directory;
+mod error;
 
-use std::{
-    convert::Infallible, net::SocketAddr, os::unix::fs::DirBuilderExt, path::PathBuf, sync::Arc,
-    time::Duration,
-};
+use std::{convert::Infallible, net::SocketAddr, sync::Arc, time::Duration};
 
-use broker::{Broker, BrokerError};
+use broker::Broker;
 use daemon::{
     lifecycle::{Importance, Lifecycle},
-    telemetry::{Metrics, TelemetryError},
+    telemetry::Metrics,
     web::{
         health::Readiness,
         server::{self, ServerError},
-        session::{PasswordError, SessionConfig, Sessions},
+        session::{SessionConfig, Sessions},
     },
 };
-use messaging::{Link, LinkError, LinkState};
+use messaging::{Link, LinkState};
 use tokio::{net::TcpListener, sync::watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     accounts::StoredAccounts,
-    administrator::{self, AdministratorError},
-    api,
+    administrator, api,
     application::{Application, Parts},
-    certificates::CertificateError,
+    broker_access::BrokerAccess,
     clock::Clock,
     config::PlatformConfig,
     ingest::Ingest,
     live::{EVENTS_KEPT_MAX, LiveLog},
     networks::Resender,
-    outgoing::StoredSpool,
-    progress_board::ProgressBoard,
-    reach::{Reach, ReachError},
+    progress_notifier::ProgressNotifier,
     receipts::Receipter,
     retention::Retention,
-    store::{Store, StoreError},
+    spool::StoredSpool,
+    store::Store,
 };
 
 pub use brokers::start_broker_alone;
-
-/// The platform cannot start.
-#[derive(Debug, thiserror::Error)]
-pub enum StartError {
-    /// The data directory cannot be made.
-    #[error("cannot make the data directory {}; set data_directory to a place that can be written", path.display())]
-    DataDirectory {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The root certificates of an external broker cannot be read.
-    #[error("cannot read broker.external.root_certificates {}", path.display())]
-    RootCertificates {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The database cannot be used.
-    #[error("the database cannot be used")]
-    Store(#[from] StoreError),
-    /// The embedded broker cannot start.
-    #[error("the embedded broker cannot start")]
-    Broker(#[from] BrokerError),
-    /// The certificate authority cannot be used.
-    #[error("the certificate authority cannot be used")]
-    Certificates(#[from] CertificateError),
-    /// The link cannot be made.
-    #[error("the link to the broker cannot be made")]
-    Link(#[from] LinkError),
-    /// Users and queues cannot be set up.
-    #[error("users and queues cannot be set up")]
-    Reach(#[from] ReachError),
-    /// The pages cannot be served.
-    #[error("pages and API cannot be served")]
-    Web(#[from] ServerError),
-    /// The first administrator cannot be made.
-    #[error("the first administrator cannot be made")]
-    Administrator(#[from] AdministratorError),
-    /// A password is refused.
-    #[error("admin.password is refused")]
-    Password(#[from] PasswordError),
-    /// Metrics cannot be set up.
-    #[error("metrics cannot be set up")]
-    Telemetry(#[from] TelemetryError),
-}
+pub use error::StartError;
 
 /// An opened platform; [`start`](Self::start) its tasks.
 pub struct Platform {
@@ -98,15 +48,15 @@ pub struct Platform {
     broker: Option<Broker>,
     link: Link,
     ingest: Ingest,
-    board: ProgressBoard,
+    progress_notifier: ProgressNotifier,
 }
 
-/// How an opened platform is reached; the real ports where the configuration said 0.
+/// Addresses and shared state of an opened platform.
 #[derive(Debug, Clone)]
 pub struct PlatformHandle {
-    /// Where pages and API listen.
+    /// Address of pages and API, with the real port.
     pub web_address: SocketAddr,
-    /// Where the embedded broker listens, in the order TLS, plain, WebSocket.
+    /// Addresses of the embedded broker, with the real ports, in the order TLS, plain, WebSocket.
     pub broker_addresses: Vec<SocketAddr>,
     /// The shared parts, for tests and commands inside the process.
     pub application: Application,
@@ -123,7 +73,7 @@ impl Platform {
         clock: Clock,
         lifecycle: &Lifecycle,
     ) -> Result<(Self, PlatformHandle), StartError> {
-        make_data_directory(&config)?;
+        data_directory::create(&config)?;
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         administrator::ensure(&store, &config, clock.now()).await?;
@@ -131,14 +81,14 @@ impl Platform {
         let started_at = clock.now();
         let live =
             LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
-        let reach = Reach::new(config.broker.users.clone());
-        let (board, progress) = ProgressBoard::new(store.clone(), live.clone());
+        let broker_access = BrokerAccess::new(config.broker.users.clone());
+        let (progress_notifier, progress) = ProgressNotifier::new(store.clone(), live.clone());
         let resend_after = Duration::from_millis(config.parts.resend_after_ms);
         let silence = config.lease_silence();
         let (ingest, ingest_handle) = Ingest::new(
             store.clone(),
             live.clone(),
-            reach.clone(),
+            broker_access.clone(),
             progress,
             clock.clone(),
             resend_after,
@@ -147,15 +97,17 @@ impl Platform {
         .await?;
 
         let (broker, access, link_config) =
-            brokers::open(&config, &reach, &store, started_at).await?;
-        let broker_addresses =
-            reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default();
+            brokers::open(&config, &broker_access, &store, started_at).await?;
+        let broker_addresses = broker_access
+            .broker()
+            .map(|broker| broker.local_addresses().to_vec())
+            .unwrap_or_default();
         let (link, link_handle) = Link::new(
             link_config,
             Arc::new(StoredSpool::new(store.clone())),
             Arc::new(ingest_handle.clone()),
         )?;
-        reach.set_link(link_handle);
+        broker_access.set_link(link_handle);
 
         let web_tls = config.web.tls.as_ref().map(server::TlsFiles::load).transpose()?;
         let web_listener = server::listen(config.web.listen).await?;
@@ -174,11 +126,11 @@ impl Platform {
             config,
             store,
             live,
-            reach,
+            broker_access,
             ingest: ingest_handle,
             sessions,
             clock,
-            broker_access: access,
+            broker_endpoint: access,
             public_url,
             readiness: Readiness::new(),
             metrics,
@@ -187,14 +139,21 @@ impl Platform {
         });
         let handle =
             PlatformHandle { web_address, broker_addresses, application: application.clone() };
-        Ok((Self { application, web_listener, web_tls, broker, link, ingest, board }, handle))
+        Ok((
+            Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier },
+            handle,
+        ))
     }
 
     /// Starts all tasks in the lifecycle.
     pub fn start(self, lifecycle: &Lifecycle) {
-        let Self { application, web_listener, web_tls, broker, link, ingest, board } = self;
-        let (store, reach, clock) =
-            (application.store.clone(), application.reach.clone(), application.clock.clone());
+        let Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier } =
+            self;
+        let (store, broker_access, clock) = (
+            application.store.clone(),
+            application.broker_access.clone(),
+            application.clock.clone(),
+        );
         // At shutdown the link goes first, so that what it has received is still stored and
         // settled; then its two ends.
         let after_link = CancellationToken::new();
@@ -204,7 +163,8 @@ impl Platform {
         lifecycle.spawn("ingest", Importance::Essential, ingest.run(after_link.clone()));
         // Queues can only be declared once the broker runs, so this is the first task's work and
         // not the opening's.
-        let reconciling = reach.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
+        let reconciling =
+            broker_access.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
         lifecycle.spawn("reach", Importance::Optional, async move {
             reconciling.await;
             Ok::<(), Infallible>(())
@@ -215,7 +175,7 @@ impl Platform {
             link.run(link_shutdown).await;
             Ok::<(), Infallible>(())
         });
-        if let Some(link) = reach.link() {
+        if let Some(link) = broker_access.link() {
             let watching = watch_link(link.state(), application.clone());
             let watching = lifecycle.shutdown().run_until_cancelled_owned(watching);
             lifecycle.spawn("link watch", Importance::Optional, async move {
@@ -225,15 +185,19 @@ impl Platform {
         }
         let receipter = Receipter::new(
             store.clone(),
-            reach.clone(),
+            broker_access.clone(),
             clock.clone(),
             application.config.receipt_interval(),
         );
         lifecycle.spawn("receipts", Importance::Essential, receipter.run(lifecycle.shutdown()));
         let resender =
-            Resender::new(store.clone(), reach, clock.clone(), application.resend_after());
+            Resender::new(store.clone(), broker_access, clock.clone(), application.resend_after());
         lifecycle.spawn("resending", Importance::Essential, resender.run(lifecycle.shutdown()));
-        lifecycle.spawn("progress", Importance::Essential, board.run(lifecycle.shutdown()));
+        lifecycle.spawn(
+            "progress",
+            Importance::Essential,
+            progress_notifier.run(lifecycle.shutdown()),
+        );
         let kept = Duration::from_secs(u64::from(application.config.retention.inbox_days) * 86_400);
         lifecycle.spawn(
             "retention",
@@ -252,15 +216,6 @@ impl Platform {
             server::serve(web_listener, web_tls, router, lifecycle.shutdown()),
         );
     }
-}
-
-/// What partners entrust to the platform is for its own user only.
-fn make_data_directory(config: &PlatformConfig) -> Result<(), StartError> {
-    std::fs::DirBuilder::new()
-        .recursive(true)
-        .mode(0o700)
-        .create(&config.data_directory)
-        .map_err(|source| StartError::DataDirectory { path: config.data_directory.clone(), source })
 }
 
 /// Keeps `/readyz` in line with the link.

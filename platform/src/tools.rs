@@ -16,26 +16,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DataRequestMessage {
-    /// Always `data-request`.
     pub message_type: String,
     /// Unique per message.
     pub message_id: MessageId,
     /// The tool that asks.
     pub tool_id: ToolId,
-    /// The network.
     pub operation_network_id: OperationNetworkId,
     /// The operation asked about.
     pub operation_id: OperationId,
-    /// What is asked; its requester is the tool's organisation.
+    /// Requested data; the requester is the tool's organisation.
     pub dynamic_data_request: DynamicDataRequest,
 }
 
-/// What became of a tool's request: the acknowledgement of the wire contract, with the tool in
-/// place of a factory.
+/// Answer to a tool's request: the acknowledgement of the wire contract, with the tool in place of
+/// a factory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ToolAcknowledgement {
-    /// Always `acknowledgement`.
     pub message_type: &'static str,
     /// Unique per message.
     pub message_id: MessageId,
@@ -48,7 +45,6 @@ pub struct ToolAcknowledgement {
     /// The revision that contains the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revision: Option<u64>,
-    /// The outcome.
     pub result: AcknowledgementResult,
     /// Everything that was wrong.
     pub fault_list: Vec<Fault>,

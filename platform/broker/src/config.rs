@@ -98,7 +98,6 @@ impl Default for QueueOptions {
 /// Bounds of the broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BrokerLimits {
-    /// Concurrent connections.
     pub connections_max: usize,
     /// Concurrent connections of one user.
     pub connections_per_user_max: usize,

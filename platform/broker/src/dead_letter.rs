@@ -29,6 +29,5 @@ pub struct DeadLetter {
     /// Time of the dead-lettering.
     #[serde(with = "time::serde::rfc3339")]
     pub at: OffsetDateTime,
-    /// Stored size.
     pub bytes: u64,
 }

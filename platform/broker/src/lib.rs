@@ -1,7 +1,7 @@
 //! Embedded message broker: AMQP 1.0, durable queues in one SQLite file, a single node.
 //!
 //! The platform starts it when no other broker is configured. It is meant for a workshop and for
-//! trials; production uses a clustered broker, for which `messaging` has a profile.
+//! demonstrations; production uses a clustered broker, for which `messaging` has a profile.
 //!
 //! - A publisher is answered *accepted* only after its message is committed with full
 //!   synchronisation.

@@ -19,7 +19,6 @@ pub(crate) use subscription::{Next, Subscription};
 pub(crate) struct QueueEntry {
     /// Number given by the broker; the order of delivery.
     pub id: i64,
-    /// Stored size.
     pub bytes: u64,
     /// Expiry in Unix milliseconds.
     pub expires_at_ms: Option<i64>,

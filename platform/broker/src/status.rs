@@ -18,7 +18,6 @@ pub struct QueueStatus {
     pub unsettled: u64,
     /// Stored bytes of ready and unsettled messages.
     pub bytes: u64,
-    /// Consumers attached.
     pub consumers: u64,
 }
 

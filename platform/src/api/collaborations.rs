@@ -76,7 +76,7 @@ pub async fn add(
     Ok((StatusCode::CREATED, Json(collaboration)))
 }
 
-/// Adds a member; nothing happens where it is one.
+/// Adds a member; has no effect if it is one.
 #[utoipa::path(put, operation_id = "addMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path)),
     responses((status = 200, body = Collaboration), ChangeProblems))]
@@ -95,7 +95,7 @@ pub async fn add_member(
     Ok(Json(collaboration))
 }
 
-/// Adds a factory; nothing happens where it takes part.
+/// Adds a factory; has no effect if it takes part.
 #[utoipa::path(put, operation_id = "addCollaborationFactory", path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path)),
     responses((status = 200, body = Collaboration), ChangeProblems))]

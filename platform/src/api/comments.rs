@@ -35,7 +35,7 @@ pub struct AddComment {
     /// The field talked about.
     #[schema(value_type = Option<String>)]
     field_name: Option<FieldName>,
-    /// What is said; 1 to 10000 characters.
+    /// Text, 1 to 10000 characters.
     text: String,
 }
 
@@ -107,11 +107,11 @@ pub async fn add(
         author_id: comment.author_id.clone(),
         text: body.text,
     });
-    work.outbox().add(&outgoing(&body.factory_id, &message, now)).await?;
+    work.outgoing().add(&outgoing(&body.factory_id, &message, now)).await?;
     let collaboration =
         work.collaborations().lookup(&Scope::Platform, &network.collaboration_id).await?;
     work.commit().await?;
-    app.reach.wake_link();
+    app.broker_access.wake_link();
     let members = collaboration.map(|collaboration| collaboration.members).unwrap_or_default();
     app.live.publish([LiveEvent::Comment { operation_network_id: id, comment_id }.to(members)]);
     let entry = CommentEntry {

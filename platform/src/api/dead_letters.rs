@@ -21,29 +21,29 @@ use crate::{application::Application, principal::Principal};
 pub struct DeadLetterView {
     /// `ingest-<number>` or `broker-<number>`.
     id: String,
-    /// Where it was sent to.
+    /// Logical address it was sent to.
     address: String,
     message_id: Option<String>,
     subject: Option<String>,
     /// A stable code, as `FORGED_PUBLISHER`.
     code: String,
-    /// Why, for people.
+    /// Reason in a sentence for people.
     reason: String,
-    /// When it was set aside.
+    /// Time of the dead-lettering.
     #[schema(value_type = String, format = DateTime)]
     at: DateTime,
-    /// How large its body is.
+    /// Size of the body.
     bytes: u64,
-    /// When it was tried again, if it was.
+    /// Time of the last replay; absent before the first.
     #[schema(value_type = Option<String>, format = DateTime)]
     replayed_at: Option<DateTime>,
 }
 
-/// What trying again did.
+/// Result of a replay.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Replayed {
-    /// Whether it was taken this time or waits in its queue again.
+    /// True if ingest accepted it this time, or if it waits in its queue again.
     is_taken: bool,
 }
 
@@ -73,7 +73,7 @@ pub async fn list(
         letter.id.trim_start_matches("ingest-").to_owned()
     });
     if page.cursor.is_none()
-        && let Some(broker) = app.reach.broker()
+        && let Some(broker) = app.broker_access.broker()
     {
         let letters = broker
             .dead_letters(0, page.limit())
@@ -107,7 +107,7 @@ pub async fn replay(
     administrator_only::check(&who)?;
     let not_found = || Problem::not_found(format_args!("dead letter {id}"));
     let (kind, number) = id.split_once('-').ok_or_else(not_found)?;
-    let is_taken = match (kind, app.reach.broker()) {
+    let is_taken = match (kind, app.broker_access.broker()) {
         ("broker", Some(broker)) => {
             let number = number.parse().map_err(|_| not_found())?;
             let count = broker

@@ -20,7 +20,7 @@ pub struct Enrol {
     token: Confidential<String>,
 }
 
-/// All a connector needs to reach the broker, shown this once.
+/// Endpoint and credential of a connector, shown this once.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Enrolment {
@@ -28,7 +28,7 @@ pub struct Enrolment {
     factory_id: FactoryId,
     /// The broker's address.
     broker_url: String,
-    /// What logical addresses are called there.
+    /// Names of logical addresses at this broker.
     #[schema(value_type = Object)]
     profile: BrokerProfile,
     /// The name to sign in with.
@@ -52,8 +52,8 @@ pub async fn enrol(
     })?;
     metrics::counter!("verbund_enrolments_total", "result" => "accepted").increment(1);
     tracing::info!(factory.id = %factory_id, "A connector has enrolled.");
-    app.reach.reconcile(&app.store).await?;
-    let access = &app.broker_access;
+    app.broker_access.reconcile(&app.store).await?;
+    let access = &app.broker_endpoint;
     Ok((
         StatusCode::CREATED,
         Json(Enrolment {

@@ -28,7 +28,7 @@ pub struct NewFactory {
     factory_id: FactoryId,
     #[schema(value_type = String)]
     organisation_id: OrganisationId,
-    /// What people call it; the id where absent.
+    /// Name for people; the id by default.
     #[serde(default)]
     name: Option<String>,
 }
@@ -44,13 +44,12 @@ pub struct TokenView {
     expires_at: DateTime,
 }
 
-/// What a revocation did.
+/// Result of a revocation.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Revoked {
     /// Credentials taken away.
     credentials: u64,
-    /// Connections cut.
     connections: usize,
 }
 
@@ -85,7 +84,7 @@ pub async fn add(
     }
     let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
     work.commit().await?;
-    app.reach.reconcile(&app.store).await?;
+    app.broker_access.reconcile(&app.store).await?;
     let factory = factory.ok_or_else(|| Problem::not_found("factory"))?;
     Ok((StatusCode::CREATED, Json(factory)))
 }
@@ -129,7 +128,7 @@ pub async fn revoke_holder(app: &Application, holder: Holder) -> Result<Revoked,
     let mut work = app.store.begin().await?;
     let credentials = work.credentials().revoke(&holder).await?;
     work.commit().await?;
-    let connections = app.reach.revoked(&app.store, &holder).await?;
+    let connections = app.broker_access.revoked(&app.store, &holder).await?;
     tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");
     Ok(Revoked { credentials, connections })
 }

@@ -1,4 +1,4 @@
-//! Which of a factory's running connectors speaks for it.
+//! Lease of a factory's identity: show and hand over.
 
 use asi_model::{FactoryId, InstanceId};
 use axum::{Json, extract::State};
@@ -16,7 +16,7 @@ use crate::{
     principal::Principal,
 };
 
-/// How a factory's lease stands.
+/// Lease of a factory with the connectors that were refused.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseView {
@@ -24,11 +24,11 @@ pub struct LeaseView {
     lease_number: u64,
     /// The connector that speaks for the factory; absent while none has asked.
     holder: Option<Party>,
-    /// Connectors that asked and were refused, whoever was heard last first.
+    /// Connectors that were refused, the last heard first.
     contenders: Vec<Party>,
 }
 
-/// To whom the lease goes.
+/// The next holder of a lease.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Handover {

@@ -1,4 +1,4 @@
-//! Live news.
+//! Live notifications.
 
 use axum::{extract::State, http::HeaderMap, response::Response};
 use daemon::web::{ApiQuery, events::last_event_id, session::SignedIn};
@@ -30,7 +30,7 @@ pub async fn stream(
 ) -> Response {
     let after = last_event_id(&headers).map(str::to_owned).or(query.last_event_id);
     let principal = who.principal;
-    app.live.stream(after.as_deref(), app.shutdown.clone(), move |news| {
-        news.shown_to(principal.organisation(), principal.is_administrator())
+    app.live.stream(after.as_deref(), app.shutdown.clone(), move |notification| {
+        notification.shown_to(principal.organisation(), principal.is_administrator())
     })
 }

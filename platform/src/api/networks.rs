@@ -34,7 +34,7 @@ pub struct PutBody {
     operation_network: Box<RawValue>,
 }
 
-/// What a change did.
+/// Result of a change.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Changed {
@@ -74,8 +74,8 @@ pub async fn show(
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<(HeaderMap, Json<NetworkView>), Problem> {
-    // Asked before the view is read, so that whoever follows from this id may see a change twice
-    // but never misses one.
+    // Asked before the view is read, so that a client that follows from this id may see a change
+    // twice but never misses one.
     let last_event_id = app.live.newest_id();
     let mut work = app.store.read().await?;
     let view = networks::view(&mut work, &who.principal.scope(), &id, last_event_id).await?;
@@ -88,7 +88,7 @@ pub async fn show(
 }
 
 /// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
-/// revision guards against overwriting somebody else's change. The same network again changes
+/// revision guards against overwriting another author's change. The same network again changes
 /// nothing.
 #[utoipa::path(put, operation_id = "putOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = PutBody,
@@ -118,7 +118,7 @@ pub async fn put(
     let outcome =
         networks::put(&mut work, change, &author, app.resend_after()).await.map_err(with_prefix)?;
     work.commit().await?;
-    Ok(Json(told(&app, outcome)))
+    Ok(Json(publish(&app, outcome)))
 }
 
 /// Withdraws a network: its nodes and mappings go at every factory.
@@ -133,13 +133,13 @@ pub async fn withdraw(
     let mut work = app.store.begin().await?;
     let outcome = networks::withdraw(&mut work, &id, &author, app.resend_after()).await?;
     work.commit().await?;
-    Ok(Json(told(&app, outcome)))
+    Ok(Json(publish(&app, outcome)))
 }
 
-/// After the commit: pages and link hear of it.
-pub(super) fn told(app: &Application, outcome: Outcome) -> Changed {
-    app.reach.wake_link();
-    app.live.publish(outcome.news);
+/// Publishes a committed change to pages and link, and returns the answer.
+pub(super) fn publish(app: &Application, outcome: Outcome) -> Changed {
+    app.broker_access.wake_link();
+    app.live.publish(outcome.notifications);
     Changed { revision: outcome.revision, is_changed: outcome.is_changed, sent_to: outcome.sent_to }
 }
 

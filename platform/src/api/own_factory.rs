@@ -1,11 +1,11 @@
-//! What only a factory's own organisation and administrators see.
+//! Access check for data of one factory: its own organisation and administrators.
 
 use asi_model::FactoryId;
 use daemon::web::Problem;
 
 use crate::{principal::Principal, store::Work};
 
-/// Whether the viewer may look into the factory. To others it does not exist.
+/// Checks that the viewer may see the inside of the factory; to others it does not exist.
 pub async fn check(work: &mut Work, viewer: &Principal, id: &FactoryId) -> Result<(), Problem> {
     let factory = work.factories().lookup(&viewer.scope(), id).await?;
     factory

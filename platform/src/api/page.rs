@@ -1,4 +1,4 @@
-//! Pages of long lists.
+//! Cursor pages of long lists.
 
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -7,14 +7,13 @@ use utoipa::{IntoParams, ToSchema};
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Page<T> {
-    /// The entries.
     pub items: Vec<T>,
-    /// Where the next page begins; absent on the last one.
+    /// Cursor of the next page; absent on the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next_cursor: Option<String>,
 }
 
-/// Which page.
+/// Position and size of a page.
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct PageQuery {
@@ -30,7 +29,8 @@ impl PageQuery {
         limit(self.limit)
     }
 
-    /// The cursor of lists ordered by number; whatever is no number begins anew.
+    /// Returns the cursor of a list ordered by number; a text that is no number starts at the first
+    /// page.
     pub fn after(&self) -> Option<u64> {
         self.cursor.as_deref()?.parse().ok()
     }

@@ -1,25 +1,25 @@
-//! Which problems operations answer with, and how the inner errors become them.
+//! Problem responses of the operations, and their mapping from inner errors.
 
 use asi_model::messages::Fault;
 use daemon::web::{Problem, problem::ProblemFault};
 use utoipa::IntoResponses;
 
 use crate::{
-    administrator::AdministratorError, enrolment::EnrolmentError, networks::ChangeError,
-    reach::ReachError, store::StoreError,
+    administrator::AdministratorError, broker_access::BrokerAccessError, enrolment::EnrolmentError,
+    networks::ChangeError, store::StoreError,
 };
 
-/// The problems of reading.
+/// Problems of operations that read.
 #[derive(IntoResponses)]
 #[allow(dead_code)]
 pub enum ReadProblems {
-    /// A parameter is wrong.
+    /// The request cannot be understood.
     #[response(status = 400, content_type = "application/problem+json")]
     BadRequest(Problem),
     /// Nobody is signed in.
     #[response(status = 401, content_type = "application/problem+json")]
     Unauthorized(Problem),
-    /// The role does not allow it.
+    /// The role does not allow it, or the CSRF token is wrong.
     #[response(status = 403, content_type = "application/problem+json")]
     Forbidden(Problem),
     /// It does not exist, or the viewer has no part in it.
@@ -27,7 +27,7 @@ pub enum ReadProblems {
     NotFound(Problem),
 }
 
-/// The problems of changing.
+/// Problems of operations that change something.
 #[derive(IntoResponses)]
 #[allow(dead_code)]
 pub enum ChangeProblems {
@@ -77,8 +77,8 @@ impl From<EnrolmentError> for Problem {
     }
 }
 
-impl From<ReachError> for Problem {
-    fn from(error: ReachError) -> Self {
+impl From<BrokerAccessError> for Problem {
+    fn from(error: BrokerAccessError) -> Self {
         Self::internal(&error)
     }
 }
@@ -124,7 +124,7 @@ impl From<ChangeError> for Problem {
     }
 }
 
-/// A document with faults; `prefix` leads to it in what was sent.
+/// Returns the problem of a document with faults; `prefix` is its JSON pointer in the request body.
 pub fn faulty(faults: Vec<Fault>, prefix: &str) -> Problem {
     let detail = match faults.len() {
         1 => "The document has a fault.".to_owned(),
@@ -141,7 +141,7 @@ pub fn faulty(faults: Vec<Fault>, prefix: &str) -> Problem {
     Problem::unprocessable("INVALID_DOCUMENT", detail, faults)
 }
 
-/// What a reference names does not exist.
+/// Returns the problem of a reference to something that does not exist.
 pub fn unknown_reference(pointer: &str, what: &str) -> Problem {
     let message = format!("There is no {what}; add it first.");
     Problem::unprocessable(
@@ -155,7 +155,7 @@ pub fn unknown_reference(pointer: &str, what: &str) -> Problem {
     )
 }
 
-/// The id is taken.
+/// Returns the problem of an id that is already in use.
 pub fn taken(what: &str) -> Problem {
     Problem::conflict("ALREADY_EXISTS", format!("There is a {what} with this id already."))
 }

@@ -16,7 +16,7 @@ use crate::{
     store::{Report, ReportQuery},
 };
 
-/// Which reports.
+/// Filter and page of the history.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct Query {

@@ -7,7 +7,7 @@ use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
 
 use super::{
-    networks::{Changed, told},
+    networks::{Changed, publish},
     problems::ChangeProblems,
 };
 use crate::{
@@ -33,7 +33,7 @@ pub async fn add(
     let outcome =
         add_request(&mut work, &network, &operation, request, &author, app.resend_after()).await?;
     work.commit().await?;
-    Ok(Json(told(&app, outcome)))
+    Ok(Json(publish(&app, outcome)))
 }
 
 /// Removes a dynamic data request of the own organisation: nodes and mappings go at the factory,
@@ -59,5 +59,5 @@ pub async fn remove(
         remove_request(&mut work, &network, &operation, &request, &author, app.resend_after())
             .await?;
     work.commit().await?;
-    Ok(Json(told(&app, outcome)))
+    Ok(Json(publish(&app, outcome)))
 }

@@ -19,7 +19,7 @@ use utoipa::ToSchema;
 use super::problems::{ChangeProblems, ReadProblems};
 use crate::{application::Application, principal::Principal, store::Role};
 
-/// Who wants to sign in.
+/// User name and password.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SignIn {
@@ -28,7 +28,7 @@ pub struct SignIn {
     password: Confidential<String>,
 }
 
-/// Who is signed in.
+/// The signed-in user and the token of its session.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Session {
@@ -36,7 +36,7 @@ pub struct Session {
     role: Role,
     #[schema(value_type = Option<String>)]
     organisation_id: Option<OrganisationId>,
-    /// What changes must carry in the header `x-csrf-token`.
+    /// Token that changes must carry in the header `x-csrf-token`.
     csrf_token: String,
 }
 

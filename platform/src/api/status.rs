@@ -1,4 +1,4 @@
-//! How the platform stands.
+//! Status of the platform.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
@@ -9,37 +9,37 @@ use utoipa::ToSchema;
 use super::problems::ReadProblems;
 use crate::{application::Application, principal::Principal};
 
-/// How the platform stands, with evidence.
+/// Status of the platform, with evidence.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Status {
     /// The version of the program.
     version: &'static str,
-    /// When it started.
+    /// Time of the start.
     #[schema(value_type = String, format = DateTime)]
     started_at: DateTime,
     /// Its own clock, to tell ages by.
     #[schema(value_type = String, format = DateTime)]
     now: DateTime,
-    /// How the link to the broker stands.
+    /// State of the link to the broker.
     #[schema(value_type = Option<Object>)]
     link: Option<serde_json::Value>,
     /// The queues of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Vec<Object>>)]
     queues: Option<serde_json::Value>,
-    /// Who is connected to the embedded broker; for administrators.
+    /// Connections of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Vec<Object>>)]
     connections: Option<serde_json::Value>,
 }
 
-/// Says how the platform stands.
+/// Shows the status of the platform.
 #[utoipa::path(get, operation_id = "showStatus", path = "/status", tag = "status", security(("session" = [])),
     responses((status = 200, body = Status), ReadProblems))]
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
-    let link = app.reach.link().map(|link| link.state().borrow().clone());
-    let broker = app.reach.broker().filter(|_| who.principal.is_administrator());
+    let link = app.broker_access.link().map(|link| link.state().borrow().clone());
+    let broker = app.broker_access.broker().filter(|_| who.principal.is_administrator());
     Json(Status {
         version: env!("CARGO_PKG_VERSION"),
         started_at: app.started_at,

@@ -30,7 +30,7 @@ pub struct NewTool {
     name: String,
 }
 
-/// All a tool needs to reach the broker, shown this once.
+/// Endpoint and credential of a tool, shown this once.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ToolCredential {
@@ -77,7 +77,7 @@ pub async fn add(
         return Err(taken("tool"));
     }
     work.commit().await?;
-    app.reach.reconcile(&app.store).await?;
+    app.broker_access.reconcile(&app.store).await?;
     Ok((StatusCode::CREATED, Json(tool)))
 }
 
@@ -93,12 +93,12 @@ pub async fn make_credential(
     let known = app.store.read().await?.tools().lookup(&Scope::Platform, &tool).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("tool {tool}")))?;
     let credential = make_tool_credential(&app.store, &app.config, tool, app.clock.now()).await?;
-    app.reach.reconcile(&app.store).await?;
+    app.broker_access.reconcile(&app.store).await?;
     let view = ToolCredential {
-        broker_url: app.broker_access.url.clone(),
+        broker_url: app.broker_endpoint.url.clone(),
         user_name: credential.holder.user_name(),
         password: credential.secret.expose().clone(),
-        root_certificate_pem: app.broker_access.root_certificate_pem.clone(),
+        root_certificate_pem: app.broker_endpoint.root_certificate_pem.clone(),
     };
     Ok((StatusCode::CREATED, Json(view)))
 }

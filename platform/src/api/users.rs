@@ -20,7 +20,7 @@ use crate::{
     store::{Role, User},
 };
 
-/// What a user is to be.
+/// User to add or replace.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PutUser {

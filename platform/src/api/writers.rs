@@ -1,4 +1,4 @@
-//! What is held of a factory's data set writers.
+//! Data set writers of a factory, with received sequence numbers.
 
 use asi_model::{DateTime, FactoryId, messages::GapCause};
 use axum::{Json, extract::State};
@@ -7,12 +7,12 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{own_factory, page::Page, problems::ReadProblems};
-use crate::{application::Application, principal::Principal};
+use crate::{application::Application, principal::Principal, store::StoredGap};
 
 /// Missing numbers shown per writer.
 const MISSING_SHOWN_MAX: usize = 1000;
 
-/// What is held of a writer within an epoch.
+/// Received sequence numbers of a data set writer within an epoch.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct WriterView {
@@ -22,7 +22,7 @@ pub struct WriterView {
     through_sequence: Option<u32>,
     /// The lowest numbers below it that are missing, at most 1000.
     missing: Vec<u32>,
-    /// How many numbers are missing in all.
+    /// Number of missing sequence numbers, listed or not.
     missing_count: u64,
     /// Numbers that the factory announced will never come.
     gaps: Vec<GapView>,
@@ -30,10 +30,10 @@ pub struct WriterView {
     received: u64,
     /// Repeats that were discarded.
     duplicates: u64,
-    /// When a report arrived last.
+    /// Arrival of the last report.
     #[schema(value_type = Option<String>, format = DateTime)]
     last_report_at: Option<DateTime>,
-    /// When a keep-alive arrived last.
+    /// Arrival of the last keep-alive.
     #[schema(value_type = Option<String>, format = DateTime)]
     last_keep_alive_at: Option<DateTime>,
 }
@@ -49,7 +49,15 @@ pub struct GapView {
     cause: GapCause,
 }
 
-/// Lists what is held of a factory's writers: for its own organisation and administrators.
+impl From<StoredGap> for GapView {
+    fn from(gap: StoredGap) -> Self {
+        let StoredGap { first_sequence, last_sequence, cause } = gap;
+        Self { first_sequence, last_sequence, cause }
+    }
+}
+
+/// Lists a factory's data set writers with received sequence numbers: for its own organisation and
+/// administrators.
 #[utoipa::path(get, operation_id = "listWriters", path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Page<WriterView>), ReadProblems))]
 pub async fn list(
@@ -59,28 +67,22 @@ pub async fn list(
 ) -> Result<Json<Page<WriterView>>, Problem> {
     let mut work = app.store.read().await?;
     own_factory::check(&mut work, &who.principal, &id).await?;
-    let mut views = Vec::new();
-    for row in work.writers().of_factory(&id).await? {
-        let gaps = work.writers().gaps(&row.key).await?;
-        views.push(WriterView {
+    let mut gaps = work.writers().gaps(&id).await?;
+    let rows = work.writers().of_factory(&id).await?;
+    let views = rows.into_iter().map(|row| {
+        let gaps = gaps.remove(&row.key).unwrap_or_default();
+        WriterView {
             data_set_writer_id: row.key.data_set_writer_id,
             epoch: row.key.epoch,
             through_sequence: row.sequences.through(),
             missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
             missing_count: row.sequences.missing_count(),
-            gaps: gaps
-                .into_iter()
-                .map(|(first_sequence, last_sequence, cause)| GapView {
-                    first_sequence,
-                    last_sequence,
-                    cause,
-                })
-                .collect(),
+            gaps: gaps.into_iter().map(GapView::from).collect(),
             received: row.received,
             duplicates: row.duplicates,
             last_report_at: row.last_report_at,
             last_keep_alive_at: row.last_keep_alive_at,
-        });
-    }
-    Ok(Json(Page::whole(views)))
+        }
+    });
+    Ok(Json(Page::whole(views.collect())))
 }

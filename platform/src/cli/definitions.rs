@@ -1,4 +1,4 @@
-//! What the administration of another broker imports.
+//! Broker definitions for import by the administration of an external broker.
 
 use std::io::Write;
 

@@ -16,7 +16,7 @@ pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     platform.start(&lifecycle);
     tracing::info!(
         web.url = handle.application.public_url, web.address = %handle.web_address,
-        broker.url = handle.application.broker_access.url, "The platform is up."
+        broker.url = handle.application.broker_endpoint.url, "The platform is up."
     );
     lifecycle.run(DRAIN_TIMEOUT).await?;
     handle.application.store.close().await;

@@ -26,19 +26,18 @@ pub struct Incoming {
     pub message_id: MessageId,
     /// Its type, as `ua-data`.
     pub message_type: String,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
-    /// Whether it belongs to the backlog after an outage.
+    /// True if it belongs to the backlog after an outage.
     pub is_replay: bool,
     /// The number of the lease under which it was sent, where it says one.
     pub lease: Option<u64>,
     /// The body, unpacked.
     pub body: String,
-    /// What it says.
     pub content: Content,
 }
 
-/// What a message says.
+/// Decoded content of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     /// Reports and keep-alives.
@@ -50,9 +49,9 @@ pub enum Content {
         /// The message as it was, to forward parts of it.
         message: Box<NetworkMessage>,
     },
-    /// What the values of a writer are.
+    /// Metadata of a data set writer.
     MetaData(u16, Box<DataSetMetaData>),
-    /// How the publisher is.
+    /// State of the publisher.
     Status(PubSubState),
     /// An acknowledgement, decision, gap, comment or offer.
     Factory(Box<FactoryMessage>),
@@ -67,9 +66,7 @@ pub enum Content {
 /// One DataSetMessage with values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IncomingReport {
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch.
     pub epoch: u32,
     /// The sequence number within the epoch.
     pub sequence: u32,
@@ -79,7 +76,7 @@ pub struct IncomingReport {
     pub report_name: String,
     /// The newest source time among the fields.
     pub shopfloor_timestamp: Option<DateTime>,
-    /// When the connector made it.
+    /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
     /// The fields with their values, names in payload order.
     pub fields: Vec<(String, DataValue)>,
@@ -96,7 +93,7 @@ const RESERVED: [&str; 5] = [
     "shopfloorTimestamp",
 ];
 
-/// Why a message is of no use; code and reason.
+/// Code and reason of a dead letter.
 type Refusal = (&'static str, String);
 
 /// Understands a delivery. `lookup` knows the metadata of the factory's writers.

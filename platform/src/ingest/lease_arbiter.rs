@@ -15,7 +15,7 @@ use super::{
     unit::IngestUnit,
 };
 use crate::{
-    leases::{FactoryLease, Verdict},
+    leases::{FactoryLease, LeaseDecision},
     store::{NewOutgoing, StoreError},
 };
 
@@ -68,14 +68,14 @@ impl<'w> LeaseArbiter<'w> {
         let before = self.lease(unit, factory).await?.cloned();
         let former = before.as_ref().map(|lease| lease.holder.host.clone());
         let is_silent = self.heartbeats.is_silent(factory);
-        let (lease, verdict) = FactoryLease::ask(before, request, is_silent, unit.now);
-        log(factory, request, &lease, verdict, former.as_deref());
-        let is_refused = matches!(verdict, Verdict::Refused { .. });
+        let (lease, decision) = FactoryLease::ask(before, request, is_silent, unit.now);
+        log(factory, request, &lease, decision, former.as_deref());
+        let is_refused = matches!(decision, LeaseDecision::Refused { .. });
         if !is_refused {
             self.heartbeats.record(factory);
             unit.record_arrival(factory, received_at);
         }
-        if verdict == Verdict::Passed && lease.number > 1 {
+        if decision == LeaseDecision::Passed && lease.number > 1 {
             // The new holder may lack what the former one had received.
             unit.work.parts().send_again(factory, unit.now).await?;
         }
@@ -87,8 +87,8 @@ impl<'w> LeaseArbiter<'w> {
         // other's answers for ever: of two equal answers each gets one.
         let copies = if lease.contenders.is_empty() { 1 } else { 2 };
         for _ in 0..copies {
-            let answer = lease.answer(request, verdict, self.heartbeats.silence(), unit.now);
-            unit.work.outbox().add(&outgoing(answer, unit.now)).await?;
+            let answer = lease.answer(request, decision, self.heartbeats.silence(), unit.now);
+            unit.work.outgoing().add(&outgoing(answer, unit.now)).await?;
         }
         self.leases.insert(factory.clone(), Some(lease));
         Ok(())
@@ -111,20 +111,20 @@ fn log(
     factory: &FactoryId,
     request: &LeaseRequest,
     lease: &FactoryLease,
-    verdict: Verdict,
+    decision: LeaseDecision,
     former: Option<&str>,
 ) {
-    match verdict {
-        Verdict::Passed => tracing::info!(
+    match decision {
+        LeaseDecision::Passed => tracing::info!(
             factory.id = %factory, host = %request.host, former,
             "The lease of a factory has passed."
         ),
-        Verdict::Refused { is_news: true } => tracing::warn!(
+        LeaseDecision::Refused { is_new: true } => tracing::warn!(
             factory.id = %factory, host = %request.host, holder = &lease.holder.host,
             "A second connector with the credential of a factory was refused. Stop it, or hand \
              the lease over."
         ),
-        Verdict::Renewed | Verdict::Refused { is_news: false } => {}
+        LeaseDecision::Renewed | LeaseDecision::Refused { is_new: false } => {}
     }
 }
 

@@ -19,10 +19,10 @@ use super::{
     unit::Effects,
 };
 use crate::{
+    broker_access::BrokerAccess,
     clock::Clock,
     live::{LiveEvent, LiveLog},
-    progress_board::ProgressBoardHandle,
-    reach::Reach,
+    progress_notifier::ProgressNotifierHandle,
     store::{Heard, Store, StoreError},
 };
 
@@ -42,14 +42,14 @@ type MetaDataTable = HashMap<(FactoryId, u16), DataSetMetaData>;
 pub struct Ingest {
     store: Store,
     live: LiveLog,
-    reach: Reach,
-    progress: ProgressBoardHandle,
+    broker_access: BrokerAccess,
+    progress: ProgressNotifierHandle,
     clock: Clock,
     resend_after: Duration,
     heartbeats: Heartbeats,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
-    /// When pages were told last that a factory lives.
+    /// Time of the last `factory` event, per factory.
     told_heard: Mutex<HashMap<FactoryId, std::time::Instant>>,
 }
 
@@ -76,8 +76,8 @@ impl Ingest {
     pub async fn new(
         store: Store,
         live: LiveLog,
-        reach: Reach,
-        progress: ProgressBoardHandle,
+        broker_access: BrokerAccess,
+        progress: ProgressNotifierHandle,
         clock: Clock,
         resend_after: Duration,
         silence: Duration,
@@ -98,7 +98,7 @@ impl Ingest {
             Self {
                 store,
                 live,
-                reach,
+                broker_access,
                 progress,
                 clock,
                 resend_after,
@@ -194,14 +194,14 @@ impl Ingest {
     /// After the commit: pages, link, decoding and metrics.
     async fn tell(&self, effects: Effects) {
         if effects.has_outgoing {
-            self.reach.wake_link();
+            self.broker_access.wake_link();
         }
         if !effects.meta_data.is_empty() {
             let mut table = (**self.meta_data.read()).clone();
             table.extend(effects.meta_data);
             *self.meta_data.write() = Arc::new(table);
         }
-        self.live.publish(effects.news);
+        self.live.publish(effects.notifications);
         self.progress.changed(effects.networks);
         for (factory, heard) in effects.heard {
             if let Err(error) = self.tell_heard(factory, heard).await {
@@ -308,7 +308,7 @@ fn dead_message(address: &LogicalAddress, message: &Incoming, reason: String) ->
     Incoming { content: Content::Dead(Box::new(letter)), ..message.clone() }
 }
 
-/// Whether the database understood and refused, so that trying again is of no use.
+/// Returns true if the database rejected the data itself, so that a retry would fail again.
 fn is_refused(error: &StoreError) -> bool {
     match error {
         StoreError::Statement { source: sqlx::Error::Database(error), .. } => {

@@ -10,7 +10,7 @@ use messaging::LogicalAddress;
 
 use super::decode::Incoming;
 use crate::{
-    live::News,
+    live::Notification,
     store::{Heard, NewDeadLetter, NewOutgoing, Scope, StoreError, Work, WriterKey, WriterRow},
 };
 
@@ -18,8 +18,8 @@ use crate::{
 #[derive(Debug, Default)]
 pub(super) struct Effects {
     /// Events for pages.
-    pub(super) news: Vec<News>,
-    /// True when messages wait in the outbox.
+    pub(super) notifications: Vec<Notification>,
+    /// True when messages wait to be sent.
     pub(super) has_outgoing: bool,
     /// Metadata that decoding needs from now on.
     pub(super) meta_data: Vec<((FactoryId, u16), DataSetMetaData)>,
@@ -103,7 +103,7 @@ impl<'w> IngestUnit<'w> {
         Ok(collaboration.map(|collaboration| collaboration.members).unwrap_or_default())
     }
 
-    /// Adds a message to the outbox.
+    /// Adds a message to be sent.
     pub(super) async fn send(
         &mut self,
         address: LogicalAddress,
@@ -123,7 +123,7 @@ impl<'w> IngestUnit<'w> {
             content_encoding: None,
             body: body.into(),
         };
-        self.work.outbox().add(&message).await
+        self.work.outgoing().add(&message).await
     }
 
     /// Makes a decoded message a dead letter.

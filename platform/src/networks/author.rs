@@ -1,21 +1,19 @@
-//! Who changes a network, and with what right.
+//! Author of a change, with its rights.
 
 use asi_model::{DateTime, OrganisationId, ToolId};
 
 use crate::{principal::Principal, store::Scope};
 
-/// Who changes a network.
+/// Author of a change: a user or a tool, with its rights.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Author {
     /// The user or tool, as shown.
     pub name: String,
-    /// For whom.
     pub organisation_id: Option<OrganisationId>,
     /// Administrators change for everybody.
     pub is_administrator: bool,
     /// May change networks at all.
     pub may_plan: bool,
-    /// When.
     pub now: DateTime,
     /// The networks the author may know of.
     pub scope: Scope,

@@ -9,7 +9,7 @@ use asi_model::{
 
 use super::{author::Author, faults::faults, parts};
 use crate::{
-    live::{LiveEvent, News},
+    live::{LiveEvent, Notification},
     store::{Collaboration, NetworkRow, NewField, PartState, Scope, StoreError, Work},
 };
 
@@ -24,7 +24,7 @@ pub struct PutNetwork {
     pub expected_revision: Option<u64>,
 }
 
-/// What a change did.
+/// Result of a change.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// The revision in effect.
@@ -34,10 +34,10 @@ pub struct Outcome {
     /// The factories that were sent something.
     pub sent_to: Vec<FactoryId>,
     /// To tell after the commit.
-    pub news: Vec<News>,
+    pub notifications: Vec<Notification>,
 }
 
-/// Why a network was not changed.
+/// Rejection of a change.
 #[derive(Debug, thiserror::Error)]
 pub enum ChangeError {
     /// The author does not know such a collaboration.
@@ -52,7 +52,7 @@ pub enum ChangeError {
     /// The network belongs to another collaboration.
     #[error("the network belongs to another collaboration")]
     OtherCollaboration,
-    /// Somebody else was faster.
+    /// Another change came first.
     #[error("the revision in effect is {revision}")]
     RevisionConflict {
         /// The revision in effect.
@@ -95,7 +95,12 @@ pub async fn put(
     }
     let in_effect = before.as_ref().filter(|before| before.withdrawn_at.is_none());
     if in_effect.is_some_and(|before| before.network == change.network) {
-        return Ok(Outcome { revision, is_changed: false, sent_to: Vec::new(), news: Vec::new() });
+        return Ok(Outcome {
+            revision,
+            is_changed: false,
+            sent_to: Vec::new(),
+            notifications: Vec::new(),
+        });
     }
     let faults = faults(&change.network, in_effect.map(|row| &row.network), &collaboration, author);
     if !faults.is_empty() {
@@ -129,7 +134,7 @@ pub async fn withdraw(
             revision: before.revision,
             is_changed: false,
             sent_to: Vec::new(),
-            news: Vec::new(),
+            notifications: Vec::new(),
         });
     }
     let row = NetworkRow {
@@ -188,31 +193,37 @@ async fn take_effect(
         return Err(ChangeError::Faulty(oversize));
     }
     let members = &collaboration.members;
-    let mut news = vec![
+    let mut notifications = vec![
         LiveEvent::Network { operation_network_id: id.clone(), revision: row.revision }
             .to(members.clone()),
     ];
     let mut sent_to = Vec::with_capacity(plan.len());
     for planned in plan {
-        work.outbox().add(&planned.message).await?;
+        work.outgoing().add(&planned.message).await?;
         work.parts().put(&planned.part).await?;
         sent_to.push(planned.part.factory_id.clone());
-        news.push(part_news(&id, &planned.part.factory_id, row.revision, PartState::Sent, members));
+        notifications.push(part_notification(
+            &id,
+            &planned.part.factory_id,
+            row.revision,
+            PartState::Sent,
+            members,
+        ));
     }
     tracing::info!(
         operation_network.id = %id, revision = row.revision, author = author.name, parts = sent_to.len(),
         "A network has a new revision."
     );
-    Ok(Outcome { revision: row.revision, is_changed: true, sent_to, news })
+    Ok(Outcome { revision: row.revision, is_changed: true, sent_to, notifications })
 }
 
-fn part_news(
+fn part_notification(
     network: &OperationNetworkId,
     factory: &FactoryId,
     revision: u64,
     state: PartState,
     members: &[OrganisationId],
-) -> News {
+) -> Notification {
     LiveEvent::Part {
         operation_network_id: network.clone(),
         factory_id: factory.clone(),

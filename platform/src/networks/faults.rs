@@ -1,5 +1,5 @@
-//! What can be wrong with a network beyond the wire contract: it must fit the collaboration and the
-//! author's rights.
+//! Validation of a network beyond the wire contract: against the collaboration and the author's
+//! rights.
 
 use std::collections::HashMap;
 

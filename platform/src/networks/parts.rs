@@ -1,5 +1,5 @@
-//! What each factory is sent of a revision. Pure: from the network and what was sent before to
-//! messages.
+//! Parts of a revision for each factory, as messages. Pure: a function of the network and of the
+//! parts sent before.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -37,11 +37,11 @@ impl PlannedPart {
     }
 }
 
-/// Bodies beyond this are compressed; smaller ones stay readable for whoever looks into a queue.
+/// Size from which bodies are compressed; smaller ones stay readable in a broker's console.
 const COMPRESSED_FROM_BYTES: usize = 64 * 1024;
 
-/// What to send: to each factory whose part differs from what it was sent last, and a withdrawal to
-/// those that have no part any more.
+/// Plans what to send: its part to each factory whose part has changed, and a withdrawal to those
+/// without a part any more.
 pub(super) fn plan(row: &NetworkRow, before: &[Part], resend_after: Duration) -> Vec<PlannedPart> {
     let owners: BTreeSet<&FactoryId> = match row.withdrawn_at {
         Some(_) => BTreeSet::new(),

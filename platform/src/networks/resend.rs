@@ -8,8 +8,8 @@ use tokio_util::sync::CancellationToken;
 
 use super::parts::outgoing;
 use crate::{
+    broker_access::BrokerAccess,
     clock::{Clock, new_message_id},
-    reach::Reach,
     store::{Part, Scope, Store, StoreError, Work},
 };
 
@@ -17,7 +17,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Resender {
     store: Store,
-    reach: Reach,
+    broker_access: BrokerAccess,
     clock: Clock,
     resend_after: Duration,
 }
@@ -28,8 +28,13 @@ const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 impl Resender {
     /// A reconciler over the store.
     #[must_use]
-    pub const fn new(store: Store, reach: Reach, clock: Clock, resend_after: Duration) -> Self {
-        Self { store, reach, clock, resend_after }
+    pub const fn new(
+        store: Store,
+        broker_access: BrokerAccess,
+        clock: Clock,
+        resend_after: Duration,
+    ) -> Self {
+        Self { store, broker_access, clock, resend_after }
     }
 
     /// Runs until shutdown.
@@ -65,7 +70,7 @@ impl Resender {
         }
         work.commit().await?;
         metrics::counter!("verbund_parts_resent_total").increment(count as u64);
-        self.reach.wake_link();
+        self.broker_access.wake_link();
         Ok(count)
     }
 
@@ -105,7 +110,7 @@ impl Resender {
                 operation_network,
             })
         };
-        work.outbox().add(&outgoing(&part.factory_id, &message, now)).await?;
+        work.outgoing().add(&outgoing(&part.factory_id, &message, now)).await?;
         work.parts().put(&part).await
     }
 }

@@ -22,20 +22,20 @@ pub struct NetworkView {
     pub collaboration_id: asi_model::CollaborationId,
     /// Its newest revision.
     pub revision: u64,
-    /// When that was made.
+    /// Time of the revision.
     #[schema(value_type = String, format = DateTime)]
     pub updated_at: DateTime,
-    /// Who made it.
+    /// User or tool that made it.
     pub updated_by: String,
-    /// When it was withdrawn, if it was.
+    /// Time of the withdrawal; absent while in effect.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub withdrawn_at: Option<DateTime>,
     /// The whole network (wire contract `operation-network`).
     #[schema(value_type = Object)]
     pub network: OperationNetwork,
-    /// What each factory was sent.
+    /// Parts as sent to the factories.
     pub parts: Vec<PartView>,
-    /// How each operation stands, as far as the viewer's fields tell.
+    /// Progress of each operation, derived from the viewer's fields.
     pub operations: Vec<OperationProgress>,
     /// The fields that concern the viewer.
     pub fields: Vec<FieldView>,
@@ -44,36 +44,34 @@ pub struct NetworkView {
     pub last_event_id: String,
 }
 
-/// What a factory was sent of a network, with the evidence of its life.
+/// Part of a network as sent to a factory, with evidence of the factory's life.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PartView {
-    /// The factory.
     #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    /// Whose it is.
     #[schema(value_type = Option<String>)]
     pub organisation_id: Option<OrganisationId>,
-    /// What people call it.
+    /// Name for people.
     pub factory_name: Option<String>,
     /// The revision in which its part changed last.
     pub revision: u64,
     /// True where the part ends the network at the factory.
     pub is_withdrawal: bool,
-    /// What became of it.
+    /// State at the factory.
     pub state: PartState,
-    /// Why it was rejected.
+    /// Faults for which it was rejected.
     #[schema(value_type = Vec<Object>)]
     pub fault_list: Vec<Fault>,
-    /// When it was sent last.
+    /// Time of the last transmission.
     #[schema(value_type = String, format = DateTime)]
     pub sent_at: DateTime,
-    /// How often it was sent.
+    /// Number of transmissions.
     pub sent_count: u32,
-    /// When it was answered.
+    /// Time of the acknowledgement.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub answered_at: Option<DateTime>,
-    /// When anything of the factory arrived last.
+    /// Last arrival from the factory.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_seen_at: Option<DateTime>,
 }
@@ -82,7 +80,6 @@ pub struct PartView {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldView {
-    /// The field.
     #[schema(value_type = crate::api::schema::FieldKeySchema)]
     pub key: FieldKey,
     /// The factory that is asked.
@@ -91,12 +88,11 @@ pub struct FieldView {
     /// `PENDING`, `MAPPED` or `REFUSED`.
     #[schema(value_type = crate::api::schema::MappingStateSchema)]
     pub mapping_state: MappingState,
-    /// Why.
     pub reason: Option<String>,
     /// The precision that recipients get.
     #[schema(value_type = Option<Object>)]
     pub disclosure: Option<DisclosureStatement>,
-    /// When it was decided.
+    /// Time of the decision.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub decided_at: Option<DateTime>,
     /// The newest value; 64-bit integers are texts.
@@ -106,13 +102,13 @@ pub struct FieldView {
     pub value_type: Option<String>,
     /// Its quality, by the standard's name.
     pub status: Option<String>,
-    /// When the source measured it.
+    /// Source timestamp: time of the measurement.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub source_timestamp: Option<DateTime>,
-    /// When the connector reported it.
+    /// Time of the report at the connector.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub report_timestamp: Option<DateTime>,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub received_at: Option<DateTime>,
     /// The writer's epoch.

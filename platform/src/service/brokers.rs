@@ -1,22 +1,22 @@
 //! The embedded broker with its users and certificates, or the way to one of another make.
 
-use std::net::SocketAddr;
+use std::{net::SocketAddr, path::PathBuf};
 
 use asi_model::DateTime;
-use broker::{Broker, BrokerConfig, Carrier, Listener, TlsIdentity};
+use broker::{Broker, Carrier, Listener, TlsIdentity};
 use daemon::{
     lifecycle::{Importance, Lifecycle},
     web::session::random_token,
 };
 use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, Login, Roots};
 
-use super::{StartError, make_data_directory};
+use super::{data_directory, error::StartError};
 use crate::{
-    application::BrokerAccess,
+    application::BrokerEndpoint,
+    broker_access::{BrokerAccess, PLATFORM_USER},
     certificates::CertificateAuthority,
     clock::Clock,
-    config::PlatformConfig,
-    reach::{PLATFORM_USER, Reach},
+    config::{BrokerConfig, ExternalBrokerConfig, PlatformConfig},
     store::Store,
 };
 
@@ -30,102 +30,131 @@ pub async fn start_broker_alone(
     clock: &Clock,
     lifecycle: &Lifecycle,
 ) -> Result<Vec<SocketAddr>, StartError> {
-    make_data_directory(config)?;
+    data_directory::create(config)?;
     let store = Store::open(&config.database_path()).await?;
-    let reach = Reach::new(config.broker.users.clone());
+    let broker_access = BrokerAccess::new(config.broker.users.clone());
     let embedded = PlatformConfig {
-        broker: crate::config::BrokerConfig { external: None, ..config.broker.clone() },
+        broker: BrokerConfig { external: None, ..config.broker.clone() },
         ..config.clone()
     };
-    let (broker, _, _) = open(&embedded, &reach, &store, clock.now()).await?;
+    let (broker, _, _) = open(&embedded, &broker_access, &store, clock.now()).await?;
     if let Some(broker) = broker {
         lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
     }
-    reach.reconcile(&store).await?;
-    Ok(reach.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
+    broker_access.reconcile(&store).await?;
+    Ok(broker_access.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
 }
 
-/// Opens the embedded broker, or prepares to use another one. The embedded one knows its users from
-/// then on: whoever waits at the door of a broker that starts again must not be refused, since a
-/// refused peer stays away for minutes.
+/// A broker to be used: the embedded one, or none when another one is configured, with its endpoint
+/// for others and the configuration of our own link.
+type Opened = (Option<Broker>, BrokerEndpoint, LinkConfig);
+
+/// Opens the embedded broker, or prepares the link to an external one.
 pub(super) async fn open(
     config: &PlatformConfig,
-    reach: &Reach,
+    broker_access: &BrokerAccess,
     store: &Store,
     now: DateTime,
-) -> Result<(Option<Broker>, BrokerAccess, LinkConfig), StartError> {
+) -> Result<Opened, StartError> {
     // Unique per running instance, so that a broker's log tells them apart.
     let container = format!("platform-{}", &random_token()[..8]);
-    if let Some(external) = &config.broker.external {
-        let pem =
-            match &external.root_certificates {
-                None => None,
-                Some(path) => Some(std::fs::read_to_string(path).map_err(|source| {
-                    StartError::RootCertificates { path: path.clone(), source }
-                })?),
-            };
-        let first = external.urls.first().ok_or(LinkError::NoBroker)?;
-        let login = Login::new(&external.user_name, external.password.expose());
-        let mut link = LinkConfig::new(first.clone(), login, container);
-        link.brokers.clone_from(&external.urls);
-        link.profile = external.profile.clone();
-        if let Some(pem) = &pem {
-            link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
-        }
-        let url = config.broker.public_url.as_ref().unwrap_or(first).to_string();
-        let access =
-            BrokerAccess { url, profile: external.profile.clone(), root_certificate_pem: pem };
-        return Ok((None, access, link));
+    match &config.broker.external {
+        Some(external) => open_external(&config.broker, external, container),
+        None => open_embedded(config, broker_access, store, now, container).await,
     }
+}
 
-    reach.load_users(store).await?;
-    let authority = CertificateAuthority::open(&config.authority_directory(), now.into())?;
-    let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
-    names.extend(config.broker.host_names.iter().cloned());
-    if let Some(url) = &config.broker.public_url {
-        names.push(url.host().to_owned());
-    }
-    names.dedup();
-    let issued = authority.issue(&names, now.into())?;
-    let tls = TlsIdentity { certificates_pem: issued.certificates_pem, key_pem: issued.key_pem };
-    let listener = Listener {
-        address: config.broker.listen,
-        tls: Some(tls.clone()),
-        carrier: Carrier::Stream,
+fn open_external(
+    config: &BrokerConfig,
+    external: &ExternalBrokerConfig,
+    container: String,
+) -> Result<Opened, StartError> {
+    let read = |path: &PathBuf| {
+        std::fs::read_to_string(path)
+            .map_err(|source| StartError::RootCertificates { path: path.clone(), source })
     };
-    let mut broker_config = BrokerConfig::new(listener, config.broker_database_path());
+    let roots = external.root_certificates.as_ref().map(read).transpose()?;
+    let first = external.urls.first().ok_or(LinkError::NoBroker)?;
+    let login = Login::new(&external.user_name, external.password.expose());
+    let mut link = LinkConfig::new(first.clone(), login, container);
+    link.brokers.clone_from(&external.urls);
+    link.profile = external.profile.clone();
+    if let Some(pem) = &roots {
+        link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
+    }
+    let endpoint = BrokerEndpoint {
+        url: config.public_url.as_ref().unwrap_or(first).to_string(),
+        profile: external.profile.clone(),
+        root_certificate_pem: roots,
+    };
+    Ok((None, endpoint, link))
+}
+
+async fn open_embedded(
+    config: &PlatformConfig,
+    broker_access: &BrokerAccess,
+    store: &Store,
+    now: DateTime,
+    container: String,
+) -> Result<Opened, StartError> {
+    // Before the listeners open: a peer that is refused stays away for minutes, so one that waits
+    // for the broker's start must be known from the first connection on.
+    broker_access.load_users(store).await?;
+    let authority = CertificateAuthority::open(&config.authority_directory(), now.into())?;
+    let issued = authority.issue(&host_names(&config.broker), now.into())?;
+    let tls = TlsIdentity { certificates_pem: issued.certificates_pem, key_pem: issued.key_pem };
+    let mut embedded = broker::BrokerConfig::new(
+        tls_listener(&config.broker, &tls),
+        config.broker_database_path(),
+    );
     if let Some(address) = config.broker.plain_listen {
-        broker_config.listeners.push(Listener { address, tls: None, carrier: Carrier::Stream });
+        embedded.listeners.push(Listener { address, tls: None, carrier: Carrier::Stream });
     }
     if let Some(address) = config.broker.websocket_listen {
-        broker_config.listeners.push(Listener {
-            address,
-            tls: Some(tls),
-            carrier: Carrier::WebSocket,
-        });
+        let carrier = Carrier::WebSocket;
+        embedded.listeners.push(Listener { address, tls: Some(tls), carrier });
     }
-    let (broker, handle) = Broker::new(broker_config, reach.users()).await?;
+    let (broker, handle) = Broker::new(embedded, broker_access.users()).await?;
     let address = handle.local_addresses().first().copied().unwrap_or(config.broker.listen);
-    reach.set_broker(handle);
+    broker_access.set_broker(handle);
 
-    // We reach our own broker on this machine, whatever address it listens on for others.
-    let own_host =
-        if address.ip().is_unspecified() { "localhost".to_owned() } else { host(address) };
-    let own_url: BrokerUrl = format!("amqps://{own_host}:{}", address.port())
-        .parse()
-        .expect("a host and a port make a broker address");
-    let mut link =
-        LinkConfig::new(own_url.clone(), Login::new(PLATFORM_USER, reach.secret()), container);
+    let own_url = own_url(address);
+    let login = Login::new(PLATFORM_USER, broker_access.secret());
+    let mut link = LinkConfig::new(own_url.clone(), login, container);
     link.tls.roots = Roots::Pem(authority.root_pem().to_owned().into_bytes().into());
     if !address.ip().is_loopback() {
         link.tls.server_name = Some("localhost".to_owned());
     }
-    let access = BrokerAccess {
+    let endpoint = BrokerEndpoint {
         url: config.broker.public_url.as_ref().unwrap_or(&own_url).to_string(),
         profile: BrokerProfile::embedded(),
         root_certificate_pem: Some(authority.root_pem().to_owned()),
     };
-    Ok((Some(broker), access, link))
+    Ok((Some(broker), endpoint, link))
+}
+
+/// Returns the names and addresses that the embedded broker's certificate is valid for.
+fn host_names(config: &BrokerConfig) -> Vec<String> {
+    let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
+    names.extend(config.host_names.iter().cloned());
+    if let Some(url) = &config.public_url {
+        names.push(url.host().to_owned());
+    }
+    names.dedup();
+    names
+}
+
+fn tls_listener(config: &BrokerConfig, tls: &TlsIdentity) -> Listener {
+    Listener { address: config.listen, tls: Some(tls.clone()), carrier: Carrier::Stream }
+}
+
+/// Returns the URL by which the platform itself reaches the embedded broker: on this machine,
+/// whatever address it listens on for others.
+fn own_url(address: SocketAddr) -> BrokerUrl {
+    let host = if address.ip().is_unspecified() { "localhost".to_owned() } else { host(address) };
+    format!("amqps://{host}:{}", address.port())
+        .parse()
+        .expect("a host and a port make a broker address")
 }
 
 fn host(address: SocketAddr) -> String {
@@ -153,12 +182,12 @@ mod tests {
         let config: PlatformConfig =
             daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
         let store = Store::open(&config.database_path()).await.expect("a database");
-        let reach = Reach::new(config.broker.users.clone());
+        let broker_access = BrokerAccess::new(config.broker.users.clone());
         let (broker, ..) =
-            open(&config, &reach, &store, Clock::system().now()).await.expect("it opens");
+            open(&config, &broker_access, &store, Clock::system().now()).await.expect("it opens");
         assert!(broker.is_some(), "it is embedded, and does not run yet");
         for user in ["observer", PLATFORM_USER] {
-            assert!(reach.users().user(user).is_some(), "{user}");
+            assert!(broker_access.users().user(user).is_some(), "{user}");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Collaborations: under whose agreement networks are exchanged.
 
+use std::{collections::HashMap, fmt::Display, str::FromStr};
+
 use asi_model::{CollaborationId, DateTime, FactoryId, OrganisationId};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -15,12 +17,11 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Collaboration {
-    /// Its id.
     #[schema(value_type = String)]
     pub collaboration_id: CollaborationId,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
-    /// Since when it is here.
+    /// Time of creation.
     #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
     /// The organisations that take part, by id.
@@ -31,11 +32,22 @@ pub struct Collaboration {
     pub factories: Vec<FactoryId>,
 }
 
+/// Condition on a table `c` with a collaboration's id: visible to `$1`, and the one with the id `$2`
+/// where that is given.
+macro_rules! visible {
+    () => {
+        "(CAST($2 AS TEXT) IS NULL OR c.collaboration_id = $2)
+         AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+             SELECT 1 FROM collaboration_member m
+             WHERE m.collaboration_id = c.collaboration_id AND m.organisation_id = $1))"
+    };
+}
+
 /// Repository of collaborations.
 pub struct Collaborations<'w>(pub(super) &'w mut Connection);
 
 impl Collaborations<'_> {
-    /// Adds one with members and factories. Says false where the id is taken.
+    /// Adds one with members and factories; returns false if the id is in use.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for unknown members.
@@ -62,7 +74,7 @@ impl Collaborations<'_> {
         Ok(true)
     }
 
-    /// Adds a member; nothing happens where it is one.
+    /// Adds a member; has no effect if it is one.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
@@ -83,7 +95,7 @@ impl Collaborations<'_> {
         Ok(())
     }
 
-    /// Adds a factory; nothing happens where it takes part.
+    /// Adds a factory; has no effect if it takes part.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown factory.
@@ -103,26 +115,12 @@ impl Collaborations<'_> {
         Ok(())
     }
 
-    /// Those the viewer's organisation belongs to; by id.
+    /// Lists those the viewer's organisation belongs to, by id.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Collaboration>, StoreError> {
-        let sql = "SELECT c.* FROM collaboration c
-                   WHERE CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM collaboration_member m
-                       WHERE m.collaboration_id = c.collaboration_id AND m.organisation_id = $1)
-                   ORDER BY c.collaboration_id";
-        let rows = sqlx::query(sql)
-            .bind(scope.member())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list collaborations"))?;
-        let mut collaborations = Vec::with_capacity(rows.len());
-        for row in &rows {
-            collaborations.push(self.complete(row).await?);
-        }
-        Ok(collaborations)
+        self.select(scope, None).await
     }
 
     /// Looks one up that the viewer's organisation belongs to.
@@ -134,49 +132,73 @@ impl Collaborations<'_> {
         scope: &Scope,
         id: &CollaborationId,
     ) -> Result<Option<Collaboration>, StoreError> {
-        let sql = "SELECT c.* FROM collaboration c
-                   WHERE c.collaboration_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM collaboration_member m
-                       WHERE m.collaboration_id = c.collaboration_id AND m.organisation_id = $1))";
-        let row = sqlx::query(sql)
-            .bind(scope.member())
-            .bind(id.as_str())
-            .fetch_optional(&mut *self.0)
-            .await
-            .map_err(StoreError::during("look a collaboration up"))?;
-        match row {
-            Some(row) => Ok(Some(self.complete(&row).await?)),
-            None => Ok(None),
-        }
+        Ok(self.select(scope, Some(id)).await?.pop())
     }
 
-    async fn complete(&mut self, row: &DatabaseRow) -> Result<Collaboration, StoreError> {
-        let collaboration_id: CollaborationId = row.parsed("collaboration_id")?;
-        let sql = "SELECT organisation_id FROM collaboration_member WHERE collaboration_id = $1
-                   ORDER BY organisation_id";
-        let members = sqlx::query(sql)
-            .bind(collaboration_id.as_str())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list members"))?;
-        let sql = "SELECT factory_id FROM collaboration_factory WHERE collaboration_id = $1 ORDER BY factory_id";
-        let factories = sqlx::query(sql)
-            .bind(collaboration_id.as_str())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list a collaboration's factories"))?;
-        Ok(Collaboration {
-            name: row.column("name")?,
-            created_at: row.time("created_at")?,
-            members: members
-                .iter()
-                .map(|row| row.parsed("organisation_id"))
-                .collect::<Result<_, _>>()?,
-            factories: factories
-                .iter()
-                .map(|row| row.parsed("factory_id"))
-                .collect::<Result<_, _>>()?,
-            collaboration_id,
-        })
+    /// Reads all visible collaborations, or the one with this id, in three statements.
+    async fn select(
+        &mut self,
+        scope: &Scope,
+        id: Option<&CollaborationId>,
+    ) -> Result<Vec<Collaboration>, StoreError> {
+        let sql = concat!(
+            "SELECT c.collaboration_id, c.name, c.created_at FROM collaboration c WHERE ",
+            visible!(),
+            " ORDER BY c.collaboration_id"
+        );
+        let rows = self.rows(sql, scope, id, "list collaborations").await?;
+        let sql = concat!(
+            "SELECT c.collaboration_id, c.organisation_id FROM collaboration_member c WHERE ",
+            visible!(),
+            " ORDER BY c.organisation_id"
+        );
+        let members = self.rows(sql, scope, id, "list members").await?;
+        let mut members = grouped(&members, "organisation_id")?;
+        let sql = concat!(
+            "SELECT c.collaboration_id, c.factory_id FROM collaboration_factory c WHERE ",
+            visible!(),
+            " ORDER BY c.factory_id"
+        );
+        let factories = self.rows(sql, scope, id, "list a collaboration's factories").await?;
+        let mut factories = grouped(&factories, "factory_id")?;
+        rows.iter()
+            .map(|row| {
+                let collaboration_id: CollaborationId = row.parsed("collaboration_id")?;
+                Ok(Collaboration {
+                    name: row.column("name")?,
+                    created_at: row.time("created_at")?,
+                    members: members.remove(&collaboration_id).unwrap_or_default(),
+                    factories: factories.remove(&collaboration_id).unwrap_or_default(),
+                    collaboration_id,
+                })
+            })
+            .collect()
     }
+
+    async fn rows(
+        &mut self,
+        sql: &'static str,
+        scope: &Scope,
+        id: Option<&CollaborationId>,
+        action: &'static str,
+    ) -> Result<Vec<DatabaseRow>, StoreError> {
+        sqlx::query(sql)
+            .bind(scope.member())
+            .bind(id.map(CollaborationId::as_str))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during(action))
+    }
+}
+
+/// Groups the values of a column by collaboration, in the order of the rows.
+fn grouped<T: FromStr<Err: Display>>(
+    rows: &[DatabaseRow],
+    column: &'static str,
+) -> Result<HashMap<CollaborationId, Vec<T>>, StoreError> {
+    let mut groups: HashMap<CollaborationId, Vec<T>> = HashMap::new();
+    for row in rows {
+        groups.entry(row.parsed("collaboration_id")?).or_default().push(row.parsed(column)?);
+    }
+    Ok(groups)
 }

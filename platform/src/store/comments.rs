@@ -22,13 +22,12 @@ pub struct NewComment {
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// The field talked about.
     pub field_name: Option<FieldName>,
-    /// Who says it.
+    /// Author, as its connector or user name tells.
     pub author_id: String,
-    /// Whether it came from the factory.
+    /// True if it came from the factory's connector.
     pub is_from_factory: bool,
-    /// What is said.
     pub text: String,
-    /// When it came here.
+    /// Time of arrival at the platform.
     pub created_at: DateTime,
 }
 
@@ -47,13 +46,12 @@ pub struct CommentEntry {
     /// The field talked about.
     #[schema(value_type = Option<String>)]
     pub field_name: Option<FieldName>,
-    /// Who says it.
+    /// Author, as its connector or user name tells.
     pub author_id: String,
-    /// Whether it came from the factory.
+    /// True if it came from the factory's connector.
     pub is_from_factory: bool,
-    /// What is said.
     pub text: String,
-    /// When it came here.
+    /// Time of arrival at the platform.
     #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }

@@ -6,12 +6,11 @@ use asi_model::{DateTime, FactoryId, ToolId};
 
 use super::{database::Connection, error::StoreError, row::Columns};
 
-/// Who holds a credential.
+/// Holder of a broker credential.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Holder {
     /// A factory's connector.
     Factory(FactoryId),
-    /// A tool.
     Tool(ToolId),
 }
 
@@ -49,13 +48,13 @@ impl fmt::Display for Holder {
 /// A credential that is alive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BrokerCredential {
-    /// Who holds it.
+    /// Holder of the credential.
     pub holder: Holder,
     /// The SHA-256 of its secret.
     pub secret_hash: [u8; 32],
 }
 
-/// How many credentials of a holder are alive: the one in use and the one being rotated in.
+/// Valid credentials of one holder: the one in use and the one being rotated in.
 const ALIVE_MAX: i64 = 2;
 
 /// Repository of enrolment tokens and broker credentials.

@@ -11,7 +11,7 @@ use super::{
 /// A message that cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewDeadLetter {
-    /// Where it arrived.
+    /// Logical address of arrival.
     pub address: String,
     /// Its message id on the transport.
     pub message_id: Option<String>,
@@ -19,22 +19,21 @@ pub struct NewDeadLetter {
     pub subject: String,
     /// A stable code, as `FORGED_PUBLISHER`.
     pub code: &'static str,
-    /// Why, for people. Never contains plant values.
+    /// Reason in a sentence for people; never contains plant values.
     pub reason: String,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
     /// Its body, as it travelled.
     pub body: Vec<u8>,
-    /// How the body is packed.
+    /// Content encoding of the body.
     pub content_encoding: Option<&'static str>,
 }
 
 /// A stored dead letter, without its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeadLetter {
-    /// Its number.
     pub dead_letter_id: u64,
-    /// Where it arrived.
+    /// Logical address of arrival.
     pub address: String,
     /// Its message id on the transport.
     pub message_id: Option<String>,
@@ -42,13 +41,13 @@ pub struct DeadLetter {
     pub subject: String,
     /// A stable code.
     pub code: String,
-    /// Why, for people.
+    /// Reason in a sentence for people.
     pub reason: String,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
-    /// How many bytes its body has.
+    /// Size of the body.
     pub bytes: u64,
-    /// When it was tried again, if it was.
+    /// Time of the last replay; absent before the first.
     pub replayed_at: Option<DateTime>,
 }
 
@@ -108,7 +107,7 @@ impl DeadLetters<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// What to try again: address, transport message id, subject, body and its encoding.
+    /// Reads what a replay needs: address, transport message id, subject, body and its encoding.
     ///
     /// # Errors
     /// [`StoreError`].

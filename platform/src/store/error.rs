@@ -1,4 +1,4 @@
-//! What can go wrong with the store.
+//! Errors of the store.
 
 use std::path::PathBuf;
 
@@ -7,29 +7,22 @@ use std::path::PathBuf;
 pub enum StoreError {
     /// The database file cannot be opened.
     #[error("cannot open the database {}", path.display())]
-    Open {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: sqlx::Error,
-    },
+    Open { path: PathBuf, source: sqlx::Error },
     /// The database cannot be brought to this version's form.
     #[error("cannot migrate the database")]
     Migrate(#[source] sqlx::migrate::MigrateError),
     /// A statement failed.
     #[error("cannot {action}")]
     Statement {
-        /// What was tried.
+        /// Imperative phrase for the message, for example "store a part".
         action: &'static str,
-        /// Why.
         source: sqlx::Error,
     },
     /// A stored value is not what this version stores.
     #[error("the column {column} holds what it never should: {reason}")]
     Corrupt {
-        /// The column.
         column: &'static str,
-        /// What is wrong.
+        /// Reason for the message.
         reason: String,
     },
 }

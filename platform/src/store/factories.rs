@@ -18,50 +18,51 @@ pub struct Factory {
     /// Its id, also its PublisherId and part of its addresses.
     #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    /// Whose it is.
     #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
-    /// Since when it is known here.
+    /// Time of creation.
     #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
-    /// When its connector enrolled last; absent before.
+    /// Last enrolment of its connector; absent before the first.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub enrolled_at: Option<DateTime>,
-    /// When anything of it arrived last, keep-alives included.
+    /// Last arrival from it, keep-alives included.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_seen_at: Option<DateTime>,
-    /// When a report of it arrived last.
+    /// Arrival of its last report.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
-    /// What its publisher said of itself last (`ua-status`), as `Operational`.
+    /// State that its publisher reported last (`ua-status`), for example `Operational`.
     pub publisher_state: Option<String>,
 }
 
-/// What arrived of a factory.
+/// Evidence of a factory's life.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Heard {
-    /// When anything arrived.
+    /// Last arrival of any message.
     pub at: Option<DateTime>,
-    /// When a report arrived.
+    /// Arrival of the last report.
     pub report_at: Option<DateTime>,
-    /// What the publisher said of itself.
+    /// State that the publisher reported.
     pub publisher_state: Option<&'static str>,
 }
 
 /// Repository of factories.
 pub struct Factories<'w>(pub(super) &'w mut Connection);
 
-const SEEN: &str = "SELECT f.* FROM factory f
-    WHERE CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (
+/// Factories visible to the organisation `$1`, or the one with the id `$2` where that is given.
+const SELECT: &str = "SELECT f.* FROM factory f
+    WHERE (CAST($2 AS TEXT) IS NULL OR f.factory_id = $2)
+      AND (CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (
         SELECT 1 FROM collaboration_factory cf
         JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id
-        WHERE cf.factory_id = f.factory_id AND m.organisation_id = $1)
+        WHERE cf.factory_id = f.factory_id AND m.organisation_id = $1))
     ORDER BY f.factory_id";
 
 impl Factories<'_> {
-    /// Adds one. Says false where the id is taken.
+    /// Adds one; returns false if the id is in use.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
@@ -85,13 +86,14 @@ impl Factories<'_> {
         Ok(result.rows_affected() == 1)
     }
 
-    /// Those of the viewer's organisation and of its collaborations; by id.
+    /// Lists those of the viewer's organisation and of its collaborations, by id.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Factory>, StoreError> {
-        let rows = sqlx::query(SEEN)
+        let rows = sqlx::query(SELECT)
             .bind(scope.member())
+            .bind(None::<&str>)
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list factories"))?;
@@ -107,10 +109,17 @@ impl Factories<'_> {
         scope: &Scope,
         id: &FactoryId,
     ) -> Result<Option<Factory>, StoreError> {
-        Ok(self.list(scope).await?.into_iter().find(|factory| factory.factory_id == *id))
+        let row = sqlx::query(SELECT)
+            .bind(scope.member())
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a factory up"))?;
+        row.as_ref().map(read).transpose()
     }
 
-    /// Who may know of a factory: its owner and the members of its collaborations.
+    /// Lists the organisations that may know of a factory: its owner and the members of its
+    /// collaborations.
     ///
     /// # Errors
     /// [`StoreError`].

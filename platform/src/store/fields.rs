@@ -17,7 +17,6 @@ use super::{
 /// A field that a revision asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewField {
-    /// The field.
     pub key: FieldKey,
     /// The factory that is asked.
     pub factory_id: FactoryId,
@@ -28,7 +27,6 @@ pub struct NewField {
 /// The newest value of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurrentValue {
-    /// The field.
     pub key: FieldKey,
     /// The epoch of the report it came in.
     pub epoch: u32,
@@ -38,30 +36,26 @@ pub struct CurrentValue {
     pub value: serde_json::Value,
     /// The id of its built-in type; 0 where there is no value.
     pub built_in_type: u8,
-    /// Its quality.
     pub status: StatusCode,
-    /// When the source measured it.
+    /// Source timestamp: time of the measurement.
     pub source_timestamp: Option<DateTime>,
-    /// When the connector reported it.
+    /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
 }
 
 /// A field with its decision and, for its recipients, its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldRow {
-    /// The field.
     pub key: FieldKey,
     /// The factory that is asked.
     pub factory_id: FactoryId,
-    /// What was decided.
     pub mapping_state: MappingState,
-    /// Why.
     pub reason: Option<String>,
     /// The precision that recipients get.
     pub disclosure: Option<DisclosureStatement>,
-    /// When it was decided.
+    /// Time of the decision.
     pub decided_at: Option<DateTime>,
     /// The newest value.
     pub current: Option<CurrentValue>,
@@ -248,8 +242,8 @@ impl Fields<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Who may know of a decision about a request's field: its recipients and the owner of the
-    /// factory.
+    /// Lists the organisations that may know of a decision about a request's field: its recipients
+    /// and the owner of the factory.
     ///
     /// # Errors
     /// [`StoreError`].

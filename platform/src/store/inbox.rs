@@ -17,9 +17,9 @@ use super::{
 pub struct NewInboxMessage {
     /// Its id; unique per address.
     pub message_id: MessageId,
-    /// What kind of message it is.
+    /// Type of the message, for example `ua-data`.
     pub message_type: String,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
     /// Its body, unpacked.
     pub body: String,
@@ -31,7 +31,7 @@ pub struct Inbox<'w>(pub(super) &'w mut Connection);
 const ROWS_PER_STATEMENT: usize = 200;
 
 impl Inbox<'_> {
-    /// Stores messages of one address; which of them are new.
+    /// Stores messages of one address; returns the ids of those that are new.
     ///
     /// # Errors
     /// [`StoreError`].

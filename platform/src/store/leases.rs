@@ -1,4 +1,4 @@
-//! Which of a factory's running connectors speaks for it.
+//! Leases of factories' identities.
 
 use asi_model::FactoryId;
 
@@ -13,7 +13,7 @@ use crate::leases::FactoryLease;
 pub struct Leases<'w>(pub(super) &'w mut Connection);
 
 impl Leases<'_> {
-    /// How a factory's lease stands; none where no connector has asked for it yet.
+    /// Looks up a factory's lease; none when no connector has requested it yet.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -37,7 +37,7 @@ impl Leases<'_> {
         .transpose()
     }
 
-    /// Stores how a factory's lease stands.
+    /// Stores a factory's lease.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown factory.

@@ -1,4 +1,4 @@
-//! What factories say of their data: metadata of writers, and assets they offer.
+//! Descriptions of data by factories: metadata of writers, and offered assets.
 
 use asi_model::{DateTime, FactoryId, messages::AssetOffer};
 

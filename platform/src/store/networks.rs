@@ -20,11 +20,11 @@ pub struct NetworkRow {
     pub revision: u64,
     /// The whole network, each operation with its owner.
     pub network: OperationNetwork,
-    /// When the revision was made.
+    /// Time of the revision.
     pub updated_at: DateTime,
     /// The user or tool that made it.
     pub updated_by: String,
-    /// When it was withdrawn, if it was.
+    /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
 }
 
@@ -32,28 +32,27 @@ pub struct NetworkRow {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NetworkSummary {
-    /// Its id.
     #[schema(value_type = String)]
     pub operation_network_id: OperationNetworkId,
     /// The collaboration it belongs to.
     #[schema(value_type = String)]
     pub collaboration_id: CollaborationId,
-    /// What people call it.
+    /// Name for people.
     pub name: Option<String>,
     /// Its newest revision.
     pub revision: u64,
-    /// When that was made.
+    /// Time of the revision.
     #[schema(value_type = String, format = DateTime)]
     pub updated_at: DateTime,
-    /// When it was withdrawn, if it was.
+    /// Time of the withdrawal; absent while in effect.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub withdrawn_at: Option<DateTime>,
-    /// When a report about it that the viewer may see arrived last.
+    /// Arrival of the last report about it that the viewer may see.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
-    /// How many parts of it wait for a factory's answer.
+    /// Number of parts that wait for a factory's acknowledgement.
     pub parts_unanswered: u64,
-    /// How many parts of it were rejected.
+    /// Number of rejected parts.
     pub parts_rejected: u64,
 }
 

@@ -15,12 +15,11 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Organisation {
-    /// Its id.
     #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
-    /// Since when it is here.
+    /// Time of creation.
     #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }
@@ -29,7 +28,7 @@ pub struct Organisation {
 pub struct Organisations<'w>(pub(super) &'w mut Connection);
 
 impl Organisations<'_> {
-    /// Adds one. Says false where the id is taken.
+    /// Adds one; returns false if the id is in use.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -46,7 +45,7 @@ impl Organisations<'_> {
         Ok(result.rows_affected() == 1)
     }
 
-    /// Those the viewer shares a collaboration with, itself included; by id.
+    /// Lists those the viewer shares a collaboration with, itself included, by id.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -12,7 +12,7 @@ use super::{
     row::{Columns, DatabaseRow, document, signed},
 };
 
-/// What became of a part.
+/// State of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum PartState {
@@ -50,9 +50,7 @@ impl FromStr for PartState {
 /// The newest part that a factory was sent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// The network.
     pub operation_network_id: OperationNetworkId,
-    /// The factory.
     pub factory_id: FactoryId,
     /// The network's revision in which this part changed last.
     pub revision: u64,
@@ -62,17 +60,17 @@ pub struct Part {
     pub document: String,
     /// The message it travelled in last.
     pub message_id: MessageId,
-    /// What became of it.
+    /// State at the factory.
     pub state: PartState,
-    /// Why it was rejected.
+    /// Faults for which it was rejected.
     pub fault_list: Vec<Fault>,
-    /// When it was sent last.
+    /// Time of the last transmission.
     pub sent_at: DateTime,
-    /// How often it was sent.
+    /// Number of transmissions.
     pub sent_count: u32,
-    /// When to send it again unless it is answered.
+    /// Time of the next transmission, unless it is acknowledged before.
     pub resend_at: DateTime,
-    /// When it was answered.
+    /// Time of the acknowledgement.
     pub acknowledged_at: Option<DateTime>,
 }
 
@@ -133,7 +131,7 @@ impl Parts<'_> {
         Ok(())
     }
 
-    /// All parts of a network, by factory. Whoever may see the network may see how its parts stand.
+    /// Lists the parts of a network, by factory. A viewer of the network may see them all.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -1,4 +1,4 @@
-//! Who may see a request's answers.
+//! Recipients of requests.
 
 use asi_model::{OperationNetworkId, OrganisationId, network::DynamicDataRequest};
 
@@ -40,7 +40,7 @@ impl Recipients<'_> {
         Ok(())
     }
 
-    /// Who may see the answers of a request, by id.
+    /// Lists the organisations that may see the answers of a request, by id.
     ///
     /// # Errors
     /// [`StoreError`].

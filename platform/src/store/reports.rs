@@ -15,11 +15,8 @@ use super::{
 /// A DataSetMessage to store.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewReport {
-    /// Who reported.
     pub factory_id: FactoryId,
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch.
     pub epoch: u32,
     /// The sequence number within the epoch.
     pub sequence: u32,
@@ -29,11 +26,11 @@ pub struct NewReport {
     pub report_name: String,
     /// The newest source time among the fields.
     pub shopfloor_timestamp: Option<DateTime>,
-    /// When the connector made it.
+    /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     pub received_at: DateTime,
-    /// Whether it belongs to the backlog after an outage.
+    /// True if it belongs to the backlog after an outage.
     pub is_replay: bool,
     /// The fields as the API shows them: name to value, status and source time.
     pub fields: serde_json::Value,
@@ -45,12 +42,9 @@ pub struct NewReport {
 pub struct Report {
     /// Its number on this platform, counting up in the order of arrival.
     pub report_id: u64,
-    /// Who reported.
     #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch.
     pub epoch: u32,
     /// The sequence number within the epoch.
     pub sequence: u32,
@@ -63,20 +57,20 @@ pub struct Report {
     /// The newest source time among the fields.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub shopfloor_timestamp: Option<DateTime>,
-    /// When the connector made it.
+    /// Time of the report at the connector.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub report_timestamp: Option<DateTime>,
-    /// When it arrived.
+    /// Time of arrival at the platform.
     #[schema(value_type = String, format = DateTime)]
     pub received_at: DateTime,
-    /// Whether it came late, after newer ones.
+    /// True if it came late, after newer ones.
     pub is_replay: bool,
     /// Field name to `{value, status, sourceTimestamp}`.
     #[schema(value_type = Object)]
     pub fields: serde_json::Value,
 }
 
-/// Which reports to list.
+/// Filter and page of the history.
 #[derive(Debug, Clone, Default)]
 pub struct ReportQuery {
     /// Only of this network.

@@ -1,23 +1,22 @@
-//! Whose eyes a query sees with.
+//! Scope of a query on partners' data: the viewer's rights.
 
 use asi_model::OrganisationId;
 
-/// What part of the partners' data a query may see.
+/// Part of the partners' data that a query may see.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Scope {
     /// The platform itself: ingest, sending, reconciling. Never handed to an API handler that shows
     /// partners' data.
     Platform,
-    /// What an administrator needs to run the platform: organisations, factories, collaborations,
-    /// networks - but no reports, values or decisions beyond those of the organisation that the
+    /// Structure that an administrator needs to run the platform: organisations, factories,
+    /// collaborations, networks; but no reports, values or decisions beyond those of the organisation that the
     /// administrator looks for.
     Administration {
         /// The administrator's organisation, if any.
         looking_for: Option<OrganisationId>,
     },
-    /// What one organisation was granted by the collaborations it belongs to.
+    /// Data granted to one organisation by its collaborations.
     Organisation(OrganisationId),
-    /// Nothing.
     Nothing,
 }
 

@@ -20,12 +20,11 @@ pub struct Tool {
     /// Its id, also part of its addresses.
     #[schema(value_type = String)]
     pub tool_id: ToolId,
-    /// Whose it is.
     #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
-    /// Since when it is known here.
+    /// Time of creation.
     #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }
@@ -34,7 +33,7 @@ pub struct Tool {
 pub struct Tools<'w>(pub(super) &'w mut Connection);
 
 impl Tools<'_> {
-    /// Adds one. Says false where the id is taken.
+    /// Adds one; returns false if the id is in use.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown organisation.
@@ -53,7 +52,7 @@ impl Tools<'_> {
         Ok(result.rows_affected() == 1)
     }
 
-    /// Those of the viewer's organisation; by id.
+    /// Lists those of the viewer's organisation, by id.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -67,7 +66,7 @@ impl Tools<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Looks one up.
+    /// Looks one up; none when it does not exist.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -13,7 +13,7 @@ use super::{
     row::{Columns, DatabaseRow},
 };
 
-/// What a user may do.
+/// Role of a user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Role {
@@ -21,7 +21,6 @@ pub enum Role {
     Administrator,
     /// Edits networks and requests of the own organisation's collaborations.
     Planner,
-    /// Looks on.
     Viewer,
 }
 
@@ -54,12 +53,11 @@ impl FromStr for Role {
     }
 }
 
-/// Somebody who may sign in.
+/// A user account without its password.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct User {
     /// The name to sign in with.
     pub user_name: String,
-    /// What the user may do.
     pub role: Role,
     /// For whom the user looks and acts; administrators may have none.
     pub organisation_id: Option<OrganisationId>,
@@ -101,7 +99,7 @@ impl Users<'_> {
         Ok(())
     }
 
-    /// How many users there are.
+    /// Counts the users.
     ///
     /// # Errors
     /// [`StoreError::Statement`].

@@ -16,7 +16,7 @@ use super::{
     meta_data::MetaData,
     networks::Networks,
     organisations::Organisations,
-    outbox::Outbox,
+    outgoing::OutgoingMessages,
     parts::Parts,
     recipients::Recipients,
     reports::Reports,
@@ -98,8 +98,8 @@ impl Work {
     }
 
     /// Outgoing messages.
-    pub fn outbox(&mut self) -> Outbox<'_> {
-        Outbox(self.connection())
+    pub fn outgoing(&mut self) -> OutgoingMessages<'_> {
+        OutgoingMessages(self.connection())
     }
 
     /// Parts of networks, as sent to factories.

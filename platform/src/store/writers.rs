@@ -1,5 +1,7 @@
 //! Data set writers: which of their reports are held, and which are missing.
 
+use std::collections::HashMap;
+
 use asi_model::{
     DateTime, FactoryId,
     messages::{Gap, GapCause},
@@ -15,34 +17,31 @@ use crate::sequences::SequenceSet;
 /// One writer within one epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct WriterKey {
-    /// Whose writer it is.
+    /// Factory of the writer.
     pub factory_id: FactoryId,
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch.
     pub epoch: u32,
 }
 
-/// What is held of a writer.
+/// Received sequence numbers of a writer within an epoch, with counters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WriterRow {
-    /// Which writer.
     pub key: WriterKey,
-    /// Which sequence numbers are held.
+    /// Received sequence numbers.
     pub sequences: SequenceSet,
-    /// How many reports arrived, repeats not counted.
+    /// Number of reports received, repeats not counted.
     pub received: u64,
-    /// How many repeats were discarded.
+    /// Number of repeats discarded.
     pub duplicates: u64,
     /// The network it reports about.
     pub operation_network_id: Option<String>,
     /// The request it answers.
     pub dynamic_data_request_id: Option<String>,
-    /// When a report arrived last.
+    /// Arrival of the last report.
     pub last_report_at: Option<DateTime>,
-    /// When a keep-alive arrived last.
+    /// Arrival of the last keep-alive.
     pub last_keep_alive_at: Option<DateTime>,
-    /// Whether there is news that the connector has not been receipted.
+    /// True if the connector has not been sent a receipt for the last change.
     pub needs_receipt: bool,
 }
 
@@ -64,11 +63,19 @@ impl WriterRow {
     }
 }
 
+/// Sequence numbers that a factory announced will never come.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredGap {
+    pub first_sequence: u32,
+    pub last_sequence: u32,
+    pub cause: GapCause,
+}
+
 /// Repository of data set writers.
 pub struct Writers<'w>(pub(super) &'w mut Connection);
 
 impl Writers<'_> {
-    /// Looks one up.
+    /// Looks one up; none when it does not exist.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -134,7 +141,7 @@ impl Writers<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Writers with news that were not receipted, by factory.
+    /// Lists writers with changes that were not receipted, by factory.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -187,41 +194,45 @@ impl Writers<'_> {
         Ok(())
     }
 
-    /// The gaps that a writer announced: first, last, cause.
+    /// Reads the gaps that a factory announced, by writer and epoch, in the order of their arrival.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn gaps(&mut self, key: &WriterKey) -> Result<Vec<(u32, u32, GapCause)>, StoreError> {
-        let sql = "SELECT first_sequence, last_sequence, cause FROM sequence_gap
-                   WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3 ORDER BY sequence_gap_id";
+    pub async fn gaps(
+        &mut self,
+        factory: &FactoryId,
+    ) -> Result<HashMap<WriterKey, Vec<StoredGap>>, StoreError> {
+        let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1 ORDER BY sequence_gap_id";
         let rows = sqlx::query(sql)
-            .bind(key.factory_id.as_str())
-            .bind(i64::from(key.data_set_writer_id))
-            .bind(i64::from(key.epoch))
+            .bind(factory.as_str())
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list gaps"))?;
-        rows.iter()
-            .map(|row| {
-                Ok((
-                    row.unsigned("first_sequence")?,
-                    row.unsigned("last_sequence")?,
-                    row.json("cause")?,
-                ))
-            })
-            .collect()
+        let mut gaps: HashMap<WriterKey, Vec<StoredGap>> = HashMap::new();
+        for row in &rows {
+            gaps.entry(read_key(row)?).or_default().push(StoredGap {
+                first_sequence: row.unsigned("first_sequence")?,
+                last_sequence: row.unsigned("last_sequence")?,
+                cause: row.json("cause")?,
+            });
+        }
+        Ok(gaps)
     }
+}
+
+fn read_key(row: &DatabaseRow) -> Result<WriterKey, StoreError> {
+    Ok(WriterKey {
+        factory_id: row.parsed("factory_id")?,
+        data_set_writer_id: row.unsigned("data_set_writer_id")?,
+        epoch: row.unsigned("epoch")?,
+    })
 }
 
 fn read(row: &DatabaseRow) -> Result<WriterRow, StoreError> {
     let through: Option<i64> = row.column("through_sequence")?;
     let through = through.map(|_| row.unsigned("through_sequence")).transpose()?;
     Ok(WriterRow {
-        key: WriterKey {
-            factory_id: row.parsed("factory_id")?,
-            data_set_writer_id: row.unsigned("data_set_writer_id")?,
-            epoch: row.unsigned("epoch")?,
-        },
+        key: read_key(row)?,
         sequences: SequenceSet::from_stored(through, row.json("missing")?),
         received: row.unsigned("received")?,
         duplicates: row.unsigned("duplicates")?,

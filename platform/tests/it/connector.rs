@@ -128,7 +128,7 @@ impl Peer {
         .await
     }
 
-    /// How many messages with this subject came so far.
+    /// Counts the messages with this subject so far.
     pub fn count(&self, subject: &str) -> usize {
         self.received.0.lock().iter().filter(|(kind, _)| kind == subject).count()
     }

@@ -12,7 +12,7 @@ use crate::{
 /// Operations without a session, reviewed.
 const OPEN: [&str; 2] = ["POST /session", "POST /enrolments"];
 
-/// What must not appear in any answer to a stranger.
+/// Texts that must not appear in any answer to a stranger.
 const SECRETS: [&str; 8] = [
     "frame-4711",
     "MakeFrame1",

@@ -39,6 +39,28 @@ async fn dead_letters(admin: &Api, count: usize) -> Vec<Value> {
     .await
 }
 
+/// The lease is shown to the factory's own organisation and to administrators, to nobody else.
+async fn assert_shown_to_its_own(world: &World, admin: &Api, buyer: &Api) {
+    let maker = story::planner(world, "frames-munich").await;
+    for api in [admin, &maker] {
+        let lease = api.get("/factories/FOR_MUC/lease").await.expect_ok();
+        let (holder, contender) = (&lease["holder"], &lease["contenders"][0]);
+        assert_eq!(
+            (&holder["instanceId"], &contender["instanceId"]),
+            (&json!("a2"), &json!("b1")),
+            "{lease}"
+        );
+        assert_eq!(
+            (&lease["leaseNumber"], &contender["isSecond"]),
+            (&json!(1), &json!(true)),
+            "{lease}"
+        );
+    }
+    buyer.get("/factories/FOR_MUC/lease").await.expect_problem(404, "NOT_FOUND");
+    let unrequested = admin.get("/factories/INS_HAM/lease").await.expect_ok();
+    assert_eq!((&unrequested["leaseNumber"], &unrequested["holder"]), (&json!(0), &Value::Null));
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
     let mut world = World::start().await;
@@ -76,25 +98,7 @@ async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
     munich.send_under(1, "ua-data", &story::report("m1", 1, 4));
     story::value_is(&buyer, "4").await;
 
-    // Who may know, and who may not.
-    let maker = story::planner(&world, "frames-munich").await;
-    for api in [&admin, &maker] {
-        let lease = api.get("/factories/FOR_MUC/lease").await.expect_ok();
-        let (holder, contender) = (&lease["holder"], &lease["contenders"][0]);
-        assert_eq!(
-            (&holder["instanceId"], &contender["instanceId"]),
-            (&json!("a2"), &json!("b1")),
-            "{lease}"
-        );
-        assert_eq!(
-            (&lease["leaseNumber"], &contender["isSecond"]),
-            (&json!(1), &json!(true)),
-            "{lease}"
-        );
-    }
-    buyer.get("/factories/FOR_MUC/lease").await.expect_problem(404, "NOT_FOUND");
-    let untold = admin.get("/factories/INS_HAM/lease").await.expect_ok();
-    assert_eq!((&untold["leaseNumber"], &untold["holder"]), (&json!(0), &Value::Null));
+    assert_shown_to_its_own(&world, &admin, &buyer).await;
 
     // All that survives a restart of the platform.
     drop(munich);

@@ -1,4 +1,4 @@
-//! What is of no use is set aside with its reason, and everything else goes on.
+//! Unusable messages become dead letters with a reason; all others are processed.
 
 use serde_json::{Value, json};
 
@@ -32,7 +32,7 @@ async fn a_forged_publisher_is_rejected_and_counted() {
     let metrics = metrics.text().await.expect("text");
     assert!(metrics.contains("verbund_forged_messages_total{factory=\"INS_HAM\"}"), "{metrics}");
 
-    // Its own name, but somebody else's request.
+    // Its own name, but another factory's request.
     let mut foreign = story::report("foreign", 0, 98);
     foreign["PublisherId"] = json!("INS_HAM");
     hamburg.send("ua-data", &foreign);

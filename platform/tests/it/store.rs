@@ -1,5 +1,5 @@
-//! What must hold of any database behind the repositories. `fresh` is the one place that names one;
-//! a second database runs the same cases.
+//! Conformance of a database behind the repositories. Only `fresh` names a database; a second one
+//! runs the same cases.
 
 use asi_model::{
     DateTime, FieldKey, OperationNetworkId, RequestKey, StatusCode,
@@ -31,7 +31,7 @@ fn id<T: std::str::FromStr<Err: std::fmt::Debug>>(text: &str) -> T {
     text.parse().expect("valid")
 }
 
-async fn house(work: &mut Work) {
+async fn seed(work: &mut Work) {
     for name in ["a", "b"] {
         let organisation =
             Organisation { organisation_id: id(name), name: name.into(), created_at: at(0) };
@@ -91,7 +91,7 @@ fn value(epoch: u32, sequence: u32, value: u32) -> CurrentValue {
 async fn work_that_is_not_committed_did_not_happen() {
     let Fresh { store, _folder } = fresh().await;
     let mut work = store.begin().await.expect("begun");
-    house(&mut work).await;
+    seed(&mut work).await;
     drop(work);
     let mut work = store.read().await.expect("begun");
     assert!(work.organisations().list(&Scope::Platform).await.expect("read").is_empty());
@@ -101,7 +101,7 @@ async fn work_that_is_not_committed_did_not_happen() {
 async fn scopes_hide_what_was_not_granted() {
     let Fresh { store, _folder } = fresh().await;
     let mut work = store.begin().await.expect("begun");
-    house(&mut work).await;
+    seed(&mut work).await;
     let net: OperationNetworkId = id("net");
     for (scope, is_visible) in [
         (Scope::Platform, true),
@@ -137,7 +137,7 @@ async fn scopes_hide_what_was_not_granted() {
 async fn tokens_are_used_once_and_in_time() {
     let Fresh { store, _folder } = fresh().await;
     let mut work = store.begin().await.expect("begun");
-    house(&mut work).await;
+    seed(&mut work).await;
     let mut credentials = work.credentials();
     credentials.add_token(&[1; 32], &id("F"), at(0), at(10)).await.expect("stored");
     assert_eq!(credentials.use_token(&[2; 32], at(1)).await.expect("read"), None, "unknown");
@@ -167,7 +167,7 @@ async fn the_newest_two_credentials_of_each_holder_are_alive() {
 async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     let Fresh { store, _folder } = fresh().await;
     let mut work = store.begin().await.expect("begun");
-    house(&mut work).await;
+    seed(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     for (epoch, sequence, number, expected) in
@@ -191,7 +191,7 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
 async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     let Fresh { store, _folder } = fresh().await;
     let mut work = store.begin().await.expect("begun");
-    house(&mut work).await;
+    seed(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let decision = |state, seconds, factory: &str| Decision {
@@ -263,10 +263,10 @@ async fn outgoing_messages_wait_in_order_until_they_are_gone_or_parked() {
             content_encoding: None,
             body: "{}".into(),
         };
-        work.outbox().add(&message).await.expect("stored");
+        work.outgoing().add(&message).await.expect("stored");
     }
     let fetch = Fetch { lane: Lane::Control, after: RowId(0), through: None, limit: 10 };
-    let rows = work.outbox().fetch(fetch).await.expect("read");
+    let rows = work.outgoing().fetch(fetch).await.expect("read");
     assert_eq!(rows.iter().map(|row| row.id.0).collect::<Vec<_>>(), [1, 2, 3]);
     let outcome =
         |number: usize, outcome| RowOutcome { id: rows[number].id, outcome, at: at(9).into() };
@@ -276,10 +276,10 @@ async fn outgoing_messages_wait_in_order_until_they_are_gone_or_parked() {
         outcome(1, SendOutcome::Parked(rejection())),
         outcome(2, SendOutcome::Rejected(rejection())),
     ];
-    work.outbox().record(&outcomes).await.expect("stored");
-    let rows = work.outbox().fetch(fetch).await.expect("read");
+    work.outgoing().record(&outcomes).await.expect("stored");
+    let rows = work.outgoing().fetch(fetch).await.expect("read");
     assert_eq!(rows.iter().map(|row| (row.id.0, row.attempts)).collect::<Vec<_>>(), [(3, 1)]);
-    let backlog = work.outbox().backlog().await.expect("read");
+    let backlog = work.outgoing().backlog().await.expect("read");
     assert_eq!((backlog.waiting, backlog.oldest_at), (1, Some(at(2).into())));
 }
 

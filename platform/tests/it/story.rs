@@ -1,4 +1,4 @@
-//! The frame order in small: a buyer, a maker, an inspector, and somebody who has no part in it.
+//! A small frame order: a buyer, a maker, an inspector, and a stranger without a part in it.
 
 use serde_json::{Value, json};
 

@@ -38,7 +38,7 @@ async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
         .push(story::request_of_tool("FromTool", "acme-aero", "Monitoring"));
     story::put_network(&buyer, network).await;
 
-    // In somebody else's name it is refused.
+    // In another tool's name it is refused.
     tool.send("data-request", &ask("t2", story::request("Foreign", "frames-munich")));
     let answer = tool.receive("acknowledgement", |answer| answer["correlationId"] == "t2").await;
     assert_eq!(

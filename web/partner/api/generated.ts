@@ -67,7 +67,7 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Adds a factory; nothing happens where it takes part. */
+        /** Adds a factory; has no effect if it takes part. */
         put: {
             parameters: {
                 query?: never;
@@ -105,7 +105,7 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Adds a member; nothing happens where it is one. */
+        /** Adds a member; has no effect if it is one. */
         put: {
             parameters: {
                 query?: never;
@@ -142,7 +142,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists dead letters, newest first; those of the embedded broker come with the first page. For administrators. */
+        /**
+         * Lists dead letters, newest first; those of the embedded broker come with the first page. For
+         *     administrators.
+         */
         get: {
             parameters: {
                 query?: {
@@ -184,7 +187,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes back to its queue. */
+        /**
+         * Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
+         *     back to its queue.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -258,7 +264,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the factories of the viewer's organisation and of its collaborations; administrators see all. */
+        /**
+         * Lists the factories of the viewer's organisation and of its collaborations; administrators see
+         *     all.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -390,7 +399,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows who speaks for a factory and who else asked to: for its own organisation and administrators. */
+        /**
+         * Shows who speaks for a factory and who else asked to: for its own organisation and
+         *     administrators.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -430,8 +442,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Gives the lease to a connector that was refused, as when the old machine is gone for good. The former holder is
-         *     refused from now on.
+         * Gives the lease to a connector that was refused, as when the old machine is gone for good. The
+         *     former holder is refused from now on.
          */
         post: {
             parameters: {
@@ -471,7 +483,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists what is held of a factory's writers: for its own organisation and administrators. */
+        /**
+         * Lists a factory's data set writers with received sequence numbers: for its own organisation and
+         *     administrators.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -509,13 +524,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`, and `reset` where events
-         *     were missed and the page must load afresh.
+         * Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`,
+         *     and `reset` where events were missed and the page must load afresh.
          */
         get: {
             parameters: {
                 query?: {
-                    /** @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view it shows. */
+                    /**
+                     * @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
+                     *     it shows.
+                     */
                     lastEventId?: string;
                 };
                 header?: never;
@@ -612,8 +630,9 @@ export interface paths {
             };
         };
         /**
-         * Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the revision guards
-         *     against overwriting somebody else's change. The same network again changes nothing.
+         * Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
+         *     revision guards against overwriting another author's change. The same network again changes
+         *     nothing.
          */
         put: {
             parameters: {
@@ -790,7 +809,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a dynamic data request of the own organisation: nodes and mappings go at the factory, the history stays. */
+        /**
+         * Removes a dynamic data request of the own organisation: nodes and mappings go at the factory,
+         *     the history stays.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -896,7 +918,10 @@ export interface paths {
                     after?: string;
                     /** @description Most entries wanted, 1 to 1000. */
                     limit?: number;
-                    /** @description The newest entries instead of the oldest; still in the order of their arrival, and without a next page. */
+                    /**
+                     * @description The newest entries instead of the oldest; still in the order of their arrival, and without a
+                     *     next page.
+                     */
                     newest?: boolean;
                 };
                 header?: never;
@@ -930,7 +955,26 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /** Says who is signed in. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Session"];
+                    };
+                };
+            };
+        };
         put?: never;
         /** Signs in; the answer sets the session's cookie. */
         post: {
@@ -956,7 +1000,25 @@ export interface paths {
                 };
             };
         };
-        delete?: never;
+        /** Signs out. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Signed out */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+            };
+        };
         options?: never;
         head?: never;
         patch?: never;
@@ -969,7 +1031,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Says how the platform stands. */
+        /** Shows the status of the platform. */
         get: {
             parameters: {
                 query?: never;
@@ -1167,10 +1229,10 @@ export interface components {
             factoryId: string;
             /** @description The field talked about. */
             fieldName?: string | null;
-            /** @description What is said; 1 to 10000 characters. */
+            /** @description Text, 1 to 10000 characters. */
             text: string;
         };
-        /** @description What a change did. */
+        /** @description Result of a change. */
         Changed: {
             /** @description False where nothing differed. */
             isChanged: boolean;
@@ -1184,23 +1246,22 @@ export interface components {
         };
         /** @description A collaboration with its members and factories. */
         Collaboration: {
-            /** @description Its id. */
             collaborationId: string;
             /**
              * Format: date-time
-             * @description Since when it is here.
+             * @description Time of creation.
              */
             createdAt: string;
             /** @description The factories that take part, by id. */
             factories: string[];
             /** @description The organisations that take part, by id. */
             members: string[];
-            /** @description What people call it. */
+            /** @description Name for people. */
             name: string;
         };
         /** @description A comment as members of the collaboration see it. */
         CommentEntry: {
-            /** @description Who says it. */
+            /** @description Author, as its connector or user name tells. */
             authorId: string;
             /**
              * Format: int64
@@ -1209,7 +1270,7 @@ export interface components {
             commentId: number;
             /**
              * Format: date-time
-             * @description When it came here.
+             * @description Time of arrival at the platform.
              */
             createdAt: string;
             /** @description The request talked about. */
@@ -1218,23 +1279,22 @@ export interface components {
             factoryId: string;
             /** @description The field talked about. */
             fieldName?: string | null;
-            /** @description Whether it came from the factory. */
+            /** @description True if it came from the factory's connector. */
             isFromFactory: boolean;
-            /** @description What is said. */
             text: string;
         };
         /** @description A message that could not be used. */
         DeadLetterView: {
-            /** @description Where it was sent to. */
+            /** @description Logical address it was sent to. */
             address: string;
             /**
              * Format: date-time
-             * @description When it was set aside.
+             * @description Time of the dead-lettering.
              */
             at: string;
             /**
              * Format: int64
-             * @description How large its body is.
+             * @description Size of the body.
              */
             bytes: number;
             /** @description A stable code, as `FORGED_PUBLISHER`. */
@@ -1242,11 +1302,11 @@ export interface components {
             /** @description `ingest-<number>` or `broker-<number>`. */
             id: string;
             messageId?: string | null;
-            /** @description Why, for people. */
+            /** @description Reason in a sentence for people. */
             reason: string;
             /**
              * Format: date-time
-             * @description When it was tried again, if it was.
+             * @description Time of the last replay; absent before the first.
              */
             replayedAt?: string | null;
             subject?: string | null;
@@ -1255,14 +1315,14 @@ export interface components {
         Enrol: {
             token: string;
         };
-        /** @description All a connector needs to reach the broker, shown this once. */
+        /** @description Endpoint and credential of a connector, shown this once. */
         Enrolment: {
             /** @description The broker's address. */
             brokerUrl: string;
             factoryId: string;
             /** @description The connector's own secret. */
             password: string;
-            /** @description What logical addresses are called there. */
+            /** @description Names of logical addresses at this broker. */
             profile: unknown;
             /** @description The authority that vouches for the broker; absent where the system's roots do. */
             rootCertificatePem?: string | null;
@@ -1273,31 +1333,30 @@ export interface components {
         Factory: {
             /**
              * Format: date-time
-             * @description Since when it is known here.
+             * @description Time of creation.
              */
             createdAt: string;
             /**
              * Format: date-time
-             * @description When its connector enrolled last; absent before.
+             * @description Last enrolment of its connector; absent before the first.
              */
             enrolledAt?: string | null;
             /** @description Its id, also its PublisherId and part of its addresses. */
             factoryId: string;
             /**
              * Format: date-time
-             * @description When a report of it arrived last.
+             * @description Arrival of its last report.
              */
             lastReportAt?: string | null;
             /**
              * Format: date-time
-             * @description When anything of it arrived last, keep-alives included.
+             * @description Last arrival from it, keep-alives included.
              */
             lastSeenAt?: string | null;
-            /** @description What people call it. */
+            /** @description Name for people. */
             name: string;
-            /** @description Whose it is. */
             organisationId: string;
-            /** @description What its publisher said of itself last (`ua-status`), as `Operational`. */
+            /** @description State that its publisher reported last (`ua-status`), for example `Operational`. */
             publisherState?: string | null;
         };
         /** @description One report field, addressed from the network down. */
@@ -1315,7 +1374,7 @@ export interface components {
         FieldView: {
             /**
              * Format: date-time
-             * @description When it was decided.
+             * @description Time of the decision.
              */
             decidedAt?: string | null;
             disclosure?: components["schemas"]["DisclosureStatement"] | null;
@@ -1326,20 +1385,18 @@ export interface components {
             epoch?: number | null;
             /** @description The factory that is asked. */
             factoryId: string;
-            /** @description The field. */
             key: components["schemas"]["FieldKey"];
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
-            /** @description Why. */
             reason?: string | null;
             /**
              * Format: date-time
-             * @description When it arrived.
+             * @description Time of arrival at the platform.
              */
             receivedAt?: string | null;
             /**
              * Format: date-time
-             * @description When the connector reported it.
+             * @description Time of the report at the connector.
              */
             reportTimestamp?: string | null;
             /**
@@ -1349,7 +1406,7 @@ export interface components {
             sequence?: number | null;
             /**
              * Format: date-time
-             * @description When the source measured it.
+             * @description Source timestamp: time of the measurement.
              */
             sourceTimestamp?: string | null;
             /** @description Its quality, by the standard's name. */
@@ -1367,14 +1424,14 @@ export interface components {
             /** Format: int32 */
             lastSequence: number;
         };
-        /** @description To whom the lease goes. */
+        /** @description The next holder of a lease. */
         Handover: {
             /** @description One of the contenders. */
             instanceId: string;
         };
-        /** @description How a factory's lease stands. */
+        /** @description Lease of a factory with the connectors that were refused. */
         LeaseView: {
-            /** @description Connectors that asked and were refused, whoever was heard last first. */
+            /** @description Connectors that were refused, the last heard first. */
             contenders: components["schemas"]["Party"][];
             holder?: components["schemas"]["Party"] | null;
             /**
@@ -1391,21 +1448,20 @@ export interface components {
             collaborationId: string;
             /**
              * Format: date-time
-             * @description When a report about it that the viewer may see arrived last.
+             * @description Arrival of the last report about it that the viewer may see.
              */
             lastReportAt?: string | null;
-            /** @description What people call it. */
+            /** @description Name for people. */
             name?: string | null;
-            /** @description Its id. */
             operationNetworkId: string;
             /**
              * Format: int64
-             * @description How many parts of it were rejected.
+             * @description Number of rejected parts.
              */
             partsRejected: number;
             /**
              * Format: int64
-             * @description How many parts of it wait for a factory's answer.
+             * @description Number of parts that wait for a factory's acknowledgement.
              */
             partsUnanswered: number;
             /**
@@ -1415,12 +1471,12 @@ export interface components {
             revision: number;
             /**
              * Format: date-time
-             * @description When that was made.
+             * @description Time of the revision.
              */
             updatedAt: string;
             /**
              * Format: date-time
-             * @description When it was withdrawn, if it was.
+             * @description Time of the withdrawal; absent while in effect.
              */
             withdrawnAt?: string | null;
         };
@@ -1430,12 +1486,15 @@ export interface components {
             collaborationId: string;
             /** @description The fields that concern the viewer. */
             fields: components["schemas"]["FieldView"][];
-            /** @description The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses nothing. */
+            /**
+             * @description The live event that this view includes: `GET /live` with it as `Last-Event-ID` misses
+             *     nothing.
+             */
             lastEventId: string;
             network: components["schemas"]["OperationNetwork"];
-            /** @description How each operation stands, as far as the viewer's fields tell. */
+            /** @description Progress of each operation, derived from the viewer's fields. */
             operations: components["schemas"]["OperationProgress"][];
-            /** @description What each factory was sent. */
+            /** @description Parts as sent to the factories. */
             parts: components["schemas"]["PartView"][];
             /**
              * Format: int64
@@ -1444,14 +1503,14 @@ export interface components {
             revision: number;
             /**
              * Format: date-time
-             * @description When that was made.
+             * @description Time of the revision.
              */
             updatedAt: string;
-            /** @description Who made it. */
+            /** @description User or tool that made it. */
             updatedBy: string;
             /**
              * Format: date-time
-             * @description When it was withdrawn, if it was.
+             * @description Time of the withdrawal; absent while in effect.
              */
             withdrawnAt?: string | null;
         };
@@ -1467,7 +1526,7 @@ export interface components {
         /** @description A factory to add. */
         NewFactory: {
             factoryId: string;
-            /** @description What people call it; the id where absent. */
+            /** @description Name for people; the id by default. */
             name?: string | null;
             organisationId: string;
         };
@@ -1482,59 +1541,52 @@ export interface components {
             organisationId: string;
             toolId: string;
         };
-        /** @description How an operation stands, as far as the viewer's fields tell. */
+        /** @description Progress of an operation, derived from the viewer's fields. */
         OperationProgress: {
-            /**
-             * Format: date-time
-             * @description When it ended.
-             */
+            /** Format: date-time */
             actualEnd?: string | null;
             /**
              * Format: date-time
-             * @description When it started.
+             * @description Time of the start.
              */
             actualStart?: string | null;
             /**
              * Format: date-time
-             * @description When the factory expects it to end.
+             * @description End expected by the factory.
              */
             expectedEnd?: string | null;
             /**
              * Format: double
-             * @description What of it is good.
+             * @description Good part of the quantity.
              */
             goodQuantity?: number | null;
             /** @description True where nobody reported the state and it is concluded from quantities and times. */
             isStateInferred: boolean;
             /**
              * Format: date-time
-             * @description When a report about it arrived last.
+             * @description Arrival of the last report about it.
              */
             lastReportAt?: string | null;
-            /** @description The operation. */
             operationId: string;
             /** @description The factory that carries it out. */
             owningFactoryId?: string | null;
             /**
              * Format: double
-             * @description How far it is, 0 to 100: as reported, else from the quantities.
+             * @description Completion, 0 to 100: as reported, else derived from the quantities.
              */
             percentComplete?: number | null;
-            /**
-             * Format: double
-             * @description How much is planned.
-             */
+            /** Format: double */
             plannedQuantity?: number | null;
             /**
              * Format: double
-             * @description What is produced so far, in `quantityUnit`; the good ones where only those are reported.
+             * @description Produced quantity in `quantityUnit`; the good quantity if only that is reported.
              */
             quantity?: number | null;
             /** @description The unit of all quantities. */
             quantityUnit?: string | null;
             /**
              * Format: double
-             * @description What of it is scrap.
+             * @description Scrap part of the quantity.
              */
             scrapQuantity?: number | null;
             /** @description Its state after ISA-95. */
@@ -1544,102 +1596,90 @@ export interface components {
         Organisation: {
             /**
              * Format: date-time
-             * @description Since when it is here.
+             * @description Time of creation.
              */
             createdAt: string;
-            /** @description What people call it. */
+            /** @description Name for people. */
             name: string;
-            /** @description Its id. */
             organisationId: string;
         };
         /** @description A page of a list. */
         Page_Collaboration: {
-            /** @description The entries. */
             items: components["schemas"]["Collaboration"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_CommentEntry: {
-            /** @description The entries. */
             items: components["schemas"]["CommentEntry"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_DeadLetterView: {
-            /** @description The entries. */
             items: components["schemas"]["DeadLetterView"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Factory: {
-            /** @description The entries. */
             items: components["schemas"]["Factory"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_NetworkSummary: {
-            /** @description The entries. */
             items: components["schemas"]["NetworkSummary"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Organisation: {
-            /** @description The entries. */
             items: components["schemas"]["Organisation"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Report: {
-            /** @description The entries. */
             items: components["schemas"]["Report"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Tool: {
-            /** @description The entries. */
             items: components["schemas"]["Tool"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_WriterView: {
-            /** @description The entries. */
             items: components["schemas"]["WriterView"][];
-            /** @description Where the next page begins; absent on the last one. */
+            /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
         /**
-         * @description What became of a part.
+         * @description State of a part.
          * @enum {string}
          */
         PartState: "SENT" | "ACCEPTED" | "UNCHANGED" | "REJECTED";
-        /** @description What a factory was sent of a network, with the evidence of its life. */
+        /** @description Part of a network as sent to a factory, with evidence of the factory's life. */
         PartView: {
             /**
              * Format: date-time
-             * @description When it was answered.
+             * @description Time of the acknowledgement.
              */
             answeredAt?: string | null;
-            /** @description The factory. */
             factoryId: string;
-            /** @description What people call it. */
+            /** @description Name for people. */
             factoryName?: string | null;
             faultList: components["schemas"]["ProblemFault"][];
             /** @description True where the part ends the network at the factory. */
             isWithdrawal: boolean;
             /**
              * Format: date-time
-             * @description When anything of the factory arrived last.
+             * @description Last arrival from the factory.
              */
             lastSeenAt?: string | null;
-            /** @description Whose it is. */
             organisationId?: string | null;
             /**
              * Format: int64
@@ -1648,41 +1688,44 @@ export interface components {
             revision: number;
             /**
              * Format: date-time
-             * @description When it was sent last.
+             * @description Time of the last transmission.
              */
             sentAt: string;
             /**
              * Format: int32
-             * @description How often it was sent.
+             * @description Number of transmissions.
              */
             sentCount: number;
-            /** @description What became of it. */
+            /** @description State at the factory. */
             state: components["schemas"]["PartState"];
         };
-        /** @description A connector that holds the lease or asked for it. */
+        /** @description A connector that holds the lease or has requested it. */
         Party: {
-            /** @description Its machine and folder. */
+            /** @description Machine and folder of its store. */
             host: string;
             /** @description The running connector; another one at every start. */
             instanceId: string;
-            /** @description The holder was heard after it had asked: both run. It gets the lease from an administrator only. */
+            /**
+             * @description True if the holder was heard after the first request: both run, and only an administrator can
+             *     grant the lease.
+             */
             isSecond?: boolean;
             /**
              * Format: date-time
-             * @description When it asked last.
+             * @description Time of the last request.
              */
             lastHeardAt: string;
-            /** @description Where its store is in use. */
+            /** @description Place of its store. */
             place: string;
             /**
              * Format: date-time
-             * @description Since when it holds the lease, or when it asked first.
+             * @description Time of the grant, or of the first refused request.
              */
             since: string;
         };
         /**
-         * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
-         *     never shown.
+         * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
+         *     inside is logged and never shown.
          */
         Problem: {
             /** @description A stable code, as `NOT_FOUND`. */
@@ -1720,7 +1763,7 @@ export interface components {
             collaborationId: string;
             operationNetwork: components["schemas"]["OperationNetwork"];
         };
-        /** @description What a user is to be. */
+        /** @description User to add or replace. */
         PutUser: {
             /** @description For whom the user looks and acts. */
             organisationId?: string | null;
@@ -1728,33 +1771,26 @@ export interface components {
             password: string;
             role: components["schemas"]["Role"];
         };
-        /** @description What trying again did. */
+        /** @description Result of a replay. */
         Replayed: {
-            /** @description Whether it was taken this time or waits in its queue again. */
+            /** @description True if ingest accepted it this time, or if it waits in its queue again. */
             isTaken: boolean;
         };
         /** @description A report as its recipients see it. */
         Report: components["schemas"]["RequestKey"] & {
-            /**
-             * Format: int32
-             * @description The writer.
-             */
+            /** Format: int32 */
             dataSetWriterId: number;
-            /**
-             * Format: int32
-             * @description Its epoch.
-             */
+            /** Format: int32 */
             epoch: number;
-            /** @description Who reported. */
             factoryId: string;
             fields: {
                 [key: string]: components["schemas"]["ReportedValue"];
             };
-            /** @description Whether it came late, after newer ones. */
+            /** @description True if it came late, after newer ones. */
             isReplay: boolean;
             /**
              * Format: date-time
-             * @description When it arrived.
+             * @description Time of arrival at the platform.
              */
             receivedAt: string;
             /**
@@ -1766,7 +1802,7 @@ export interface components {
             reportName: string;
             /**
              * Format: date-time
-             * @description When the connector made it.
+             * @description Time of the report at the connector.
              */
             reportTimestamp?: string | null;
             /**
@@ -1789,9 +1825,8 @@ export interface components {
             /** @description The network. */
             operationNetworkId: string;
         };
-        /** @description What a revocation did. */
+        /** @description Result of a revocation. */
         Revoked: {
-            /** @description Connections cut. */
             connections: number;
             /**
              * Format: int64
@@ -1800,29 +1835,29 @@ export interface components {
             credentials: number;
         };
         /**
-         * @description What a user may do.
+         * @description Role of a user.
          * @enum {string}
          */
         Role: "ADMINISTRATOR" | "PLANNER" | "VIEWER";
-        /** @description Who is signed in. */
+        /** @description The signed-in user and the token of its session. */
         Session: {
-            /** @description What changes must carry in the header `x-csrf-token`. */
+            /** @description Token that changes must carry in the header `x-csrf-token`. */
             csrfToken: string;
             organisationId?: string | null;
             role: components["schemas"]["Role"];
             userName: string;
         };
-        /** @description Who wants to sign in. */
+        /** @description User name and password. */
         SignIn: {
             /** Format: password */
             password: string;
             userName: string;
         };
-        /** @description How the platform stands, with evidence. */
+        /** @description Status of the platform, with evidence. */
         Status: {
-            /** @description Who is connected to the embedded broker; for administrators. */
+            /** @description Connections of the embedded broker; for administrators. */
             connections?: unknown[] | null;
-            /** @description How the link to the broker stands. */
+            /** @description State of the link to the broker. */
             link?: unknown;
             /**
              * Format: date-time
@@ -1833,7 +1868,7 @@ export interface components {
             queues?: unknown[] | null;
             /**
              * Format: date-time
-             * @description When it started.
+             * @description Time of the start.
              */
             startedAt: string;
             /** @description The version of the program. */
@@ -1853,17 +1888,16 @@ export interface components {
         Tool: {
             /**
              * Format: date-time
-             * @description Since when it is known here.
+             * @description Time of creation.
              */
             createdAt: string;
-            /** @description What people call it. */
+            /** @description Name for people. */
             name: string;
-            /** @description Whose it is. */
             organisationId: string;
             /** @description Its id, also part of its addresses. */
             toolId: string;
         };
-        /** @description All a tool needs to reach the broker, shown this once. */
+        /** @description Endpoint and credential of a tool, shown this once. */
         ToolCredential: {
             /** @description The broker's address. */
             brokerUrl: string;
@@ -1880,7 +1914,7 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
-        /** @description What is held of a writer within an epoch. */
+        /** @description Received sequence numbers of a data set writer within an epoch. */
         WriterView: {
             /** Format: int32 */
             dataSetWriterId: number;
@@ -1895,19 +1929,19 @@ export interface components {
             gaps: components["schemas"]["GapView"][];
             /**
              * Format: date-time
-             * @description When a keep-alive arrived last.
+             * @description Arrival of the last keep-alive.
              */
             lastKeepAliveAt?: string | null;
             /**
              * Format: date-time
-             * @description When a report arrived last.
+             * @description Arrival of the last report.
              */
             lastReportAt?: string | null;
             /** @description The lowest numbers below it that are missing, at most 1000. */
             missing: number[];
             /**
              * Format: int64
-             * @description How many numbers are missing in all.
+             * @description Number of missing sequence numbers, listed or not.
              */
             missingCount: number;
             /**
@@ -2219,7 +2253,71 @@ export interface components {
             sourceTimestamp?: string | null;
         };
     };
-    responses: never;
+    responses: {
+        /** @description The request cannot be understood. */
+        BadRequest: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description It does not fit the present state. */
+        Conflict: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description The role does not allow it, or the CSRF token is wrong. */
+        Forbidden: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description It does not exist, or the viewer has no part in it. */
+        NotFound: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Too many attempts */
+        TooManyRequests: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Nobody is signed in. */
+        Unauthorized: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+        UnprocessableEntity: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+    };
     parameters: never;
     requestBodies: never;
     headers: never;

@@ -1,4 +1,4 @@
-//! What the broker promises to any client.
+//! Guarantees of the broker to any client.
 
 use std::time::Duration;
 

@@ -3,6 +3,7 @@
 mod broker;
 mod foreign;
 mod link;
+mod outage;
 mod process;
 mod proxy;
 mod support;

@@ -147,7 +147,7 @@ async fn a_wrong_port_is_told_with_the_remedy() {
     broker.stop().await;
 }
 
-/// What a broker answers to these bytes until it closes, and how long that takes. The frame follows
+/// Sends these bytes to a broker; returns its answer until it closes, and the time. The frame follows
 /// once a WebSocket is open.
 async fn told(port: u16, request: &[u8], frame: &[u8]) -> (Vec<u8>, Duration) {
     let begun = Instant::now();

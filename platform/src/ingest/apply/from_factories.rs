@@ -67,7 +67,7 @@ async fn comment(
     let comment_id = unit.work.comments().add(&new).await?;
     let members = unit.members(&network.collaboration_id).await?;
     let event = LiveEvent::Comment { operation_network_id: id.clone(), comment_id };
-    unit.effects.news.push(event.to(members));
+    unit.effects.notifications.push(event.to(members));
     Ok(())
 }
 
@@ -107,7 +107,7 @@ async fn acknowledgement(
         state: part.state,
         fault_list: part.fault_list,
     };
-    unit.effects.news.push(event.to(members));
+    unit.effects.notifications.push(event.to(members));
     Ok(())
 }
 
@@ -142,7 +142,7 @@ async fn decision(unit: &mut IngestUnit<'_>, decision: &Decision) -> Result<(), 
         reason: decision.reason.clone(),
         decided_at: decision.decided_at,
     };
-    unit.effects.news.push(event.to(concerned));
+    unit.effects.notifications.push(event.to(concerned));
     Ok(())
 }
 

@@ -32,7 +32,7 @@ pub(super) async fn add_request(
     let is_added = added.is_ok();
     let (result, revision, fault_list) = match added {
         Ok(outcome) => {
-            unit.effects.news.extend(outcome.news);
+            unit.effects.notifications.extend(outcome.notifications);
             unit.effects.has_outgoing = true;
             let result = match outcome.is_changed {
                 true => AcknowledgementResult::Accepted,

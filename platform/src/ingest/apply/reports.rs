@@ -20,9 +20,9 @@ use crate::{
         decode::{Incoming, IncomingReport},
         unit::IngestUnit,
     },
-    live::{LiveEvent, ValueNews},
-    plain::{data_value, plain},
+    live::{FieldUpdate, LiveEvent},
     store::{CurrentValue, NewReport, StoreError},
+    value_json::{data_value_json, value_json},
 };
 
 /// Messages waiting for one tool beyond which reports are no longer forwarded; the tool can still
@@ -78,7 +78,7 @@ impl ReportCollector {
                 if is_newest && !request.recipients.is_empty() {
                     let (request_key, factory_id) = (key.clone(), factory.clone());
                     let event = LiveEvent::Value { request: request_key, factory_id, fields };
-                    unit.effects.news.push(event.to(request.recipients.clone()));
+                    unit.effects.notifications.push(event.to(request.recipients.clone()));
                 }
             } else {
                 metrics::counter!("verbund_unasked_reports_total").increment(1);
@@ -136,12 +136,12 @@ impl ReportCollector {
         key: &RequestKey,
         incoming: &Incoming,
         report: &IncomingReport,
-    ) -> Vec<ValueNews> {
-        let mut news = Vec::with_capacity(report.fields.len());
+    ) -> Vec<FieldUpdate> {
+        let mut notifications = Vec::with_capacity(report.fields.len());
         for (name, value) in &report.fields {
             let Some(name) = request.fields.get(name.as_str()) else { continue };
             let candidate = current_value(key.field(name.clone()), value, incoming, report);
-            news.push(value_news(&candidate));
+            notifications.push(field_update(&candidate));
             let order = |value: &CurrentValue| (value.epoch, value.sequence);
             match self.values.get_mut(&candidate.key) {
                 Some(newest) if order(newest) > order(&candidate) => {}
@@ -149,7 +149,7 @@ impl ReportCollector {
                 None => drop(self.values.insert(candidate.key.clone(), candidate)),
             }
         }
-        news
+        notifications
     }
 }
 
@@ -186,7 +186,7 @@ async fn forward(
     positions: &[usize],
 ) -> Result<(), StoreError> {
     let address = LogicalAddress::ToolReports(tool);
-    if unit.work.outbox().waiting(&address).await? >= TOOL_BACKLOG_MAX {
+    if unit.work.outgoing().waiting(&address).await? >= TOOL_BACKLOG_MAX {
         metrics::counter!("verbund_tool_reports_dropped_total").increment(1);
         return Ok(());
     }
@@ -206,7 +206,7 @@ fn new_report(
     report: &IncomingReport,
 ) -> NewReport {
     let fields =
-        report.fields.iter().map(|(name, value)| (name.clone(), data_value(value))).collect();
+        report.fields.iter().map(|(name, value)| (name.clone(), data_value_json(value))).collect();
     NewReport {
         factory_id: factory.clone(),
         data_set_writer_id: report.data_set_writer_id,
@@ -222,8 +222,8 @@ fn new_report(
     }
 }
 
-fn value_news(value: &CurrentValue) -> ValueNews {
-    ValueNews {
+fn field_update(value: &CurrentValue) -> FieldUpdate {
+    FieldUpdate {
         key: value.key.clone(),
         value: value.value.clone(),
         status: value.status.to_string(),
@@ -245,7 +245,7 @@ fn current_value(
         key,
         epoch: report.epoch,
         sequence: report.sequence,
-        value: plain(&value.value),
+        value: value_json(&value.value),
         built_in_type: value.value.built_in_type().map_or(0, BuiltInType::id),
         status: value.status,
         source_timestamp: value.source_timestamp,

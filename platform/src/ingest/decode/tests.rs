@@ -1,4 +1,4 @@
-//! What is understood of good, forged and broken messages.
+//! Tests of decoding: good, forged and broken messages.
 
 use messaging::Envelope;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Values as the API shows them: plain JSON, with quality beside it.
+//! JSON form of OPC UA values in the API, with the status beside them.
 //!
 //! 64-bit integers are texts, as inside OPC UA payloads, so that no reader loses digits; the rest
 //! of the numbers are numbers, what JSON has no number for (NaN, infinities) are texts. Structures
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 /// A value without its type.
 #[must_use]
-pub fn plain(variant: &Variant) -> Value {
+pub fn value_json(variant: &Variant) -> Value {
     match variant {
         Variant::Null => Value::Null,
         Variant::Scalar(value) => scalar(value),
@@ -46,8 +46,8 @@ fn scalar(value: &Scalar) -> Value {
         Scalar::Guid(v) => json!(v.to_string()),
         Scalar::StatusCode(v) => json!(v.to_string()),
         Scalar::LocalizedText(v) => json!(v.text.as_deref()),
-        Scalar::DataValue(v) => data_value(v),
-        Scalar::Variant(v) => plain(v),
+        Scalar::DataValue(v) => data_value_json(v),
+        Scalar::Variant(v) => value_json(v),
         other => opcua_form(other),
     }
 }
@@ -64,8 +64,9 @@ fn opcua_form(value: &Scalar) -> Value {
 
 /// A value with its quality and source time: `{value, status, sourceTimestamp}`.
 #[must_use]
-pub fn data_value(value: &DataValue) -> Value {
-    let mut object = json!({ "value": plain(&value.value), "status": value.status.to_string() });
+pub fn data_value_json(value: &DataValue) -> Value {
+    let mut object =
+        json!({ "value": value_json(&value.value), "status": value.status.to_string() });
     if let Some(time) = value.source_timestamp {
         object["sourceTimestamp"] = json!(time);
     }
@@ -110,7 +111,7 @@ mod tests {
             (true.into(), json!(true)),
             (array(vec![Scalar::Int16(1), Scalar::Int16(2)]), json!([1, 2])),
         ] {
-            assert_eq!(plain(&value), expected, "{value:?}");
+            assert_eq!(value_json(&value), expected, "{value:?}");
         }
     }
 

@@ -1,5 +1,5 @@
-//! Tells pages how operations stand: what may have changed is read again, at most a few times a
-//! second per network, and told to each recipient as far as its own fields tell.
+//! Notifies pages of the progress of operations: reads a changed network again, at most a few times
+//! a second, and publishes to each recipient what its own fields show.
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
@@ -20,11 +20,11 @@ use crate::{
 
 /// Between two looks at what has changed.
 const INTERVAL: Duration = Duration::from_millis(200);
-/// Most operations remembered to tell what is news; beyond, all is told once more.
+/// Most operations remembered to tell what is notifications; beyond, all is told once more.
 const REMEMBERED_MAX: usize = 50_000;
 
 /// The service; [`run`](Self::run) it.
-pub struct ProgressBoard {
+pub struct ProgressNotifier {
     store: Store,
     live: LiveLog,
     changed: Arc<Changed>,
@@ -33,7 +33,7 @@ pub struct ProgressBoard {
 
 /// Says what may have changed.
 #[derive(Clone)]
-pub struct ProgressBoardHandle(Arc<Changed>);
+pub struct ProgressNotifierHandle(Arc<Changed>);
 
 #[derive(Default)]
 struct Changed {
@@ -41,7 +41,7 @@ struct Changed {
     wake: Notify,
 }
 
-impl ProgressBoardHandle {
+impl ProgressNotifierHandle {
     /// Reports about these networks arrived.
     pub fn changed(&self, networks: HashSet<OperationNetworkId>) {
         if !networks.is_empty() {
@@ -51,19 +51,19 @@ impl ProgressBoardHandle {
     }
 }
 
-impl ProgressBoard {
+impl ProgressNotifier {
     /// A board that knows of nothing yet.
     #[must_use]
-    pub fn new(store: Store, live: LiveLog) -> (Self, ProgressBoardHandle) {
+    pub fn new(store: Store, live: LiveLog) -> (Self, ProgressNotifierHandle) {
         let changed = Arc::new(Changed::default());
-        let handle = ProgressBoardHandle(Arc::clone(&changed));
+        let handle = ProgressNotifierHandle(Arc::clone(&changed));
         (Self { store, live, changed, told: HashMap::new() }, handle)
     }
 
     /// Runs until shutdown.
     ///
     /// # Errors
-    /// Never; a failing store is logged and asked again with the next news.
+    /// Never; a failing store is logged and asked again with the next notifications.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
         while shutdown.run_until_cancelled(self.changed.wake.notified()).await.is_some() {
             let networks = std::mem::take(&mut *self.changed.networks.lock());

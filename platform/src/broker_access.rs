@@ -1,7 +1,6 @@
-//! How the platform reaches the broker, and who else may: users, queues and addresses follow from
-//! the store.
+//! Access to the broker: users, queues and consumed addresses, derived from the store.
 //!
-//! [`Reach::reconcile`] compares what the store says with what is in force and may run any number
+//! [`BrokerAccess::reconcile`] compares what the store says with what is in force and may run any number
 //! of times: at the start, after every change, after a revocation.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
@@ -29,7 +28,7 @@ pub const PLATFORM_USER: &str = "platform";
 
 /// Users, queues and addresses. Clones share them.
 #[derive(Clone)]
-pub struct Reach(Arc<Inner>);
+pub struct BrokerAccess(Arc<Inner>);
 
 struct Inner {
     users: Arc<CredentialTable>,
@@ -47,7 +46,7 @@ struct Parts {
 
 /// Users or queues could not be brought in line with the store.
 #[derive(Debug, thiserror::Error)]
-pub enum ReachError {
+pub enum BrokerAccessError {
     /// The store failed.
     #[error("the store failed")]
     Store(#[from] StoreError),
@@ -56,13 +55,13 @@ pub enum ReachError {
     Broker(#[from] BrokerError),
 }
 
-impl std::fmt::Debug for Reach {
+impl std::fmt::Debug for BrokerAccess {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Reach")
+        f.write_str("BrokerAccess")
     }
 }
 
-impl Reach {
+impl BrokerAccess {
     /// Nothing is connected yet.
     #[must_use]
     pub fn new(configured: Vec<BrokerUserConfig>) -> Self {
@@ -119,8 +118,8 @@ impl Reach {
     /// by mistake.
     ///
     /// # Errors
-    /// [`ReachError::Store`].
-    pub async fn load_users(&self, store: &Store) -> Result<(), ReachError> {
+    /// [`BrokerAccessError::Store`].
+    pub async fn load_users(&self, store: &Store) -> Result<(), BrokerAccessError> {
         let credentials = store.read().await?.credentials().list().await?;
         self.0.users.replace(self.users_of(&credentials));
         Ok(())
@@ -129,8 +128,8 @@ impl Reach {
     /// Brings users, queues and the addresses that are read in line with the store.
     ///
     /// # Errors
-    /// [`ReachError`]; what was done by then stays and the next run goes on.
-    pub async fn reconcile(&self, store: &Store) -> Result<(), ReachError> {
+    /// [`BrokerAccessError`]; what was done by then stays and the next run goes on.
+    pub async fn reconcile(&self, store: &Store) -> Result<(), BrokerAccessError> {
         let mut work = store.read().await?;
         let factories: Vec<FactoryId> = work
             .factories()
@@ -182,8 +181,12 @@ impl Reach {
     /// After a revocation: the holder is unknown from now on and its connections are cut.
     ///
     /// # Errors
-    /// [`ReachError`].
-    pub async fn revoked(&self, store: &Store, holder: &Holder) -> Result<usize, ReachError> {
+    /// [`BrokerAccessError`].
+    pub async fn revoked(
+        &self,
+        store: &Store,
+        holder: &Holder,
+    ) -> Result<usize, BrokerAccessError> {
         self.reconcile(store).await?;
         Ok(self.broker().map_or(0, |broker| broker.disconnect_user(&holder.user_name())))
     }
@@ -261,14 +264,14 @@ mod tests {
 
     #[test]
     fn a_connector_may_use_its_own_addresses_only() {
-        let reach = Reach::new(Vec::new());
+        let broker_access = BrokerAccess::new(Vec::new());
         let holder = Holder::Factory("A".parse().expect("valid"));
         let credentials = [
             BrokerCredential { holder: holder.clone(), secret_hash: [1; 32] },
             BrokerCredential { holder: holder.clone(), secret_hash: [2; 32] },
         ];
-        reach.users().replace(reach.users_of(&credentials));
-        let user = reach.users().user("factory.A").expect("known");
+        broker_access.users().replace(broker_access.users_of(&credentials));
+        let user = broker_access.users().user("factory.A").expect("known");
         assert_eq!(user.secrets.len(), 2, "one in use, one being rotated in");
         let may = |name: &str| {
             let queue = name.parse().expect("a queue name");
@@ -286,6 +289,6 @@ mod tests {
         ] {
             assert_eq!(may(foreign), (false, false), "{foreign}");
         }
-        assert!(reach.users().user("factory.B").is_none());
+        assert!(broker_access.users().user("factory.B").is_none());
     }
 }

@@ -1,11 +1,11 @@
-//! The link's view of the outgoing messages in the store.
+//! Outgoing messages of the store as the spool that the link reads.
 
 use async_trait::async_trait;
 use messaging::{Backlog, Fetch, RowId, RowOutcome, SpoolRow, SpoolStore, StoreError};
 
 use crate::store::Store;
 
-/// The platform's outbox as a spool.
+/// The platform's outgoing messages as a spool.
 #[derive(Debug, Clone)]
 pub struct StoredSpool(Store);
 
@@ -20,20 +20,20 @@ impl StoredSpool {
 #[async_trait]
 impl SpoolStore for StoredSpool {
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
-        Ok(self.0.read().await?.outbox().fetch(fetch).await?)
+        Ok(self.0.read().await?.outgoing().fetch(fetch).await?)
     }
 
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
         let mut work = self.0.begin().await?;
-        work.outbox().record(&outcomes).await?;
+        work.outgoing().record(&outcomes).await?;
         Ok(work.commit().await?)
     }
 
     async fn last_row(&self) -> Result<RowId, StoreError> {
-        Ok(self.0.read().await?.outbox().last_row().await?)
+        Ok(self.0.read().await?.outgoing().last_row().await?)
     }
 
     async fn backlog(&self) -> Result<Backlog, StoreError> {
-        Ok(self.0.read().await?.outbox().backlog().await?)
+        Ok(self.0.read().await?.outgoing().backlog().await?)
     }
 }

@@ -1,4 +1,5 @@
-//! Outgoing messages: rows of the transaction of what they tell, gone when the broker has them.
+//! Outgoing messages: written in the transaction of their cause, deleted when the broker has
+//! accepted them.
 
 use asi_model::{DateTime, MessageId};
 use bytes::Bytes;
@@ -16,28 +17,25 @@ use super::{
 /// A message to send.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewOutgoing {
-    /// Where to.
     pub address: LogicalAddress,
     /// Its id, the same as in the body.
     pub message_id: MessageId,
-    /// Its type.
     pub subject: String,
-    /// What it answers.
+    /// Message that it answers.
     pub correlation_id: Option<MessageId>,
-    /// When it was made.
+    /// Time of creation.
     pub created_at: DateTime,
-    /// How long it is of use.
+    /// Time from creation after which a broker may drop it.
     pub time_to_live: Option<std::time::Duration>,
-    /// How the body is packed.
+    /// Content encoding of the body.
     pub content_encoding: Option<ContentEncoding>,
-    /// The body.
     pub body: Bytes,
 }
 
 /// Repository of outgoing messages.
-pub struct Outbox<'w>(pub(super) &'w mut Connection);
+pub struct OutgoingMessages<'w>(pub(super) &'w mut Connection);
 
-impl Outbox<'_> {
+impl OutgoingMessages<'_> {
     /// Stores a message to send.
     ///
     /// # Errors
@@ -60,7 +58,7 @@ impl Outbox<'_> {
         Ok(())
     }
 
-    /// Removes what still waits for an address; how many messages.
+    /// Removes the messages that wait for an address; returns their number.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -73,7 +71,7 @@ impl Outbox<'_> {
         Ok(result.rows_affected())
     }
 
-    /// How many messages wait for an address.
+    /// Counts the messages that wait for an address.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -86,8 +84,8 @@ impl Outbox<'_> {
         row.unsigned("waiting")
     }
 
-    /// Messages that wait, for the link. Nothing of the platform's is a report row: all travels in
-    /// its order.
+    /// Reads waiting messages for the link. None of the platform's is a report, so all travel in
+    /// their order on the control lane.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -108,7 +106,7 @@ impl Outbox<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Records what became of messages.
+    /// Records the outcomes of sent messages.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -137,7 +135,7 @@ impl Outbox<'_> {
         Ok(())
     }
 
-    /// The greatest number given so far.
+    /// Returns the greatest row id so far; 0 when there is none.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -149,7 +147,7 @@ impl Outbox<'_> {
         Ok(RowId(last.unwrap_or(0)))
     }
 
-    /// How much waits.
+    /// Measures the waiting messages.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -1,0 +1,53 @@
+//! Errors of the platform's start.
+
+use std::path::PathBuf;
+
+use broker::BrokerError;
+use daemon::{
+    telemetry::TelemetryError,
+    web::{server::ServerError, session::PasswordError},
+};
+use messaging::LinkError;
+
+use crate::{
+    administrator::AdministratorError, broker_access::BrokerAccessError,
+    certificates::CertificateError, store::StoreError,
+};
+
+/// Failure to start the platform.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The data directory cannot be made.
+    #[error("cannot make the data directory {}; set data_directory to a place that can be written", path.display())]
+    DataDirectory { path: PathBuf, source: std::io::Error },
+    /// The root certificates of an external broker cannot be read.
+    #[error("cannot read broker.external.root_certificates {}", path.display())]
+    RootCertificates { path: PathBuf, source: std::io::Error },
+    /// The database cannot be used.
+    #[error("the database cannot be used")]
+    Store(#[from] StoreError),
+    /// The embedded broker cannot start.
+    #[error("the embedded broker cannot start")]
+    Broker(#[from] BrokerError),
+    /// The certificate authority cannot be used.
+    #[error("the certificate authority cannot be used")]
+    Certificates(#[from] CertificateError),
+    /// The link cannot be made.
+    #[error("the link to the broker cannot be made")]
+    Link(#[from] LinkError),
+    /// Users and queues cannot be set up.
+    #[error("users and queues cannot be set up")]
+    BrokerAccess(#[from] BrokerAccessError),
+    /// The pages cannot be served.
+    #[error("pages and API cannot be served")]
+    Web(#[from] ServerError),
+    /// The first administrator cannot be made.
+    #[error("the first administrator cannot be made")]
+    Administrator(#[from] AdministratorError),
+    /// A password is refused.
+    #[error("admin.password is refused")]
+    Password(#[from] PasswordError),
+    /// Metrics cannot be set up.
+    #[error("metrics cannot be set up")]
+    Telemetry(#[from] TelemetryError),
+}
