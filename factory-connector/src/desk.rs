@@ -90,8 +90,10 @@ impl Default for SpoolLimits {
 
 impl SpoolLimits {
     const fn overdue(&self) -> OverduePolicy {
-        let patience = Duration::from_secs(self.resend_after_s as u64);
-        OverduePolicy { patience, patience_max: Duration::from_secs(3600) }
+        OverduePolicy {
+            receipt_timeout: Duration::from_secs(self.resend_after_s as u64),
+            receipt_timeout_max: Duration::from_secs(3600),
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 use async_trait::async_trait;
 use time::OffsetDateTime;
 
-use crate::{address::LogicalAddress, envelope::Envelope};
+use crate::{address::LogicalAddress, envelope::Envelope, spool::Rejection};
 
 /// A received message.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,16 +38,6 @@ impl Settlement {
     pub fn reject(code: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::Reject(Rejection { code: code.into(), reason: reason.into() })
     }
-}
-
-/// Why a message was rejected, by its receiver or by the broker.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{code}: {reason}")]
-pub struct Rejection {
-    /// A stable code; an AMQP error condition where the broker gave it.
-    pub code: String,
-    /// A sentence for people. Never contains plant values.
-    pub reason: String,
 }
 
 /// The receiving side of a daemon.

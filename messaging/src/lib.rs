@@ -28,12 +28,13 @@ mod transport;
 
 pub use address::{InvalidAddress, LogicalAddress};
 pub use envelope::{BodyError, ContentEncoding, Envelope};
-pub use inbox::{Delivery, Inbox, Rejection, Settlement};
+pub use inbox::{Delivery, Inbox, Settlement};
 pub use link::{
     BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, Link, LinkConfig, LinkError,
     LinkHandle, LinkLimits, LinkPhase, LinkState, Login, Roots, TlsConfig,
 };
 pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
 pub use spool::{
-    Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
+    StoreError,
 };

@@ -11,9 +11,10 @@ use futures::future::BoxFuture;
 
 use crate::{
     envelope::Envelope,
-    inbox::{Delivery, Rejection, Settlement},
+    inbox::{Delivery, Settlement},
     link::{BrokerUrl, LinkConfig, LinkError},
     profile::Terminus,
+    spool::Rejection,
 };
 
 /// Why there is no connection, or no more.

@@ -41,7 +41,7 @@ impl Books {
             rows.iter().filter(|kept| ids.contains(&kept.row.id)).cloned().collect()
         };
         self.aftermath.is_receipted = true;
-        let held = of(&effect.held);
+        let held = of(&effect.receipted);
         if !held.is_empty() {
             self.record_outcome(&held, now, Event::Receipted);
             self.changes

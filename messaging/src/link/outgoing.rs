@@ -29,7 +29,7 @@ use crate::{
     address::LogicalAddress,
     profile::BrokerProfile,
     spool::{
-        RejectionVerdict, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+        RejectionAction, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
         after_rejection,
     },
     transport::{Connection, Outcome},
@@ -326,16 +326,16 @@ impl Pump {
             Outcome::Rejected(rejection) => {
                 count("rejected");
                 match after_rejection(&rejection, attempts) {
-                    RejectionVerdict::Park => {
+                    RejectionAction::Park => {
                         error!(%address, row = %id, code = rejection.code, reason = rejection.reason, "a message is set aside, for the broker will not take it");
                         record(SendOutcome::Parked(rejection));
                     }
-                    RejectionVerdict::Retry => {
+                    RejectionAction::Retry => {
                         warn!(%address, row = %id, code = rejection.code, reason = rejection.reason, "the broker rejected a message; it is tried again");
                         record(SendOutcome::Rejected(rejection));
                         self.retries.push(Instant::now() + self.limits.address_rest);
                     }
-                    RejectionVerdict::RestAddress => {
+                    RejectionAction::BackOffAddress => {
                         self.cursor.close(id);
                         self.rest(&address, rejection.to_string());
                     }

@@ -7,9 +7,10 @@ use parking_lot::Mutex;
 use time::OffsetDateTime;
 
 use super::{
-    Backlog, Fetch, Lane, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
+    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
+    StoreError,
 };
-use crate::{address::LogicalAddress, envelope::Envelope, inbox::Rejection};
+use crate::{address::LogicalAddress, envelope::Envelope};
 
 /// What a [`MemorySpool`] does with an accepted report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

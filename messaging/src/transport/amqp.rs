@@ -29,9 +29,9 @@ use super::{
     dial::{Dialler, Stream},
 };
 use crate::{
-    inbox::Rejection,
     link::{BrokerUrl, LinkConfig, LinkLimits, Login},
     profile::Terminus,
+    spool::Rejection,
 };
 
 /// Frames are cut to this size, so that one large message does not block the others.

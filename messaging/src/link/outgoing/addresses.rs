@@ -4,7 +4,11 @@ use tokio::time::Instant;
 use tracing::warn;
 
 use super::{Pump, lane::Lane};
-use crate::{address::LogicalAddress, inbox::Rejection, spool::RowId, transport::LaneFault};
+use crate::{
+    address::LogicalAddress,
+    spool::{Rejection, RowId},
+    transport::LaneFault,
+};
 
 /// A resting address rests longer with each failure, up to so many times.
 const RESTS_MAX: u32 = 64;

@@ -16,7 +16,8 @@ use time::OffsetDateTime;
 
 use crate::{
     envelope::{ContentEncoding, Envelope},
-    inbox::{Delivery, Rejection},
+    inbox::Delivery,
+    spool::Rejection,
 };
 
 /// The application property that marks the backlog after an outage.

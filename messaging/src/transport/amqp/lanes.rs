@@ -26,9 +26,10 @@ use super::{
 };
 use crate::{
     envelope::Envelope,
-    inbox::{Delivery, Rejection, Settlement},
+    inbox::{Delivery, Settlement},
     link::LinkLimits,
     profile::Terminus,
+    spool::Rejection,
 };
 
 /// How often in a row the connection's own tasks get a turn to bring more before a batch goes on:

@@ -11,7 +11,8 @@ use time::{OffsetDateTime, format_description::well_known::Rfc3339};
 
 use crate::{
     envelope::{ContentEncoding, Envelope},
-    inbox::{Delivery, Rejection},
+    inbox::Delivery,
+    spool::Rejection,
 };
 
 const MESSAGE_ID: &str = "message-id";

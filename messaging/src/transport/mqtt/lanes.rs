@@ -21,8 +21,9 @@ use super::{
 };
 use crate::{
     envelope::Envelope,
-    inbox::{Delivery, Rejection, Settlement},
+    inbox::{Delivery, Settlement},
     link::LinkLimits,
+    spool::Rejection,
 };
 
 /// A topic to publish to.
