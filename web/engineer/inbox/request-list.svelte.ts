@@ -1,7 +1,9 @@
+import { untrack } from 'svelte'
 import { Problem } from '@/transport/problem'
 import { Resource } from '@/transport/resource.svelte'
 import { connector, REQUEST } from '../api/client'
 import type { FieldKey, InboxAnswer, InboxQuery, InboxRequest } from '../api/types'
+import { connectorStore } from '../connector-store.svelte'
 
 /** Requests read at once while the list scrolls, and the largest page. */
 const PAGE = 40
@@ -27,8 +29,10 @@ export class RequestList {
     void this.answer.refresh()
   }
 
-  /** Reads on, where there is more. */
-  async more(): Promise<void> {
+  /** Reads the next page, if there is one. An effect that calls this does not depend on the list. */
+  readonly more = (): Promise<void> => untrack(() => this.#more())
+
+  async #more(): Promise<void> {
     const cursor = this.answer.value?.nextCursor
     const query = this.#query
     if (!cursor || this.#isReading || query !== this.#answered) return
@@ -56,7 +60,35 @@ export class RequestList {
   }
 }
 
-/** Every request that a query means. */
+/**
+ * Request list of a component. It is read again whenever the query changes, updated by events, read
+ * on while `isEnough` says that too few requests are shown, and cancelled on unmount.
+ */
+export function requestList({
+  query,
+  isEnough,
+}: {
+  query: () => InboxQuery
+  isEnough: () => boolean
+}): RequestList {
+  const list = new RequestList()
+  $effect(() => {
+    const wanted = query()
+    untrack(() => {
+      list.ask(wanted)
+    })
+  })
+  $effect(() => connectorStore.keep(list.answer))
+  $effect(() => () => {
+    list.answer.stop()
+  })
+  $effect(() => {
+    if (!isEnough() && list.answer.value?.nextCursor && list.problem === undefined) void list.more()
+  })
+  return list
+}
+
+/** Reads all requests that match a query. */
 export async function everyRequest(
   query: InboxQuery,
   signal: AbortSignal,
