@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// The same credential, also reading what is said about the lease.
-fn with_leases(peer: &Peer) {
+pub fn with_leases(peer: &Peer) {
     let factory: asi_model::FactoryId = "FOR_MUC".parse().expect("valid");
     let addresses =
         [LogicalAddress::FactoryRequests(factory.clone()), LogicalAddress::FactoryLeases(factory)];
@@ -19,7 +19,7 @@ fn with_leases(peer: &Peer) {
 }
 
 /// A connector asks for the lease; the answer.
-async fn ask(peer: &Peer, instance: &str, place: &str) -> Value {
+pub async fn ask(peer: &Peer, instance: &str, place: &str) -> Value {
     let id = platform::clock::new_message_id();
     let request = json!({ "messageType": "lease-request", "messageId": id, "factoryId": "FOR_MUC",
         "instanceId": instance, "place": place, "host": format!("machine of {place}"),

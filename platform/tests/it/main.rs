@@ -1,6 +1,7 @@
 //! The platform as its users meet it: over HTTP, AMQP and server-sent events, with the real broker
 //! and database inside.
 
+mod answers;
 mod connector;
 mod enrolment;
 mod harness;
