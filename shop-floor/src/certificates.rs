@@ -1,4 +1,4 @@
-//! Our own certificate and the trust in servers' certificates.
+//! Client certificate, and the trust in servers' certificates.
 //!
 //! Trust is by the certificate itself, approved by a person who compares thumbprints: `trusted/`
 //! and `rejected/` hold one DER file each. A certificate chain, an authority or a host name inside
@@ -78,15 +78,16 @@ pub enum TrustState {
     Rejected,
 }
 
-/// The folder with certificates. Every method touches the disk: call it off the async threads.
+/// Directory with certificates and keys. Its methods read and write files: call them off the
+/// async threads.
 #[derive(Debug, Clone)]
-pub(crate) struct CertificateShelf {
+pub(crate) struct PkiDirectory {
     directory: PathBuf,
     application_name: String,
     application_uri: String,
 }
 
-impl CertificateShelf {
+impl PkiDirectory {
     pub(crate) fn new(config: &Config) -> Self {
         Self {
             directory: config.pki_directory.clone(),
@@ -99,7 +100,7 @@ impl CertificateShelf {
         &self.directory
     }
 
-    /// Our own certificate; created with its key when there is none. Takes seconds then.
+    /// Returns the client certificate. Creates it with its key on first use, which takes seconds.
     pub(crate) fn own(&self) -> Result<OwnCertificate, ShopFloorError> {
         let (certificate_path, key_path) =
             (self.directory.join(OWN_CERTIFICATE), self.directory.join(OWN_PRIVATE_KEY));

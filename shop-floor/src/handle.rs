@@ -1,31 +1,30 @@
-//! What callers can ask.
+//! Handle through which other crates use the client.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputChange, InputKey, MonitorOptions,
-    MonitorRequest, OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId,
-    SourceStatus, TrustState, VariableList,
-    certificates::CertificateShelf,
-    service::{Floor, Registry},
-    source::{self, Connection, Entry},
+    BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputKey, MonitorOptions, MonitorRequest,
+    OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId, SourceStatus,
+    TrustState, VariableList, certificates::PkiDirectory, context::SourceContext, monitor_options,
+    registry::SourceRegistry, source,
 };
 
-/// A cloneable handle to the [`ShopFloor`](crate::ShopFloor).
+/// Cloneable handle to the [`ShopFloor`](crate::ShopFloor).
 #[derive(Clone)]
 pub struct ShopFloorHandle {
-    floor: Arc<Floor>,
+    context: Arc<SourceContext>,
+    registry: Arc<SourceRegistry>,
 }
 
 impl ShopFloorHandle {
-    pub(crate) const fn new(floor: Arc<Floor>) -> Self {
-        Self { floor }
+    pub(crate) const fn new(context: Arc<SourceContext>, registry: Arc<SourceRegistry>) -> Self {
+        Self { context, registry }
     }
 
-    /// Adds a source, or changes it: a changed one is connected anew.
+    /// Adds a source, or replaces its configuration and connects it again.
     ///
     /// # Errors
     /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
@@ -36,51 +35,30 @@ impl ShopFloorHandle {
                 "the endpoint address must start with opc.tcp://".into(),
             ));
         }
-        let limit = self.floor.config.sources_max;
-        self.change_registry(|registry| {
-            let entry = entry(registry, &config.source_id, limit)?;
-            entry.set_config(Some(config));
-            Ok(())
-        })?;
-        self.floor.sources_changed.notify_one();
-        Ok(())
+        self.registry.put(config)
     }
 
-    /// Removes a source. Its inputs stay wanted and yield `BadNotConnected` until it is added
-    /// again.
+    /// Removes a source. Its inputs stay monitored and yield `BadNotConnected` until the source is
+    /// added again.
     pub fn remove_source(&self, id: &SourceId) {
-        let mut registry = self.floor.registry.write();
-        if let Some(entry) = registry.sources.get(id) {
-            entry.set_config(None);
-            if entry.is_unwanted() {
-                registry.sources.shift_remove(id);
-            }
-        }
-        drop(registry);
-        self.floor.sources_changed.notify_one();
-        self.floor.status_has_changed();
+        self.registry.remove(id);
     }
 
-    /// How all sources are doing, in the order they were added.
+    /// Returns the statuses of all sources, in the order they were added.
     #[must_use]
     pub fn states(&self) -> Vec<SourceStatus> {
-        let entries: Vec<_> = self.floor.registry.read().sources.values().cloned().collect();
-        entries
-            .iter()
-            .filter(|entry| entry.config().is_some())
-            .map(|entry| entry.status())
-            .collect()
+        self.registry.statuses()
     }
 
-    /// Changes whenever [`Self::states`] would say something new about states, problems or live
-    /// inputs (not about counters and ages).
+    /// Returns a version that changes with the states, problems or live inputs in
+    /// [`Self::states`], but not with counters and ages.
     #[must_use]
     pub fn watch(&self) -> watch::Receiver<u64> {
-        self.floor.status_version.subscribe()
+        self.context.watch_status()
     }
 
-    /// Monitors a variable under the caller's key; a key that is used already is moved. The first
-    /// value, or a status that says why there is none, arrives as a change.
+    /// Monitors a variable under the caller's key; a key in use is reassigned. The first value, or a
+    /// status with the reason for its absence, arrives as a change.
     ///
     /// # Errors
     /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when an option is out of
@@ -95,7 +73,7 @@ impl ShopFloorHandle {
         self.monitor_many(vec![MonitorRequest { input, source, node_id, options }])
     }
 
-    /// Monitors many variables at once; all or none.
+    /// Monitors many variables: all of them, or none on an error.
     ///
     /// # Errors
     /// As [`Self::monitor`].
@@ -105,71 +83,22 @@ impl ShopFloorHandle {
     ) -> Result<(), ShopFloorError> {
         let requests: Vec<Arc<MonitorRequest>> = requests.into_iter().map(Into::into).collect();
         for request in &requests {
-            check_options(&request.options)?;
+            monitor_options::check(&request.options)?;
         }
-        let (inputs_max, sources_max) =
-            (self.floor.config.inputs_max, self.floor.config.sources_max);
-        let mut unconnected = Vec::new();
-        self.change_registry(|registry| {
-            let new = requests
-                .iter()
-                .filter(|request| !registry.inputs.contains_key(&request.input))
-                .count();
-            if registry.inputs.len() + new > inputs_max {
-                return Err(ShopFloorError::LimitReached { what: "inputs", limit: inputs_max });
-            }
-            let mut by_source: HashMap<SourceId, Vec<Arc<MonitorRequest>>> = HashMap::new();
-            for request in requests {
-                entry(registry, &request.source, sources_max)?;
-                by_source.entry(request.source.clone()).or_default().push(request);
-            }
-            for (id, requests) in by_source {
-                let entry = entry(registry, &id, sources_max)?;
-                for request in &requests {
-                    let previous = registry.inputs.insert(request.input, id.clone());
-                    if let Some(previous) = previous.filter(|previous| *previous != id) {
-                        release(registry, &previous, &[request.input]);
-                    }
-                }
-                if !entry.is_connected() {
-                    unconnected.extend(requests.iter().map(|request| request.input));
-                }
-                entry.want(requests);
-            }
-            Ok(())
-        })?;
-        let value = DataValue::status_only(StatusCode::BAD_NOT_CONNECTED, Some(source::now()));
-        self.floor.outbox.push(
-            unconnected
-                .into_iter()
-                .map(|input| InputChange { input, value: value.clone() })
-                .collect(),
-        );
-        Ok(())
+        self.registry.monitor(requests)
     }
 
-    /// Stops monitoring.
+    /// Stops monitoring an input.
     pub fn unmonitor(&self, input: InputKey) {
         self.unmonitor_many(&[input]);
     }
 
-    /// Stops monitoring many inputs at once.
+    /// Stops monitoring many inputs.
     pub fn unmonitor_many(&self, inputs: &[InputKey]) {
-        let mut registry = self.floor.registry.write();
-        let mut by_source: HashMap<SourceId, Vec<InputKey>> = HashMap::new();
-        for input in inputs {
-            if let Some(source) = registry.inputs.remove(input) {
-                by_source.entry(source).or_default().push(*input);
-            }
-        }
-        for (source, inputs) in by_source {
-            release(&mut registry, &source, &inputs);
-        }
-        drop(registry);
-        self.floor.outbox.forget(inputs);
+        self.registry.unmonitor(inputs);
     }
 
-    /// The children of a node, or of the Objects folder.
+    /// Returns the children of a node, or of the Objects folder.
     ///
     /// # Errors
     /// [`ShopFloorError`] when the source is unknown or not connected, or the server refuses.
@@ -178,11 +107,11 @@ impl ShopFloorHandle {
         source: &SourceId,
         parent: Option<&NodeId>,
     ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
-        Ok(source::browse(&self.connection(source)?, parent, 0, usize::MAX).await?.0)
+        Ok(source::browse(&self.registry.connection(source)?, parent, 0, usize::MAX).await?.0)
     }
 
-    /// The children of a node from the one at `from` on, at most `limit` of them; with them where
-    /// the next ones begin, none behind the last.
+    /// Returns one page of a node's children: at most `limit`, starting at the index `from`, and
+    /// the index of the next page, `None` after the last.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -193,10 +122,10 @@ impl ShopFloorHandle {
         from: usize,
         limit: usize,
     ) -> Result<(Vec<BrowsedNode>, Option<usize>), ShopFloorError> {
-        source::browse(&self.connection(source)?, parent, from, limit).await
+        source::browse(&self.registry.connection(source)?, parent, from, limit).await
     }
 
-    /// One node, as browsing shows it.
+    /// Returns one node with the same details as [`Self::browse`].
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -205,11 +134,11 @@ impl ShopFloorHandle {
         source: &SourceId,
         node: &NodeId,
     ) -> Result<BrowsedNode, ShopFloorError> {
-        source::describe(&self.connection(source)?, node).await
+        source::describe(&self.registry.connection(source)?, node).await
     }
 
-    /// Many nodes (at most 1000), as browsing shows them, in the order asked; those that are not
-    /// there are left out.
+    /// Returns up to 1000 nodes with the same details as [`Self::browse`], in the order of the
+    /// request. Nodes that the server does not know are left out.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -218,12 +147,12 @@ impl ShopFloorHandle {
         source: &SourceId,
         nodes: &[NodeId],
     ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
-        source::describe_many(&self.connection(source)?, nodes).await
+        source::describe_many(&self.registry.connection(source)?, nodes).await
     }
 
-    /// All variables below the Objects folder, but for properties and the server's description of
-    /// itself. Ends after `visited_max` nodes. On a large server this takes seconds: it asks one
-    /// request after the other, so that the server keeps time for its other clients.
+    /// Lists all variables below the Objects folder except properties and the Server object. Stops
+    /// after `visited_max` nodes. Takes seconds on a large server: requests are sent one after the
+    /// other, so that the server has time for its other clients.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -232,11 +161,11 @@ impl ShopFloorHandle {
         source: &SourceId,
         visited_max: usize,
     ) -> Result<VariableList, ShopFloorError> {
-        source::list(&self.connection(source)?, visited_max).await
+        source::list_variables(&self.registry.connection(source)?, visited_max).await
     }
 
-    /// Nodes below the Objects folder whose browse or display name contains a text, without regard
-    /// to case. Ends after `found_max` finds (at most 1000) or 20 000 visited nodes.
+    /// Finds nodes below the Objects folder whose browse or display name contains a text, ignoring
+    /// case. Stops after `found_max` results (at most 1000) or 20 000 visited nodes.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -246,23 +175,23 @@ impl ShopFloorHandle {
         text: &str,
         found_max: usize,
     ) -> Result<Vec<BrowsedNode>, ShopFloorError> {
-        source::search(&self.connection(source)?, text, found_max).await
+        source::search(&self.registry.connection(source)?, text, found_max).await
     }
 
-    /// The way from the Objects folder to a node.
+    /// Returns the browse path from the Objects folder to a node.
     ///
     /// # Errors
-    /// As [`Self::browse`]; [`ShopFloorError::Invalid`] when the node does not hang below the
-    /// Objects folder.
+    /// As [`Self::browse`]; [`ShopFloorError::Invalid`] when the node is not below the Objects
+    /// folder.
     pub async fn browse_path(
         &self,
         source: &SourceId,
         node: &NodeId,
     ) -> Result<BrowsePath, ShopFloorError> {
-        source::browse_path(&self.connection(source)?, node).await
+        source::browse_path(&self.registry.connection(source)?, node).await
     }
 
-    /// Reads values, in the order asked.
+    /// Reads values, in the order of the request.
     ///
     /// # Errors
     /// As [`Self::browse`]; the failure of a single node is the status of its value.
@@ -271,10 +200,10 @@ impl ShopFloorHandle {
         source: &SourceId,
         nodes: &[NodeId],
     ) -> Result<Vec<DataValue>, ShopFloorError> {
-        source::read(&self.connection(source)?, nodes).await
+        source::read(&self.registry.connection(source)?, nodes).await
     }
 
-    /// Writes values, in the order given; a status for each.
+    /// Writes values and returns a status for each, in the order of the request.
     ///
     /// # Errors
     /// As [`Self::browse`].
@@ -283,7 +212,7 @@ impl ShopFloorHandle {
         source: &SourceId,
         values: &[(NodeId, DataValue)],
     ) -> Result<Vec<StatusCode>, ShopFloorError> {
-        source::write(&self.connection(source)?, values).await
+        source::write(&self.registry.connection(source)?, values).await
     }
 
     /// Calls a method of an object.
@@ -297,35 +226,35 @@ impl ShopFloorHandle {
         method: &NodeId,
         inputs: &[Variant],
     ) -> Result<CallOutcome, ShopFloorError> {
-        source::call(&self.connection(source)?, object, method, inputs).await
+        source::call(&self.registry.connection(source)?, object, method, inputs).await
     }
 
-    /// The endpoints that a server offers.
+    /// Returns the endpoints that a server offers (GetEndpoints).
     ///
     /// # Errors
     /// [`ShopFloorError::Unreachable`] when no server answers.
     pub async fn discover(&self, endpoint_url: &str) -> Result<Vec<EndpointOffer>, ShopFloorError> {
         self.own_certificate().await?;
-        source::discover(&self.floor, endpoint_url).await
+        source::discover(&self.context, endpoint_url).await
     }
 
-    /// Our own certificate, created on first use.
+    /// Returns the client's application instance certificate; creates it on first use.
     ///
     /// # Errors
     /// [`ShopFloorError::Certificates`].
     pub async fn own_certificate(&self) -> Result<OwnCertificate, ShopFloorError> {
-        self.on_shelf(CertificateShelf::own).await
+        self.with_certificates(PkiDirectory::own).await
     }
 
-    /// The servers' certificates that we have met; the rejected ones wait for a person.
+    /// Lists the servers' certificates seen so far. Rejected ones wait for a person's approval.
     ///
     /// # Errors
     /// [`ShopFloorError::Stopped`].
     pub async fn certificates(&self) -> Result<Vec<PeerCertificate>, ShopFloorError> {
-        self.on_shelf(|shelf| Ok(shelf.list())).await
+        self.with_certificates(|certificates| Ok(certificates.list())).await
     }
 
-    /// Trusts a certificate, or no longer; sources that wait for it are tried at once.
+    /// Changes the trust in a certificate; sources that wait for it retry at once.
     ///
     /// # Errors
     /// [`ShopFloorError::Invalid`] when it is not known.
@@ -335,102 +264,25 @@ impl ShopFloorHandle {
         trust: TrustState,
     ) -> Result<PeerCertificate, ShopFloorError> {
         let thumbprint = thumbprint.to_owned();
-        let certificate = self.on_shelf(move |shelf| shelf.set_trust(&thumbprint, trust)).await?;
-        for entry in self.floor.registry.read().sources.values() {
-            entry.try_now();
-        }
+        let certificate =
+            self.with_certificates(move |pki| pki.set_trust(&thumbprint, trust)).await?;
+        self.registry.retry_all();
         Ok(certificate)
     }
 
-    /// Forgets a certificate.
+    /// Deletes a server's certificate.
     ///
     /// # Errors
     /// [`ShopFloorError::Certificates`].
     pub async fn forget_certificate(&self, thumbprint: &str) -> Result<(), ShopFloorError> {
         let thumbprint = thumbprint.to_owned();
-        self.on_shelf(move |shelf| shelf.forget(&thumbprint)).await
+        self.with_certificates(move |pki| pki.forget(&thumbprint)).await
     }
 
-    async fn on_shelf<T: Send + 'static>(
+    async fn with_certificates<T: Send + 'static>(
         &self,
-        work: impl FnOnce(&CertificateShelf) -> Result<T, ShopFloorError> + Send + 'static,
+        work: impl FnOnce(&PkiDirectory) -> Result<T, ShopFloorError> + Send + 'static,
     ) -> Result<T, ShopFloorError> {
-        let floor = Arc::clone(&self.floor);
-        tokio::task::spawn_blocking(move || work(&floor.certificates))
-            .await
-            .map_err(|_| ShopFloorError::Stopped)?
+        self.context.with_certificates(work).await.map_err(|_| ShopFloorError::Stopped)?
     }
-
-    fn change_registry<T>(
-        &self,
-        change: impl FnOnce(&mut Registry) -> Result<T, ShopFloorError>,
-    ) -> Result<T, ShopFloorError> {
-        let mut registry = self.floor.registry.write();
-        if registry.is_stopped {
-            return Err(ShopFloorError::Stopped);
-        }
-        let result = change(&mut registry);
-        drop(registry);
-        self.floor.status_has_changed();
-        result
-    }
-
-    fn connection(&self, source: &SourceId) -> Result<Connection, ShopFloorError> {
-        let registry = self.floor.registry.read();
-        let entry = registry.sources.get(source).filter(|entry| entry.config().is_some());
-        let entry = entry.ok_or_else(|| ShopFloorError::UnknownSource(source.clone()))?;
-        entry.connection().ok_or_else(|| ShopFloorError::NotConnected(source.clone()))
-    }
-}
-
-/// The entry of a source; made where there is none.
-fn entry(
-    registry: &mut Registry,
-    id: &SourceId,
-    limit: usize,
-) -> Result<Arc<Entry>, ShopFloorError> {
-    if !registry.sources.contains_key(id) && registry.sources.len() >= limit {
-        return Err(ShopFloorError::LimitReached { what: "sources", limit });
-    }
-    let entry =
-        registry.sources.entry(id.clone()).or_insert_with(|| Arc::new(Entry::new(id.clone())));
-    Ok(Arc::clone(entry))
-}
-
-/// A source need not care for these inputs any more.
-fn release(registry: &mut Registry, id: &SourceId, inputs: &[InputKey]) {
-    if let Some(entry) = registry.sources.get(id) {
-        entry.release(inputs);
-        if entry.config().is_none() && entry.is_unwanted() {
-            registry.sources.shift_remove(id);
-        }
-    }
-}
-
-fn check_options(options: &MonitorOptions) -> Result<(), ShopFloorError> {
-    let invalid = |text: &str| Err(ShopFloorError::Invalid(text.into()));
-    if options
-        .sampling_interval_ms
-        .is_some_and(|interval| !(0.0..=86_400_000.0).contains(&interval))
-    {
-        return invalid("a sampling interval must be between 0 ms and a day");
-    }
-    if options.queue_size.is_some_and(|size| !(1..=10_000).contains(&size)) {
-        return invalid("a queue must hold 1 to 10000 changes");
-    }
-    if options
-        .index_range
-        .as_deref()
-        .is_some_and(|range| range.len() > 200 || source::parse_range(range).is_none())
-    {
-        return invalid("an index range must look like 2 or 1:3");
-    }
-    if options
-        .browse_path
-        .as_ref()
-        .is_some_and(|path| path.0.is_empty() || path.0.len() > shop_floor_model::PATH_ELEMENTS_MAX)
-    {
-        return invalid("a browse path must have 1 to 64 elements");
-    }
-    Ok(())
 }

@@ -14,10 +14,14 @@
 //!   and counted.
 
 mod certificates;
+mod change_queue;
+mod clock;
 mod config;
+mod context;
 mod error;
 mod handle;
-mod outbox;
+mod monitor_options;
+mod registry;
 mod service;
 mod source;
 mod status;

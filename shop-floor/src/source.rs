@@ -1,138 +1,112 @@
-//! One source: its task, its session while there is one, and what callers want from it.
+//! Task of one source: connects, runs the session, and backs off after its loss.
 
+mod activity;
 mod audit;
 mod browse;
+mod browse_paths;
 mod connect;
 mod connection;
-mod entry;
-mod facts;
-mod feed;
-mod life;
-mod paths;
+mod memory;
+mod notification_sink;
+mod record;
+mod request_size;
+mod server_info;
 mod services;
+mod session;
 mod subscriptions;
 
 use std::{sync::Arc, time::Duration};
 
-use asi_model::values::DateTime;
 use tokio_util::sync::CancellationToken;
 
-use crate::{SourceConfig, SourceProblem, SourceProblemKind, SourceState, service::Floor};
+use crate::{SourceConfig, SourceProblemKind, SourceState, context::SourceContext};
 
-pub(crate) use browse::{browse, describe, describe_many, list, search};
+pub(crate) use browse::{browse, describe, describe_many, list_variables, search};
+pub(crate) use browse_paths::browse_path;
 pub(crate) use connect::discover;
 pub(crate) use connection::Connection;
-pub(crate) use entry::Entry;
-pub(crate) use paths::browse_path;
-pub(crate) use services::{call, parse_range, read, write};
+pub(crate) use record::SourceRecord;
+pub(crate) use services::{call, read, write};
 
-use life::{Ended, Memory};
+use memory::SourceMemory;
+use session::SessionEnd;
 
-/// Shortest and longest pause before another attempt to reach a server.
-const PAUSE_MIN: Duration = Duration::from_millis(100);
-const PAUSE_MAX: Duration = Duration::from_secs(2);
-/// Longest pause after a refusal that only a person can resolve, so that no account is locked by
-/// trying.
-const PAUSE_REFUSED_MAX: Duration = Duration::from_secs(30);
+/// Shortest and longest backoff before the next attempt to connect.
+const BACKOFF_MIN: Duration = Duration::from_millis(100);
+const BACKOFF_MAX: Duration = Duration::from_secs(2);
+/// Longest backoff after a refusal that only a person can resolve. Long, because frequent attempts
+/// with wrong credentials make servers lock the account.
+const BACKOFF_REFUSED_MAX: Duration = Duration::from_secs(30);
 
-/// The present.
-pub(crate) fn now() -> DateTime {
-    std::time::SystemTime::now().into()
-}
-
-/// Keeps a source connected until told to stop.
+/// Keeps a source connected until `stop` is cancelled.
 pub(crate) async fn run(
-    floor: Arc<Floor>,
-    entry: Arc<Entry>,
+    context: Arc<SourceContext>,
+    record: Arc<SourceRecord>,
     config: SourceConfig,
     stop: CancellationToken,
 ) {
-    let mut memory = Memory::default();
+    let mut memory = SourceMemory::default();
     let mut attempts = 0_u32;
     loop {
-        entry.set_state(&floor, SourceState::Connecting, None);
+        record.set_state(&context, SourceState::Connecting, None);
         let attempt = tokio::select! {
             () = stop.cancelled() => break,
-            attempt = connect::open(&floor, &config) => attempt,
+            attempt = connect::open_session(&context, &config) => attempt,
         };
-        let problem = match attempt {
-            Ok(link) => match life::live(&floor, &entry, &config, link, &mut memory, &stop).await {
-                Ended::Stopped => break,
-                Ended::Lost { problem, has_flowed } => {
-                    if has_flowed {
-                        attempts = 0;
-                    }
-                    problem
+        let end = match attempt {
+            Ok(opened) => {
+                session::run_session(&context, &record, &config, opened, &mut memory, &stop).await
+            }
+            Err(problem) => SessionEnd::Lost { problem, has_flowed: false },
+        };
+        let problem = match end {
+            SessionEnd::Stopped => break,
+            SessionEnd::Lost { problem, has_flowed } => {
+                if has_flowed {
+                    attempts = 0;
                 }
-            },
-            Err(problem) => problem,
+                problem
+            }
         };
         tracing::warn!(
             source.id = %config.source_id, problem = ?problem.kind, reason = %problem.message,
             "A source is not connected and will be tried again."
         );
-        metrics::counter!("shop_floor_connection_problems_total", "kind" => format!("{:?}", problem.kind)).increment(1);
-        let pause = pause(attempts, problem.kind, rand::random());
+        metrics::counter!(
+            "shop_floor_connection_problems_total", "kind" => format!("{:?}", problem.kind)
+        )
+        .increment(1);
+        let pause = backoff(attempts, problem.kind, rand::random());
         attempts = attempts.saturating_add(1);
-        entry.set_state(&floor, SourceState::Waiting, Some(problem));
+        record.set_state(&context, SourceState::Waiting, Some(problem));
         tokio::select! {
             () = stop.cancelled() => break,
             () = tokio::time::sleep(pause) => {}
-            () = entry.tried_now() => {}
+            () = record.retry_requested() => {}
         }
     }
-    entry.set_state(&floor, SourceState::Waiting, None);
+    record.set_state(&context, SourceState::Waiting, None);
 }
 
-/// Doubling with the attempts, jittered by up to a quarter (`jitter`: 0 to 255).
-fn pause(attempts: u32, kind: SourceProblemKind, jitter: u8) -> Duration {
+/// Returns a backoff that doubles with the attempts, shortened by up to a quarter (`jitter`: 0 to
+/// 255).
+fn backoff(attempts: u32, kind: SourceProblemKind, jitter: u8) -> Duration {
     use SourceProblemKind as Kind;
     let max = match kind {
         Kind::Unreachable
         | Kind::ConnectionLost
         | Kind::Stalled
         | Kind::ServerFull
-        | Kind::Refused => PAUSE_MAX,
+        | Kind::Refused => BACKOFF_MAX,
         Kind::NoSuitableEndpoint
         | Kind::ServerCertificateUntrusted
         | Kind::ServerCertificateInvalid
         | Kind::ClientCertificateRejected
         | Kind::CredentialsRejected
-        | Kind::Configuration => PAUSE_REFUSED_MAX,
+        | Kind::Configuration => BACKOFF_REFUSED_MAX,
     };
-    let pause = PAUSE_MIN.saturating_mul(1 << attempts.min(16)).min(max);
-    pause - pause.mul_f64(f64::from(jitter) / 1020.0)
-}
-
-/// A problem in the words of a person who must act.
-fn problem(kind: SourceProblemKind, message: impl Into<String>) -> SourceProblem {
-    use SourceProblemKind as Kind;
-    let remedy = match kind {
-        Kind::Unreachable => {
-            "Check that the server runs, the address, and the network between. Tried again on its own."
-        }
-        Kind::NoSuitableEndpoint => {
-            "Choose a security setting and a sign-in that the server offers."
-        }
-        Kind::ServerCertificateUntrusted => {
-            "Compare the thumbprint with the server's own certificate and approve it in the list of certificates."
-        }
-        Kind::ServerCertificateInvalid => "Renew the server's certificate.",
-        Kind::ClientCertificateRejected => {
-            "Ask the server's administrator to trust this connector's certificate, then wait a moment."
-        }
-        Kind::CredentialsRejected => {
-            "Correct user name and password, or ask the server's administrator."
-        }
-        Kind::ServerFull => "Close another client of the server, or raise its limit of sessions.",
-        Kind::ConnectionLost => "Nothing to do: it is connected again on its own.",
-        Kind::Stalled => {
-            "Nothing to do: a new session is made. If it happens often, look at the server."
-        }
-        Kind::Refused => "Look at the server's log for the reason.",
-        Kind::Configuration => "Correct the configuration of the source.",
-    };
-    SourceProblem { kind, message: message.into(), remedy: remedy.into() }
+    let backoff = BACKOFF_MIN.saturating_mul(1 << attempts.min(16)).min(max);
+    backoff - backoff.mul_f64(f64::from(jitter) / 1020.0)
 }
 
 #[cfg(test)]
@@ -140,11 +114,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pauses_grow_and_stay_below_their_cap() {
-        assert_eq!(pause(0, SourceProblemKind::Unreachable, 0), Duration::from_millis(100));
-        assert_eq!(pause(3, SourceProblemKind::Unreachable, 0), Duration::from_millis(800));
-        assert_eq!(pause(60, SourceProblemKind::Unreachable, 0), PAUSE_MAX);
-        assert_eq!(pause(60, SourceProblemKind::CredentialsRejected, 0), PAUSE_REFUSED_MAX);
-        assert_eq!(pause(60, SourceProblemKind::Unreachable, 255), Duration::from_millis(1500));
+    fn backoff_doubles_up_to_the_maximum_of_the_problem() {
+        use SourceProblemKind::{CredentialsRejected, Unreachable};
+        for (attempts, kind, jitter, expected) in [
+            (0, Unreachable, 0, BACKOFF_MIN),
+            (3, Unreachable, 0, Duration::from_millis(800)),
+            (60, Unreachable, 0, BACKOFF_MAX),
+            (60, CredentialsRejected, 0, BACKOFF_REFUSED_MAX),
+            (60, Unreachable, 255, Duration::from_millis(1500)),
+        ] {
+            assert_eq!(backoff(attempts, kind, jitter), expected, "{attempts} {kind:?} {jitter}");
+        }
     }
 }

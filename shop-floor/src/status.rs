@@ -73,6 +73,13 @@ pub struct SourceProblem {
     pub remedy: String,
 }
 
+impl SourceProblem {
+    /// Returns a problem with the remedy of its kind.
+    pub(crate) fn new(kind: SourceProblemKind, message: impl Into<String>) -> Self {
+        Self { kind, message: message.into(), remedy: kind.remedy().into() }
+    }
+}
+
 /// Kinds of problems with a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -99,6 +106,39 @@ pub enum SourceProblemKind {
     Refused,
     /// Our own setup is wrong: certificate or key files, address.
     Configuration,
+}
+
+impl SourceProblemKind {
+    /// Returns the action that resolves the problem, with the person who must take it.
+    const fn remedy(self) -> &'static str {
+        match self {
+            Self::Unreachable => {
+                "Check that the server runs, the address, and the network between. Tried again on its own."
+            }
+            Self::NoSuitableEndpoint => {
+                "Choose a security setting and a sign-in that the server offers."
+            }
+            Self::ServerCertificateUntrusted => {
+                "Compare the thumbprint with the server's own certificate and approve it in the list of certificates."
+            }
+            Self::ServerCertificateInvalid => "Renew the server's certificate.",
+            Self::ClientCertificateRejected => {
+                "Ask the server's administrator to trust this connector's certificate, then wait a moment."
+            }
+            Self::CredentialsRejected => {
+                "Correct user name and password, or ask the server's administrator."
+            }
+            Self::ServerFull => {
+                "Close another client of the server, or raise its limit of sessions."
+            }
+            Self::ConnectionLost => "Nothing to do: it is connected again on its own.",
+            Self::Stalled => {
+                "Nothing to do: a new session is made. If it happens often, look at the server."
+            }
+            Self::Refused => "Look at the server's log for the reason.",
+            Self::Configuration => "Correct the configuration of the source.",
+        }
+    }
 }
 
 /// Why an input is not live.

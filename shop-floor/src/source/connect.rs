@@ -1,11 +1,11 @@
-//! From an address to a session: discovery, choice of the endpoint, trust, sign-in.
+//! Establishment of a session: discovery, choice of the endpoint, trust and sign-in.
 
-mod endpoint;
+mod endpoint_choice;
 mod failure;
 
 use std::{sync::Arc, time::Duration};
 
-use futures::StreamExt as _;
+use futures::{Stream, StreamExt as _};
 use opcua_stack::{
     limits,
     opcua::{
@@ -16,74 +16,80 @@ use opcua_stack::{
 };
 use tokio::{sync::watch, task::AbortHandle};
 
-use super::problem;
 use crate::{
     ChosenEndpoint, EndpointOffer, Identity, SecurityPolicy, ShopFloorError, SourceConfig,
-    SourceProblem, SourceProblemKind as Kind, service::Floor,
+    SourceProblem, SourceProblemKind as Kind, certificates::PkiDirectory, context::SourceContext,
 };
 
-use endpoint::{choose, mode_of, offer, policy_of, reachable_url, text};
-use failure::explain;
+use endpoint_choice::{choose, mode_of, offer, policy_of, reachable_url, text};
+use failure::session_problem;
 
 /// Longest wait for a server's list of endpoints.
 const DISCOVERY_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest wait for channel, session and sign-in together.
 const SESSION_TIMEOUT: Duration = Duration::from_secs(15);
-/// Longest wait for a single answer inside the stack.
+/// Longest wait for a single response inside the stack.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(8);
-/// How long a server keeps a session that it does not hear from. Short: after a lost connection we
-/// make a new session, and small devices have room for few.
-const SESSION_LIFE: Duration = Duration::from_secs(30);
-/// We watch for signs of life ourselves; the stack's own question is only a backstop.
+/// Time after which a server drops a silent session. Short: a lost connection is replaced by a new
+/// session, and small devices have room for few.
+const SESSION_LIFETIME: Duration = Duration::from_secs(30);
+/// Interval of the stack's own keep-alive. Long: this crate measures the silence of a server
+/// itself, within the limit that its source allows.
 const STACK_KEEP_ALIVE: Duration = Duration::from_secs(600);
-/// Most endpoints of a server that are looked at.
+/// Most endpoints of a server that are considered.
 const ENDPOINTS_MAX: usize = 200;
 
-/// A session with its running event loop. Dropped, the connection is cut.
-pub(super) struct Link {
+/// Established session with its running event loop. Cuts the connection when dropped.
+pub(super) struct OpenSession {
     pub(super) session: Arc<Session>,
     pub(super) endpoint: ChosenEndpoint,
-    state: watch::Receiver<LinkState>,
+    state: watch::Receiver<ChannelState>,
     event_loop: AbortHandle,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LinkState {
+enum ChannelState {
     Connecting,
     Up,
     Down(StatusCode),
 }
 
-impl Link {
-    /// Waits until the connection is lost, and says why.
+impl OpenSession {
+    /// Waits until the connection is lost, and returns the status of its end.
     pub(super) async fn lost(&self) -> StatusCode {
         let mut state = self.state.clone();
-        match state.wait_for(|state| matches!(state, LinkState::Down(_))).await.map(|state| *state)
+        match state
+            .wait_for(|state| matches!(state, ChannelState::Down(_)))
+            .await
+            .map(|state| *state)
         {
-            Ok(LinkState::Down(status)) => status,
+            Ok(ChannelState::Down(status)) => status,
             _ => StatusCode::BadConnectionClosed,
         }
     }
 }
 
-impl Drop for Link {
+impl Drop for OpenSession {
     fn drop(&mut self) {
         self.event_loop.abort();
     }
 }
 
-/// Makes a session.
-pub(super) async fn open(floor: &Arc<Floor>, source: &SourceConfig) -> Result<Link, SourceProblem> {
-    own_certificate(floor).await?;
-    let client = client(floor, Some(source))?;
+/// Establishes a session: activated, signed in, with a running event loop.
+pub(super) async fn open_session(
+    context: &SourceContext,
+    source: &SourceConfig,
+) -> Result<OpenSession, SourceProblem> {
+    ensure_own_certificate(context).await?;
+    let client = client(context, Some(source))?;
     let offered = endpoints(&client, &source.endpoint_url).await?;
     let mut endpoint = choose(&offered, source.security, &source.identity)?.clone();
     let policy = policy_of(&endpoint).unwrap_or(SecurityPolicy::None);
     if policy != SecurityPolicy::None {
-        check_trust(floor, &endpoint).await?;
+        check_trust(context, &endpoint).await?;
     }
-    // Servers behind address translation or with a wrong name of themselves say addresses that we
-    // cannot reach.
+    // Servers behind address translation, or with a wrong host name, return addresses that cannot
+    // be reached from here.
     endpoint.endpoint_url =
         reachable_url(&source.endpoint_url, endpoint.endpoint_url.as_ref()).into();
     let chosen = ChosenEndpoint {
@@ -94,7 +100,7 @@ pub(super) async fn open(floor: &Arc<Floor>, source: &SourceConfig) -> Result<Li
         application_uri: text(&endpoint.server.application_uri),
     };
     let token = identity_token(source.identity.clone()).await?;
-    let refused = |error: Error| explain(error.status(), &error.to_string(), policy);
+    let refused = |error: Error| session_problem(error.status(), &error.to_string(), policy);
     let (session, event_loop) = client
         .session_builder()
         .connect_to_endpoint_directly(endpoint)
@@ -102,139 +108,145 @@ pub(super) async fn open(floor: &Arc<Floor>, source: &SourceConfig) -> Result<Li
         .user_identity_token(token)
         .build(Arc::clone(client.certificate_store()))
         .map_err(refused)?;
-    let (sender, mut state) = watch::channel(LinkState::Connecting);
-    let task = tokio::spawn(async move {
-        let events = event_loop.enter();
-        tokio::pin!(events);
-        loop {
-            let state = match events.next().await {
-                Some(Ok(SessionPollResult::Reconnected(_))) => LinkState::Up,
-                Some(Ok(
-                    SessionPollResult::ConnectionLost(status)
-                    | SessionPollResult::ReconnectFailed(status),
-                )) => LinkState::Down(status),
-                Some(Ok(_)) => continue,
-                Some(Err(status)) => LinkState::Down(status),
-                None => LinkState::Down(StatusCode::BadConnectionClosed),
-            };
-            sender.send_replace(state);
-            if matches!(state, LinkState::Down(_)) {
-                return;
-            }
-        }
-    });
-    let link =
-        Link { session, endpoint: chosen, state: state.clone(), event_loop: task.abort_handle() };
-    let settled = tokio::time::timeout(
-        SESSION_TIMEOUT,
-        state.wait_for(|state| *state != LinkState::Connecting),
-    )
-    .await;
+    let (sender, mut state) = watch::channel(ChannelState::Connecting);
+    let task = tokio::spawn(run_event_loop(event_loop.enter(), sender));
+    // Made before the wait: dropped on a timeout, it ends the event loop.
+    let session = OpenSession {
+        session,
+        endpoint: chosen,
+        state: state.clone(),
+        event_loop: task.abort_handle(),
+    };
+    let is_settled = |state: &ChannelState| *state != ChannelState::Connecting;
+    let settled = tokio::time::timeout(SESSION_TIMEOUT, state.wait_for(is_settled)).await;
     match settled.map(|state| state.map(|state| *state)) {
-        Ok(Ok(LinkState::Up)) => Ok(link),
-        Ok(Ok(LinkState::Down(status))) => Err(explain(status, "", policy)),
-        Ok(Ok(LinkState::Connecting) | Err(_)) => {
-            Err(explain(StatusCode::BadConnectionClosed, "", policy))
+        Ok(Ok(ChannelState::Up)) => Ok(session),
+        Ok(Ok(ChannelState::Down(status))) => Err(session_problem(status, "", policy)),
+        Ok(Ok(ChannelState::Connecting) | Err(_)) => {
+            Err(session_problem(StatusCode::BadConnectionClosed, "", policy))
         }
-        Err(_) => Err(explain(StatusCode::BadTimeout, "", policy)),
+        Err(_) => Err(session_problem(StatusCode::BadTimeout, "", policy)),
     }
 }
 
-/// What a server offers.
+/// Drives a session until its connection is lost, and publishes the state of the connection.
+async fn run_event_loop(
+    events: impl Stream<Item = Result<SessionPollResult, StatusCode>>,
+    sender: watch::Sender<ChannelState>,
+) {
+    tokio::pin!(events);
+    loop {
+        let state = match events.next().await {
+            Some(Ok(SessionPollResult::Reconnected(_))) => ChannelState::Up,
+            Some(Ok(
+                SessionPollResult::ConnectionLost(status)
+                | SessionPollResult::ReconnectFailed(status),
+            )) => ChannelState::Down(status),
+            Some(Ok(_)) => continue,
+            Some(Err(status)) => ChannelState::Down(status),
+            None => ChannelState::Down(StatusCode::BadConnectionClosed),
+        };
+        sender.send_replace(state);
+        if matches!(state, ChannelState::Down(_)) {
+            return;
+        }
+    }
+}
+
+/// Returns the endpoints that a server offers.
 pub(crate) async fn discover(
-    floor: &Arc<Floor>,
+    context: &SourceContext,
     endpoint_url: &str,
 ) -> Result<Vec<EndpointOffer>, ShopFloorError> {
     let unreachable = |problem: SourceProblem| ShopFloorError::Unreachable(problem.message);
-    let client = client(floor, None).map_err(unreachable)?;
+    let client = client(context, None).map_err(unreachable)?;
     let offered = endpoints(&client, endpoint_url).await.map_err(unreachable)?;
     Ok(offered.iter().map(offer).collect())
 }
 
-async fn own_certificate(floor: &Arc<Floor>) -> Result<(), SourceProblem> {
-    let floor = Arc::clone(floor);
-    let own = tokio::task::spawn_blocking(move || floor.certificates.own().map(drop)).await;
-    match own {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(problem(Kind::Configuration, error.to_string())),
-        Err(error) => Err(problem(
+/// Creates the client certificate if it is missing: the stack only reads it.
+async fn ensure_own_certificate(context: &SourceContext) -> Result<(), SourceProblem> {
+    match context.with_certificates(PkiDirectory::own).await {
+        Ok(Ok(_)) => Ok(()),
+        Ok(Err(error)) => Err(SourceProblem::new(Kind::Configuration, error.to_string())),
+        Err(error) => Err(SourceProblem::new(
             Kind::Configuration,
             format!("The certificate could not be made: {error}."),
         )),
     }
 }
 
-fn client(floor: &Floor, source: Option<&SourceConfig>) -> Result<Client, SourceProblem> {
-    let session_life = u32::try_from(SESSION_LIFE.as_millis()).expect("half a minute fits");
+fn client(context: &SourceContext, source: Option<&SourceConfig>) -> Result<Client, SourceProblem> {
+    let session_timeout = u32::try_from(SESSION_LIFETIME.as_millis()).expect("half a minute fits");
     let mut builder = limits::raise_client(ClientBuilder::new())
-        .application_name(&floor.config.application_name)
-        .application_uri(&floor.config.application_uri)
+        .application_name(&context.config.application_name)
+        .application_uri(&context.config.application_uri)
         .product_uri("urn:verbund:factory-connector")
-        .pki_dir(floor.certificates.directory())
+        .pki_dir(context.certificates().directory())
         .certificate_path("own/cert.der")
         .private_key_path("private/private.pem")
         .create_sample_keypair(false)
-        // Trust is exactly the approved certificates; what stands inside them is the approving
-        // person's concern.
+        // Trust is checked before, against the approved certificates only. Their contents are
+        // checked by the person who approves them.
         .trust_server_certs(false)
         .verify_server_certs(false)
         .session_retry_limit(0)
         .recreate_subscriptions(false)
         .keep_alive_interval(STACK_KEEP_ALIVE)
-        .session_timeout(session_life)
+        .session_timeout(session_timeout)
         .request_timeout(REQUEST_TIMEOUT);
     if let Some(source) = source {
-        builder =
-            builder.session_name(format!("{} {}", floor.config.application_name, source.source_id));
+        builder = builder
+            .session_name(format!("{} {}", context.config.application_name, source.source_id));
     }
-    builder.client().map_err(|faults| problem(Kind::Configuration, faults.join(", ")))
+    builder.client().map_err(|faults| SourceProblem::new(Kind::Configuration, faults.join(", ")))
 }
 
 async fn endpoints(
     client: &Client,
     endpoint_url: &str,
 ) -> Result<Vec<EndpointDescription>, SourceProblem> {
-    let asked =
+    let offered =
         tokio::time::timeout(DISCOVERY_TIMEOUT, client.get_server_endpoints_from_url(endpoint_url))
             .await;
-    match asked {
+    match offered {
         Ok(Ok(mut endpoints)) => {
             endpoints.truncate(ENDPOINTS_MAX);
             Ok(endpoints)
         }
-        Ok(Err(error)) => Err(problem(
+        Ok(Err(error)) => Err(SourceProblem::new(
             Kind::Unreachable,
             format!("No OPC UA server answers at {endpoint_url}: {error}."),
         )),
-        Err(_) => {
-            Err(problem(Kind::Unreachable, format!("Nothing answers in time at {endpoint_url}.")))
-        }
+        Err(_) => Err(SourceProblem::new(
+            Kind::Unreachable,
+            format!("Nothing answers in time at {endpoint_url}."),
+        )),
     }
 }
 
 async fn check_trust(
-    floor: &Arc<Floor>,
+    context: &SourceContext,
     endpoint: &EndpointDescription,
 ) -> Result<(), SourceProblem> {
     let certificate = X509::from_byte_string(&endpoint.server_certificate).map_err(|_| {
-        problem(
+        SourceProblem::new(
             Kind::ServerCertificateInvalid,
             "The server's certificate is missing or cannot be read.",
         )
     })?;
     let (subject, thumbprint) =
         (certificate.subject_name(), certificate.thumbprint().as_hex_string());
-    let floor = Arc::clone(floor);
-    match tokio::task::spawn_blocking(move || floor.certificates.is_trusted(&certificate)).await {
+    match context.with_certificates(move |pki| pki.is_trusted(&certificate)).await {
         Ok(Ok(true)) => Ok(()),
-        Ok(Ok(false)) => Err(problem(
+        Ok(Ok(false)) => Err(SourceProblem::new(
             Kind::ServerCertificateUntrusted,
             format!(
                 "The server's certificate is not trusted yet: {subject}, thumbprint {thumbprint}."
             ),
         )),
-        Ok(Err(error)) => Err(problem(Kind::Configuration, error.to_string())),
-        Err(error) => Err(problem(
+        Ok(Err(error)) => Err(SourceProblem::new(Kind::Configuration, error.to_string())),
+        Err(error) => Err(SourceProblem::new(
             Kind::Configuration,
             format!("The certificate could not be checked: {error}."),
         )),
@@ -251,10 +263,11 @@ async fn identity_token(identity: Identity) -> Result<IdentityToken, SourceProbl
             let read = move || IdentityToken::new_x509_path(certificate_path, private_key_path);
             match tokio::task::spawn_blocking(read).await {
                 Ok(Ok(token)) => Ok(token),
-                Ok(Err(error)) => {
-                    Err(problem(Kind::Configuration, format!("The user's certificate: {error}.")))
-                }
-                Err(error) => Err(problem(Kind::Configuration, error.to_string())),
+                Ok(Err(error)) => Err(SourceProblem::new(
+                    Kind::Configuration,
+                    format!("The user's certificate: {error}."),
+                )),
+                Err(error) => Err(SourceProblem::new(Kind::Configuration, error.to_string())),
             }
         }
     }

@@ -1,4 +1,4 @@
-//! An established session, as all services use it.
+//! Connection to a server: an established session with its namespaces, data types and limits.
 
 use std::{
     sync::Arc,
@@ -17,17 +17,19 @@ use opcua_stack::{
 use parking_lot::{Mutex, RwLock};
 use tokio::sync::OnceCell;
 
+use super::request_size::per_request;
 use crate::{ServerLimits, ShopFloorError, SourceId};
 
-/// Longest wait for an answer to one request.
-pub(super) const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
-/// Longest wait for reading all data types of a server.
+/// Longest wait for the response to one request.
+pub(super) const RESPONSE_TIMEOUT: Duration = Duration::from_secs(10);
+/// Longest wait until all data types of a server are read.
 const TYPES_TIMEOUT: Duration = Duration::from_secs(60);
-/// Requests for data types that are under way at the same time.
+/// Most requests for data types in flight at the same time.
 const TYPE_REQUESTS_AT_ONCE: usize = 4;
-/// Operations per request where the server declares no limit.
-const OPERATIONS_DEFAULT: usize = 1000;
+/// Most data types browsed in one request.
+const TYPES_PER_REQUEST_MAX: usize = 100;
 
+/// Cloneable handle that all services send their requests through.
 #[derive(Clone)]
 pub(crate) struct Connection {
     inner: Arc<Inner>,
@@ -39,7 +41,7 @@ struct Inner {
     namespaces: RwLock<NamespaceTable>,
     limits: ServerLimits,
     types_loaded: OnceCell<bool>,
-    answered_at: Mutex<Instant>,
+    last_response_at: Mutex<Instant>,
 }
 
 impl Connection {
@@ -51,7 +53,7 @@ impl Connection {
     ) -> Self {
         decode_data_changes(session.encoding_context().write().loaders_mut());
         let namespaces = RwLock::new(namespaces);
-        let answered_at = Mutex::new(Instant::now());
+        let last_response_at = Mutex::new(Instant::now());
         let types_loaded = OnceCell::new();
         Self {
             inner: Arc::new(Inner {
@@ -60,7 +62,7 @@ impl Connection {
                 namespaces,
                 limits,
                 types_loaded,
-                answered_at,
+                last_response_at,
             }),
         }
     }
@@ -69,7 +71,7 @@ impl Connection {
         &self.inner.session
     }
 
-    /// The session's namespaces, and data types once they were loaded.
+    /// Returns the session's namespaces, with the server's data types once they are loaded.
     pub(super) fn namespaces(&self) -> NamespaceTable {
         self.inner.namespaces.read().clone()
     }
@@ -78,70 +80,65 @@ impl Connection {
         self.inner.limits
     }
 
-    /// True once loading the data types was tried.
+    /// Returns true once the data types are loaded or loading them has failed.
     pub(super) fn are_types_settled(&self) -> bool {
         self.inner.types_loaded.initialized()
     }
 
-    /// Reads the server's data types, once per session; from then on structures are decoded.
-    /// Returns whether they are known.
+    /// Reads the server's data types, once per session; structures are decoded afterwards. Returns
+    /// true when they are known.
     pub(super) async fn load_types(&self) -> bool {
-        *self
-            .inner
-            .types_loaded
-            .get_or_init(|| async {
-                let limits = self.inner.limits;
-                let browsing = BrowserConfig::new()
-                    .max_nodes_per_request(per_request(limits.nodes_per_browse_max).min(100))
-                    .max_concurrent_requests(TYPE_REQUESTS_AT_ONCE);
-                let tree = DataTypeTreeBuilder::new(|_| true)
-                    .config(browsing)
-                    .values_per_read(per_request(limits.nodes_per_read_max))
-                    .build(&self.inner.session);
-                match tokio::time::timeout(TYPES_TIMEOUT, tree).await {
-                    Ok(Ok(tree)) => {
-                        let tree = Arc::new(tree);
-                        let namespaces = self.namespaces().with_data_types(Arc::clone(&tree));
-                        *self.inner.namespaces.write() = namespaces;
-                        self.inner.session.add_type_loader(Arc::new(DynamicTypeLoader::new(tree)));
-                        true
-                    }
-                    Ok(Err(error)) => {
-                        tracing::warn!(source.id = %self.inner.source, %error,
-                            "The data types of a server could not be read; its structures stay undecoded.");
-                        false
-                    }
-                    Err(_) => {
-                        tracing::warn!(source.id = %self.inner.source,
-                            "The data types of a server were not read in time; its structures stay undecoded.");
-                        false
-                    }
-                }
-            })
-            .await
+        *self.inner.types_loaded.get_or_init(|| self.try_load_types()).await
     }
 
-    /// How long ago the server last answered a request.
+    async fn try_load_types(&self) -> bool {
+        let limits = self.inner.limits;
+        let browsing = BrowserConfig::new()
+            .max_nodes_per_request(
+                per_request(limits.nodes_per_browse_max).min(TYPES_PER_REQUEST_MAX),
+            )
+            .max_concurrent_requests(TYPE_REQUESTS_AT_ONCE);
+        let tree = DataTypeTreeBuilder::new(|_| true)
+            .config(browsing)
+            .values_per_read(per_request(limits.nodes_per_read_max))
+            .build(&self.inner.session);
+        let reason = match tokio::time::timeout(TYPES_TIMEOUT, tree).await {
+            Ok(Ok(tree)) => {
+                let tree = Arc::new(tree);
+                let namespaces = self.namespaces().with_data_types(Arc::clone(&tree));
+                *self.inner.namespaces.write() = namespaces;
+                self.inner.session.add_type_loader(Arc::new(DynamicTypeLoader::new(tree)));
+                return true;
+            }
+            Ok(Err(error)) => error.to_string(),
+            Err(_) => "no response in time".to_owned(),
+        };
+        tracing::warn!(source.id = %self.inner.source, %reason,
+            "The data types of a server could not be read; its structures stay undecoded.");
+        false
+    }
+
+    /// Returns the time since the server last responded to a request.
     pub(super) fn silence(&self) -> Duration {
-        self.inner.answered_at.lock().elapsed()
+        self.inner.last_response_at.lock().elapsed()
     }
 
-    /// Waits for an answer, no longer than [`ANSWER_TIMEOUT`].
-    pub(super) async fn ask<T>(
+    /// Waits for the response to a request, at most [`RESPONSE_TIMEOUT`].
+    pub(super) async fn request<T>(
         &self,
         request: impl Future<Output = Result<T, Error>>,
     ) -> Result<T, ShopFloorError> {
-        match tokio::time::timeout(ANSWER_TIMEOUT, request).await {
-            Ok(Ok(answer)) => {
-                *self.inner.answered_at.lock() = Instant::now();
-                Ok(answer)
+        match tokio::time::timeout(RESPONSE_TIMEOUT, request).await {
+            Ok(Ok(response)) => {
+                *self.inner.last_response_at.lock() = Instant::now();
+                Ok(response)
             }
-            Ok(Err(error)) => Err(self.refusal(error.status())),
+            Ok(Err(error)) => Err(self.error(error.status())),
             Err(_) => Err(ShopFloorError::Timeout(self.inner.source.clone())),
         }
     }
 
-    fn refusal(&self, status: StatusCode) -> ShopFloorError {
+    fn error(&self, status: StatusCode) -> ShopFloorError {
         match status {
             StatusCode::BadTimeout | StatusCode::BadRequestTimeout => {
                 ShopFloorError::Timeout(self.inner.source.clone())
@@ -157,11 +154,4 @@ impl Connection {
             status => ShopFloorError::Refused { status: status_from_stack(status) },
         }
     }
-}
-
-/// How many operations go into one request: the server's limit, but not more than we think wise.
-pub(super) fn per_request(limit: Option<u32>) -> usize {
-    limit
-        .map_or(OPERATIONS_DEFAULT, |limit| usize::try_from(limit).unwrap_or(OPERATIONS_DEFAULT))
-        .clamp(1, OPERATIONS_DEFAULT)
 }

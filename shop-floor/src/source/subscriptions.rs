@@ -1,157 +1,153 @@
-//! The monitored items of one session: wanted against actual, within the server's limits.
+//! Monitored items of one session, kept as callers request them within the server's limits.
 
 mod create;
-mod request;
+mod item_request;
+mod items;
+mod pool;
 
-use std::{
-    collections::HashMap,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{collections::HashMap, sync::Arc, time::Duration};
+
+use asi_model::values::{DataValue, NodeId};
+use opcua_stack::values::node_id_from_stack;
 
 use super::{
-    Connection, connection::per_request, entry::Entry, feed::Feed, life::Memory,
-    services::parse_range,
+    connection::Connection, memory::SourceMemory, notification_sink::NotificationSink,
+    record::SourceRecord, request_size::per_request, services::read_values,
 };
-use crate::{InputKey, MonitorRequest, ShopFloorError, SourceConfig, outbox::Outbox};
+use crate::{
+    InputKey, MonitorRequest, ShopFloorError, SourceConfig, change_queue::ChangeQueue,
+    monitor_options::sampling_interval_ms,
+};
 
-/// All subscriptions of a session; the only owner of them.
+use create::ItemCreation;
+use items::{Attempt, Item, Items};
+use pool::SubscriptionPool;
+
+/// Owner of all subscriptions and monitored items of a session.
 pub(super) struct Subscriptions {
-    entry: Arc<Entry>,
+    record: Arc<SourceRecord>,
     connection: Connection,
-    feed: Arc<Feed>,
-    outbox: Outbox,
-    config: SourceConfig,
-    subscriptions: Vec<Subscription>,
-    items: HashMap<InputKey, Item>,
-    /// Items per request; halved when the server chokes.
-    chunk: usize,
-    /// When something that the server refused is to be tried again.
-    next_retry: Option<Instant>,
-    /// Set when the server has no room for any more items.
-    is_server_full: bool,
-}
-
-struct Subscription {
-    id: u32,
-    /// Its place in the feed.
-    place: usize,
-    items: usize,
-    capacity: usize,
-    /// How many more may fit at most, after more were refused together.
-    room_guess: usize,
-}
-
-enum Item {
-    Monitored { request: Arc<MonitorRequest>, subscription: usize, item_id: u32, handle: u32 },
-    Refused { request: Arc<MonitorRequest>, retry_at: Instant, attempts: u32 },
+    sink: Arc<NotificationSink>,
+    publishing_interval: Duration,
+    items: Items,
+    pool: SubscriptionPool,
+    /// Items per request; halved when the server cannot take so many.
+    items_per_request: usize,
 }
 
 impl Subscriptions {
     pub(super) fn new(
-        entry: Arc<Entry>,
+        record: Arc<SourceRecord>,
         connection: Connection,
-        feed: Arc<Feed>,
-        outbox: Outbox,
+        sink: Arc<NotificationSink>,
+        changes: ChangeQueue,
         config: SourceConfig,
     ) -> Self {
-        let chunk = per_request(connection.limits().items_per_call_max);
         Self {
-            entry,
+            items: Items::new(Arc::clone(&record), changes),
+            publishing_interval: config.publishing_interval(),
+            pool: SubscriptionPool::new(connection.clone(), Arc::clone(&sink), config),
+            items_per_request: per_request(connection.limits().items_per_call_max),
+            record,
             connection,
-            feed,
-            outbox,
-            config,
-            subscriptions: Vec::new(),
-            items: HashMap::new(),
-            chunk,
-            next_retry: None,
-            is_server_full: false,
+            sink,
         }
     }
 
-    /// The requests that are live and might need their browse path learned.
+    /// Returns the requests of all monitored items.
     pub(super) fn monitored(&self) -> impl Iterator<Item = &Arc<MonitorRequest>> {
-        self.items.values().filter_map(|item| match item {
-            Item::Monitored { request, .. } => Some(request),
-            Item::Refused { .. } => None,
+        self.items.all_monitored()
+    }
+
+    /// Returns the node of a monitored input; `None` for a part of an array, which reading the node
+    /// would not yield.
+    pub(super) fn node_of(&self, input: InputKey) -> Option<NodeId> {
+        let request = self.items.monitored(input)?;
+        request.options.index_range.is_none().then(|| request.node_id.clone())
+    }
+
+    /// Returns the sampling interval of a monitored input; zero for others.
+    pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
+        let publishing_ms = self.publishing_interval.as_secs_f64() * 1000.0;
+        self.items.monitored(input).map_or(Duration::ZERO, |request| {
+            let sampling_ms = sampling_interval_ms(&request.options, publishing_ms);
+            Duration::from_secs_f64(sampling_ms / 1000.0)
         })
     }
 
-    /// The node that an input asks for, while it is monitored.
-    pub(super) fn node_of(&self, input: InputKey) -> Option<asi_model::NodeId> {
-        match self.items.get(&input) {
-            Some(Item::Monitored { request, .. }) if request.options.index_range.is_none() => {
-                Some(request.node_id.clone())
-            }
-            _ => None,
-        }
+    /// Reads the values of monitored nodes, at the ids under which they were found.
+    pub(super) async fn read_monitored(
+        &self,
+        nodes: &[NodeId],
+        memory: &SourceMemory,
+    ) -> Result<Vec<DataValue>, ShopFloorError> {
+        let namespaces = self.connection.namespaces();
+        let nodes: Vec<_> = nodes
+            .iter()
+            .map(|node| match memory.relocated(node) {
+                Some(relocated) => node_id_from_stack(relocated, &namespaces),
+                None => node.clone(),
+            })
+            .collect();
+        read_values(&self.connection, &nodes).await
     }
 
-    /// How fast an input is sampled at most; older values than this may be looked at by the audit.
-    pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
-        match self.items.get(&input) {
-            Some(Item::Monitored { request, .. }) => Duration::from_secs_f64(
-                request::sampling_ms(&request.options, self.publishing_ms()) / 1000.0,
-            ),
-            _ => Duration::ZERO,
-        }
-    }
-
-    /// Brings the items to what is wanted: `changed` inputs with their requests, `None` where not
-    /// wanted any more.
+    /// Creates, replaces and deletes items for the changed inputs; `None` deletes.
     pub(super) async fn apply(
         &mut self,
         changed: Vec<(InputKey, Option<Arc<MonitorRequest>>)>,
-        memory: &mut Memory,
+        memory: &mut SourceMemory,
     ) -> Result<(), ShopFloorError> {
         let mut to_delete = Vec::new();
         let mut to_create = Vec::new();
-        for (input, wanted) in changed {
-            if let (Some(Item::Monitored { request, .. }), Some(wanted)) =
-                (self.items.get(&input), &wanted)
-                && request == wanted
-            {
+        for (input, request) in changed {
+            if request.is_some() && self.items.monitored(input) == request.as_ref() {
                 continue;
             }
-            to_delete.extend(self.items.remove(&input));
-            if wanted.is_none() {
-                self.entry.note([(input, None)]);
+            to_delete.extend(self.items.remove(input));
+            match request {
+                Some(request) => to_create.push(Attempt { request, attempts: 0 }),
+                None => self.record.clear_input_problem(input),
             }
-            to_create.extend(wanted.map(|request| (request, 0)));
         }
         self.delete(to_delete).await?;
         self.create(to_create, memory).await
     }
 
-    /// True when it is time to try something again that the server refused.
+    /// Returns true when it is time to try again items that the server refused.
     pub(super) fn is_retry_due(&self) -> bool {
-        self.next_retry.is_some_and(|at| at <= Instant::now())
+        self.items.is_retry_due()
     }
 
-    /// Tries again what the server refused, where it is time.
-    pub(super) async fn retry(&mut self, memory: &mut Memory) -> Result<(), ShopFloorError> {
-        let now = Instant::now();
-        let mut due = Vec::new();
-        self.next_retry = None;
-        for item in self.items.values() {
-            let Item::Refused { request, retry_at, attempts } = item else { continue };
-            if *retry_at <= now {
-                due.push((Arc::clone(request), *attempts));
-            } else {
-                self.next_retry =
-                    Some(self.next_retry.map_or(*retry_at, |next| next.min(*retry_at)));
-            }
-        }
-        self.is_server_full = false;
+    /// Tries again the refused items whose backoff has ended.
+    pub(super) async fn retry(&mut self, memory: &mut SourceMemory) -> Result<(), ShopFloorError> {
+        let due = self.items.take_due();
+        self.pool.reset_server_full();
         self.create(due, memory).await
     }
 
-    /// Deletes all items before the session is closed: servers exist that leak what is deleted with
-    /// its subscription.
+    /// Deletes all items. Some servers leak items that are deleted with their subscription.
     pub(super) async fn delete_all(&mut self) -> Result<(), ShopFloorError> {
-        let items = self.items.drain().map(|(_, item)| item).collect();
+        let items = self.items.remove_all();
         self.delete(items).await
+    }
+
+    async fn create(
+        &mut self,
+        attempts: Vec<Attempt>,
+        memory: &mut SourceMemory,
+    ) -> Result<(), ShopFloorError> {
+        let creation = ItemCreation {
+            source: &self.record.id,
+            connection: &self.connection,
+            sink: &self.sink,
+            publishing_ms: self.publishing_interval.as_secs_f64() * 1000.0,
+            items: &mut self.items,
+            pool: &mut self.pool,
+            items_per_request: &mut self.items_per_request,
+            memory,
+        };
+        creation.run(attempts).await
     }
 
     async fn delete(&mut self, items: Vec<Item>) -> Result<(), ShopFloorError> {
@@ -162,27 +158,19 @@ impl Subscriptions {
             }
         }
         for (index, items) in by_subscription {
-            let subscription = &mut self.subscriptions[index];
-            subscription.items -= items.len();
-            subscription.room_guess = usize::MAX;
-            let id = subscription.id;
-            for chunk in items.chunks(self.chunk) {
+            self.pool.remove_items(index, items.len());
+            let id = self.pool.id(index);
+            for chunk in items.chunks(self.items_per_request) {
                 let ids: Vec<_> = chunk.iter().map(|(item_id, _)| *item_id).collect();
-                let deleted = self
-                    .connection
-                    .ask(self.connection.session().delete_monitored_items(id, &ids))
-                    .await;
+                let delete = self.connection.session().delete_monitored_items(id, &ids);
+                let deleted = self.connection.request(delete).await;
                 for (_, handle) in chunk {
-                    self.feed.release(*handle);
+                    self.sink.release(*handle);
                 }
-                // Single refusals mean that the item was gone already.
+                // The statuses of single items do not matter: a refused one was gone already.
                 deleted?;
             }
         }
         Ok(())
-    }
-
-    fn publishing_ms(&self) -> f64 {
-        self.config.publishing_interval().as_secs_f64() * 1000.0
     }
 }

@@ -1,33 +1,31 @@
-//! What there is to know of nodes: names, types, units, ranges.
+//! Details of nodes: names, types, units and ranges.
 
-use std::{
-    collections::{HashMap, HashSet},
-    sync::Arc,
-};
+use std::{collections::HashSet, sync::Arc};
 
 use asi_model::values::{
-    BuiltInType, DataValue, ExtensionBody, NodeId as ModelNodeId, QualifiedName, Scalar,
-    Variant as ModelVariant,
+    DataValue, ExtensionBody, NodeId as ModelNodeId, QualifiedName, Scalar, Variant,
 };
 use indexmap::IndexMap;
 use opcua_stack::{
     NamespaceTable,
     opcua::types::{
-        AttributeId, BrowseDescription, BrowseDirection, DataTypeId, NodeClass as StackClass,
-        NodeClassMask, NodeId, ReadValueId, ReferenceDescription, ReferenceTypeId,
-        TimestampsToReturn,
+        AttributeId, NodeClass as StackClass, NodeId, ReadValueId, ReferenceDescription,
     },
-    values::{from_stack, node_id_from_stack, node_id_to_stack},
+    values::{node_id_from_stack, node_id_to_stack},
 };
 
-use super::{Bare, Connection, downward, paths, per_request, references};
-use crate::{BrowsePath, BrowsedNode, NodeClass, ShopFloorError, TypeName, UnitName};
+use super::data_types::TypeNames;
+use crate::{
+    BrowsePath, BrowsedNode, NodeClass, ShopFloorError, UnitName,
+    source::{
+        connection::Connection,
+        services::{children_of, read_attributes, references},
+    },
+};
 
-/// Longest way up from a data type to a built-in one.
-const SUPERTYPES_MAX: usize = 20;
-/// Children looked at for properties.
+/// Most children of a node among which properties are looked for.
 const PROPERTIES_MAX: usize = 200;
-/// Attributes read per node in one go.
+/// Attributes of a node, in the order of [`Attributes`].
 const ATTRIBUTES: [AttributeId; 7] = [
     AttributeId::BrowseName,
     AttributeId::DisplayName,
@@ -38,103 +36,120 @@ const ATTRIBUTES: [AttributeId; 7] = [
     AttributeId::UserAccessLevel,
 ];
 
-/// Reads what is to know of nodes; leaves out those that are not there.
-pub(super) async fn details(
-    connection: &Connection,
-    bare: Vec<Bare>,
-) -> Result<Vec<BrowsedNode>, ShopFloorError> {
-    let namespaces = connection.namespaces();
-    let ids: Vec<_> = bare
-        .iter()
-        .flat_map(|bare| ATTRIBUTES.map(|attribute| ReadValueId::new(bare.id.clone(), attribute)))
-        .collect();
-    let attributes = read_all(connection, &ids, &namespaces).await?;
-    let children = references(
-        connection,
-        bare.iter().map(|bare| downward(bare.id.clone())).collect(),
-        PROPERTIES_MAX,
-    )
-    .await?;
-    let properties = properties(connection, &children, &namespaces).await?;
-    let types = type_names(connection, &bare, &attributes, &namespaces).await?;
-    let built_in = built_in_types(connection, &types, &namespaces).await?;
-    let mut nodes = Vec::with_capacity(bare.len());
-    for (index, (bare, attributes)) in
-        bare.iter().zip(attributes.chunks(ATTRIBUTES.len())).enumerate()
-    {
-        let [name, display, class, description, data_type, rank, access] = attributes else {
-            continue;
-        };
-        let (Some(ModelVariant::Scalar(Scalar::QualifiedName(name))), Some(node_class)) =
-            (name.status.is_good().then_some(&name.value), node_class(class))
-        else {
-            continue;
-        };
-        let is_variable = node_class == NodeClass::Variable;
-        let data_type = is_variable.then(|| node_id_of(data_type)).flatten();
-        let (unit, range) = properties[index].clone();
-        let path = BrowsePath(vec![(**name).clone()]);
-        nodes.push(BrowsedNode {
-            node_id: node_id_from_stack(&bare.id, &namespaces),
-            browse_name: path.to_texts().pop().unwrap_or_default(),
-            display_name: text_of(display).unwrap_or_else(|| path.to_string()),
-            description: text_of(description),
-            node_class,
-            type_definition: bare
-                .type_definition
-                .as_ref()
-                .map(|id| type_name(&types, id, &namespaces)),
-            built_in_type: data_type.as_ref().and_then(|id| built_in.get(id).copied()),
-            data_type: data_type.and_then(|id| {
-                let id = node_id_to_stack(&id, &namespaces).ok()?;
-                Some(type_name(&types, &id, &namespaces))
-            }),
-            value_rank: is_variable
-                .then(|| int_of(rank))
-                .flatten()
-                .and_then(|rank| i32::try_from(rank).ok()),
-            unit,
-            range,
-            // CurrentWrite is bit 1 of the access level (OPC 10000-3 §8.57).
-            is_writable: is_variable && int_of(access).is_some_and(|level| level & 2 != 0),
-            has_children: !children[index].is_empty(),
-            browse_path: None,
-        });
-    }
-    Ok(nodes)
+/// Node whose details are not read yet.
+pub(super) struct FoundNode {
+    pub(super) id: NodeId,
+    pub(super) type_definition: Option<NodeId>,
 }
 
-async fn read_all(
+/// Attributes of one node as they were read.
+struct Attributes {
+    browse_name: QualifiedName,
+    display_name: Option<String>,
+    node_class: NodeClass,
+    description: Option<String>,
+    data_type: Option<ModelNodeId>,
+    value_rank: Option<i32>,
+    access_level: Option<i128>,
+}
+
+/// Reads the details of nodes, and leaves out those that the server does not know.
+pub(super) async fn details(
     connection: &Connection,
-    ids: &[ReadValueId],
-    namespaces: &NamespaceTable,
-) -> Result<Vec<DataValue>, ShopFloorError> {
-    let mut values = Vec::with_capacity(ids.len());
-    for chunk in ids.chunks(per_request(connection.limits().nodes_per_read_max)) {
-        let answers = connection
-            .ask(connection.session().read(chunk, TimestampsToReturn::Neither, 0.0))
-            .await?;
-        values.extend(answers.into_iter().map(|answer| from_stack(answer, namespaces)));
+    found: Vec<FoundNode>,
+) -> Result<Vec<BrowsedNode>, ShopFloorError> {
+    let namespaces = connection.namespaces();
+    let ids: Vec<_> = found
+        .iter()
+        .flat_map(|node| ATTRIBUTES.map(|attribute| ReadValueId::new(node.id.clone(), attribute)))
+        .collect();
+    let values = read_attributes(connection, &ids, &namespaces).await?;
+    let attributes: Vec<_> = values.chunks(ATTRIBUTES.len()).map(Attributes::new).collect();
+    let children = found.iter().map(|node| children_of(node.id.clone())).collect();
+    let children = references(connection, children, PROPERTIES_MAX).await?;
+    let properties = read_properties(connection, &children, &namespaces).await?;
+    let data_types = attributes
+        .iter()
+        .flatten()
+        .filter_map(|node| node_id_to_stack(node.data_type.as_ref()?, &namespaces).ok());
+    let types = found.iter().filter_map(|node| node.type_definition.clone()).chain(data_types);
+    let types = TypeNames::read(connection, types.collect::<HashSet<_>>()).await?;
+    let built_in_types = types.built_in_types(connection, &namespaces).await?;
+    let nodes =
+        found.iter().zip(attributes).enumerate().filter_map(|(index, (node, attributes))| {
+            let attributes = attributes?;
+            let is_variable = attributes.node_class == NodeClass::Variable;
+            let data_type = attributes.data_type.filter(|_| is_variable);
+            let (unit, range) = properties[index].clone();
+            let path = BrowsePath(vec![attributes.browse_name]);
+            Some(BrowsedNode {
+                node_id: node_id_from_stack(&node.id, &namespaces),
+                browse_name: path.to_texts().pop().unwrap_or_default(),
+                display_name: attributes.display_name.unwrap_or_else(|| path.to_string()),
+                description: attributes.description,
+                node_class: attributes.node_class,
+                type_definition: node
+                    .type_definition
+                    .as_ref()
+                    .map(|id| types.name(id, &namespaces)),
+                built_in_type: data_type.as_ref().and_then(|id| built_in_types.get(id).copied()),
+                data_type: data_type.and_then(|id| {
+                    let id = node_id_to_stack(&id, &namespaces).ok()?;
+                    Some(types.name(&id, &namespaces))
+                }),
+                value_rank: attributes.value_rank.filter(|_| is_variable),
+                unit,
+                range,
+                // CurrentWrite is bit 1 of the access level (OPC 10000-3 §8.57).
+                is_writable: is_variable
+                    && attributes.access_level.is_some_and(|level| level & 2 != 0),
+                has_children: !children[index].is_empty(),
+                browse_path: None,
+            })
+        });
+    Ok(nodes.collect())
+}
+
+impl Attributes {
+    /// Interprets the values of [`ATTRIBUTES`]; `None` for a node that the server does not know.
+    fn new(values: &[DataValue]) -> Option<Self> {
+        let [name, display, class, description, data_type, rank, access] = values else {
+            return None;
+        };
+        let Variant::Scalar(Scalar::QualifiedName(browse_name)) = &name.value else { return None };
+        name.status.is_good().then_some(())?;
+        Some(Self {
+            browse_name: (**browse_name).clone(),
+            display_name: text_of(display),
+            node_class: node_class(class)?,
+            description: text_of(description),
+            data_type: node_id_of(data_type),
+            value_rank: int_of(rank).and_then(|rank| i32::try_from(rank).ok()),
+            access_level: int_of(access),
+        })
     }
-    values.resize_with(ids.len(), DataValue::default);
-    Ok(values)
+}
+
+/// Returns the id unless it is null.
+pub(super) fn non_null(id: NodeId) -> Option<NodeId> {
+    (!id.is_null()).then_some(id)
 }
 
 type UnitAndRange = (Option<UnitName>, Option<(f64, f64)>);
 
-/// Unit and range of each node, read from the properties among its children.
-async fn properties(
+/// Reads unit and range of each node from the properties among its children, in order.
+async fn read_properties(
     connection: &Connection,
     children: &[Vec<ReferenceDescription>],
     namespaces: &NamespaceTable,
 ) -> Result<Vec<UnitAndRange>, ShopFloorError> {
     let property = |children: &[ReferenceDescription], name: &str| {
-        let is_wanted = |child: &&ReferenceDescription| {
+        let is_named = |child: &&ReferenceDescription| {
             child.browse_name.namespace_index == 0 && child.browse_name.name.as_ref() == name
         };
-        children.iter().find(is_wanted).map(|child| child.node_id.node_id.clone())
+        children.iter().find(is_named).map(|child| child.node_id.node_id.clone())
     };
-    let asked: Vec<(usize, NodeId)> = children
+    let found: Vec<(usize, NodeId)> = children
         .iter()
         .enumerate()
         .flat_map(|(index, children)| {
@@ -144,28 +159,27 @@ async fn properties(
         })
         .collect();
     let ids: Vec<_> =
-        asked.iter().map(|(_, id)| ReadValueId::new(id.clone(), AttributeId::Value)).collect();
-    let values = read_all(connection, &ids, namespaces).await?;
-    let mut found: Vec<UnitAndRange> = vec![(None, None); children.len()];
-    for ((index, _), value) in asked.into_iter().zip(values) {
+        found.iter().map(|(_, id)| ReadValueId::new(id.clone(), AttributeId::Value)).collect();
+    let values = read_attributes(connection, &ids, namespaces).await?;
+    let mut properties: Vec<UnitAndRange> = vec![(None, None); children.len()];
+    for ((index, _), value) in found.into_iter().zip(values) {
         let Some(fields) = structure_of(&value) else { continue };
-        let number = |name: &str| fields.get(name).and_then(ModelVariant::as_f64);
+        let number = |name: &str| fields.get(name).and_then(Variant::as_f64);
         if let (Some(low), Some(high)) = (number("Low"), number("High")) {
-            found[index].1 = Some((low, high));
-        } else if let Some(ModelVariant::Scalar(Scalar::LocalizedText(text))) =
-            fields.get("DisplayName")
+            properties[index].1 = Some((low, high));
+        } else if let Some(Variant::Scalar(Scalar::LocalizedText(text))) = fields.get("DisplayName")
         {
             let code = number("UnitId").and_then(|id| unit_code(id as i64));
             let display_name = text.text.as_deref().unwrap_or_default().to_owned();
-            found[index].0 = Some(UnitName { display_name, code });
+            properties[index].0 = Some(UnitName { display_name, code });
         }
     }
-    Ok(found)
+    Ok(properties)
 }
 
-fn structure_of(value: &DataValue) -> Option<&IndexMap<Arc<str>, ModelVariant>> {
+fn structure_of(value: &DataValue) -> Option<&IndexMap<Arc<str>, Variant>> {
     match &value.value {
-        ModelVariant::Scalar(Scalar::ExtensionObject(object)) => match &object.body {
+        Variant::Scalar(Scalar::ExtensionObject(object)) => match &object.body {
             ExtensionBody::Structure(structure) => Some(&structure.fields),
             _ => None,
         },
@@ -173,93 +187,13 @@ fn structure_of(value: &DataValue) -> Option<&IndexMap<Arc<str>, ModelVariant>> 
     }
 }
 
-/// The UNECE code that a unit id spells (OPC 10000-8 §5.6.4.3): one to three ASCII letters or
+/// Decodes the UNECE code in a unit id (OPC 10000-8 §5.6.4.3): one to three ASCII letters or
 /// digits.
 fn unit_code(unit_id: i64) -> Option<String> {
     let bytes = u32::try_from(unit_id).ok().filter(|id| *id > 0)?.to_be_bytes();
     let code: Vec<u8> = bytes.into_iter().skip_while(|byte| *byte == 0).collect();
     let is_code = code.len() <= 3 && code.iter().all(u8::is_ascii_alphanumeric);
     is_code.then(|| String::from_utf8_lossy(&code).into_owned())
-}
-
-/// The names of all types that nodes refer to.
-async fn type_names(
-    connection: &Connection,
-    bare: &[Bare],
-    attributes: &[DataValue],
-    namespaces: &NamespaceTable,
-) -> Result<HashMap<NodeId, String>, ShopFloorError> {
-    let data_types = attributes.chunks(ATTRIBUTES.len()).filter_map(|attributes| {
-        node_id_to_stack(&node_id_of(attributes.get(4)?)?, namespaces).ok()
-    });
-    let ids: HashSet<NodeId> =
-        bare.iter().filter_map(|bare| bare.type_definition.clone()).chain(data_types).collect();
-    let ids: Vec<_> = ids.into_iter().collect();
-    let names = paths::browse_names(connection, &ids).await?;
-    let name = |name: Option<QualifiedName>| name.and_then(|name| name.name).unwrap_or_default();
-    Ok(ids.into_iter().zip(names.into_iter().map(|found| name(found).to_string())).collect())
-}
-
-fn type_name(
-    names: &HashMap<NodeId, String>,
-    id: &NodeId,
-    namespaces: &NamespaceTable,
-) -> TypeName {
-    TypeName {
-        node_id: node_id_from_stack(id, namespaces),
-        name: names.get(id).cloned().unwrap_or_default(),
-    }
-}
-
-/// The built-in type behind each of some types: found upwards along their supertypes.
-async fn built_in_types(
-    connection: &Connection,
-    types: &HashMap<NodeId, String>,
-    namespaces: &NamespaceTable,
-) -> Result<HashMap<ModelNodeId, BuiltInType>, ShopFloorError> {
-    let mut found = HashMap::new();
-    let mut open: Vec<(NodeId, NodeId)> = types.keys().map(|id| (id.clone(), id.clone())).collect();
-    for _ in 0..SUPERTYPES_MAX {
-        open.retain(|(asked, at)| match built_in(at) {
-            Some(built_in) => {
-                found.insert(node_id_from_stack(asked, namespaces), built_in);
-                false
-            }
-            None => true,
-        });
-        if open.is_empty() {
-            break;
-        }
-        let upward = open.iter().map(|(_, at)| BrowseDescription {
-            browse_direction: BrowseDirection::Inverse,
-            reference_type_id: ReferenceTypeId::HasSubtype.into(),
-            include_subtypes: false,
-            node_class_mask: NodeClassMask::DATA_TYPE.bits(),
-            ..downward(at.clone())
-        });
-        let answers = references(connection, upward.collect(), 1).await?;
-        open = open
-            .into_iter()
-            .zip(answers)
-            .filter_map(|((asked, _), parents)| {
-                Some((asked, parents.into_iter().next()?.node_id.node_id))
-            })
-            .collect();
-    }
-    Ok(found)
-}
-
-/// Ends the way up: a built-in type, or an abstract type of namespace 0 that one carries.
-fn built_in(id: &NodeId) -> Option<BuiltInType> {
-    if id.namespace != 0 {
-        return None;
-    }
-    let id = id.as_u32()?;
-    if id == DataTypeId::Enumeration as u32 {
-        return Some(BuiltInType::Int32);
-    }
-    // The DataTypes of namespace 0 have their built-in types' ids up to DiagnosticInfo (25).
-    BuiltInType::from_id(u64::from(id))
 }
 
 fn node_class(value: &DataValue) -> Option<NodeClass> {
@@ -302,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unit_ids_spell_codes() {
+    fn unit_ids_decode_to_unece_codes() {
         for (id, code) in
             [(4_408_652, Some("CEL")), (17_476, Some("DD")), (-1, None), (0, None), (1, None)]
         {

@@ -1,4 +1,4 @@
-//! Going through an address space, level by level from the Objects folder.
+//! Breadth-first walk through an address space, from the Objects folder down.
 
 use std::collections::{HashSet, VecDeque};
 
@@ -7,42 +7,49 @@ use opcua_stack::{
     values::qualified_name_from_stack,
 };
 
-use super::{CHILDREN_MAX, Connection, downward, references};
-use crate::{BrowsePath, ShopFloorError};
+use crate::{
+    BrowsePath, ShopFloorError,
+    source::{
+        connection::Connection,
+        services::{children_of, references},
+    },
+};
 
-/// How deep a walk goes.
+/// Most levels below the Objects folder.
 const DEPTH_MAX: usize = 20;
+/// Most children of a node that are visited.
+const CHILDREN_MAX: usize = 100_000;
 
-/// Where to go from a node.
-pub(super) enum Onward<T> {
-    /// Below it too, with this note for its children.
-    Below(T),
-    /// Not below it.
-    Past,
-    /// Nowhere: what was looked for is found.
-    Home,
+/// Decision of a visitor about the nodes below the visited one.
+pub(super) enum WalkStep<T> {
+    /// Visits the children too, with this context.
+    Descend(T),
+    Skip,
+    /// Ends the walk.
+    Stop,
 }
 
-/// Shows every node below the Objects folder once, with its path and the note left at its parent.
-/// True where all were shown; false where `visited_max` nodes, the depth or the visitor ended it.
+/// Visits every node below the Objects folder once, with its path and the context of its parent.
+/// Returns true when all were visited, false when `visited_max`, the depth or the visitor ended the
+/// walk.
 pub(super) async fn walk<T>(
     connection: &Connection,
-    note: T,
+    context: T,
     visited_max: usize,
-    mut visit: impl FnMut(&ReferenceDescription, &BrowsePath, &T) -> Onward<T> + Send,
+    mut visit: impl FnMut(&ReferenceDescription, &BrowsePath, &T) -> WalkStep<T> + Send,
 ) -> Result<bool, ShopFloorError> {
     let namespaces = connection.namespaces();
     let root = NodeId::from(ObjectId::ObjectsFolder);
     let mut visited = HashSet::from([root.clone()]);
-    let mut level = VecDeque::from([(root, BrowsePath::default(), note)]);
+    let mut level = VecDeque::from([(root, BrowsePath::default(), context)]);
     for _ in 0..DEPTH_MAX {
         if level.is_empty() {
             return Ok(true);
         }
-        let asked: Vec<_> = level.iter().map(|(node, ..)| downward(node.clone())).collect();
-        let answers = references(connection, asked, CHILDREN_MAX).await?;
+        let descriptions = level.iter().map(|(node, ..)| children_of(node.clone())).collect();
+        let answers = references(connection, descriptions, CHILDREN_MAX).await?;
         let mut next = VecDeque::new();
-        for ((_, path, note), children) in level.drain(..).zip(answers) {
+        for ((_, path, context), children) in level.drain(..).zip(answers) {
             for child in children {
                 if child.node_id.server_index != 0 || !visited.insert(child.node_id.node_id.clone())
                 {
@@ -50,10 +57,12 @@ pub(super) async fn walk<T>(
                 }
                 let mut path = path.clone();
                 path.0.push(qualified_name_from_stack(&child.browse_name, &namespaces));
-                match visit(&child, &path, &note) {
-                    Onward::Below(note) => next.push_back((child.node_id.node_id, path, note)),
-                    Onward::Past => {}
-                    Onward::Home => return Ok(false),
+                match visit(&child, &path, &context) {
+                    WalkStep::Descend(context) => {
+                        next.push_back((child.node_id.node_id, path, context));
+                    }
+                    WalkStep::Skip => {}
+                    WalkStep::Stop => return Ok(false),
                 }
             }
         }

@@ -1,12 +1,15 @@
-//! Why a session could not be made, in the words of a person who must act.
+//! Problems behind the status codes with which servers refuse a session.
 
 use opcua_stack::opcua::types::StatusCode;
 
-use super::problem;
 use crate::{SecurityPolicy, SourceProblem, SourceProblemKind as Kind};
 
-/// Why a session could not be made.
-pub(super) fn explain(status: StatusCode, detail: &str, policy: SecurityPolicy) -> SourceProblem {
+/// Returns the problem behind the status of a refused session. `detail` may be empty.
+pub(super) fn session_problem(
+    status: StatusCode,
+    detail: &str,
+    policy: SecurityPolicy,
+) -> SourceProblem {
     let secure = policy != SecurityPolicy::None;
     let detail = if detail.is_empty() { String::new() } else { format!(" ({detail})") };
     let (kind, message) = match status {
@@ -37,8 +40,8 @@ pub(super) fn explain(status: StatusCode, detail: &str, policy: SecurityPolicy) 
         // Many servers just close the connection when they do not trust a certificate.
         StatusCode::BadConnectionClosed | StatusCode::BadSecureChannelClosed if secure => (
             Kind::ClientCertificateRejected,
-            "The server closed the connection while it was made secure; most often it does not trust this connector's \
-             certificate",
+            "The server closed the connection while it was made secure; most often it does not trust \
+             this connector's certificate",
         ),
         StatusCode::BadConnectionClosed
         | StatusCode::BadConnectionRejected
@@ -50,5 +53,5 @@ pub(super) fn explain(status: StatusCode, detail: &str, policy: SecurityPolicy) 
         | StatusCode::BadShutdown => (Kind::Unreachable, "The server does not answer properly"),
         _ => (Kind::Refused, "The server refuses a session"),
     };
-    problem(kind, format!("{message}: {status}{detail}."))
+    SourceProblem::new(kind, format!("{message}: {status}{detail}."))
 }

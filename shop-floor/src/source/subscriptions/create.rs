@@ -1,110 +1,104 @@
-//! Creating items: in chunks that the server takes, in subscriptions with room, and by browse path
-//! where an id is gone.
+//! Creation of monitored items: in requests that the server takes, in subscriptions with room, and
+//! at the browse path where a node id is unknown.
 
-use std::{
-    collections::VecDeque,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::collections::VecDeque;
 
-use asi_model::values::DataValue;
 use opcua_stack::{
-    limits,
     opcua::{
         client::{UARequest as _, services::CreateMonitoredItems},
         types::{NodeId, StatusCode, TimestampsToReturn},
     },
-    values::{node_id_to_stack, status_from_stack},
+    values::node_id_to_stack,
 };
 
 use super::{
-    super::{feed::Listener, life::Memory, now, paths, services::is_gone},
-    Item, Subscription, Subscriptions, request,
+    item_request,
+    items::{Attempt, Items},
+    pool::SubscriptionPool,
 };
-use crate::{InputChange, MonitorRequest, ShopFloorError};
+use crate::{
+    MonitorRequest, ShopFloorError, SourceId,
+    source::{
+        connection::Connection, memory::SourceMemory, notification_sink::NotificationSink,
+        services::translate,
+    },
+};
 
-/// First and longest pause before an input that the server refused is tried again.
-const RETRY_MIN: Duration = Duration::from_secs(2);
-const RETRY_MAX: Duration = Duration::from_secs(60);
-/// After how many publishing intervals without requests a server deletes a subscription, at least
-/// this long.
-const SUBSCRIPTION_LIFE: Duration = Duration::from_secs(30);
-
-/// An item that is to be created.
-struct Candidate {
-    request: Arc<MonitorRequest>,
-    node_id: NodeId,
-    /// The node id was found by the browse path, there is nothing more to try.
-    is_found_by_path: bool,
-    attempts: u32,
+/// One run that creates items, with all that it reads and changes.
+pub(super) struct ItemCreation<'a> {
+    pub(super) source: &'a SourceId,
+    pub(super) connection: &'a Connection,
+    pub(super) sink: &'a NotificationSink,
+    pub(super) publishing_ms: f64,
+    pub(super) items: &'a mut Items,
+    pub(super) pool: &'a mut SubscriptionPool,
+    pub(super) items_per_request: &'a mut usize,
+    pub(super) memory: &'a mut SourceMemory,
 }
 
-/// A request whose node the server does not know.
-struct Lost {
-    request: Arc<MonitorRequest>,
-    attempts: u32,
+/// Item that is to be created at a node.
+struct PendingItem {
+    attempt: Attempt,
+    node_id: NodeId,
+    /// The node was found at the browse path: there is nothing more to try.
+    is_found_by_path: bool,
+}
+
+/// Request whose node the server does not know.
+struct MissingNode {
+    attempt: Attempt,
     status: StatusCode,
     reason: String,
 }
 
-/// What became of an item of a request.
-enum Outcome {
+/// Outcome of one item in a request.
+enum ItemOutcome {
     Created { item_id: u32, handle: u32 },
     Refused(StatusCode),
 }
 
-impl Subscriptions {
-    pub(super) async fn create(
-        &mut self,
-        requests: Vec<(Arc<MonitorRequest>, u32)>,
-        memory: &mut Memory,
-    ) -> Result<(), ShopFloorError> {
+impl ItemCreation<'_> {
+    /// Creates the items, or records why the server refuses them.
+    pub(super) async fn run(mut self, attempts: Vec<Attempt>) -> Result<(), ShopFloorError> {
         let mut queue = VecDeque::new();
-        let mut lost = Vec::new();
+        let mut missing = Vec::new();
         let namespaces = self.connection.namespaces();
-        for (request, attempts) in requests {
-            let found = memory.moved.get(&request.node_id).cloned();
-            let is_found_by_path = found.is_some();
-            match found.map_or_else(|| node_id_to_stack(&request.node_id, &namespaces), Ok) {
-                Ok(node_id) => {
-                    queue.push_back(Candidate { request, node_id, is_found_by_path, attempts })
-                }
+        for attempt in attempts {
+            let node = &attempt.request.node_id;
+            let relocated = self.memory.relocated(node).cloned();
+            let is_found_by_path = relocated.is_some();
+            match relocated.map_or_else(|| node_id_to_stack(node, &namespaces), Ok) {
+                Ok(node_id) => queue.push_back(PendingItem { attempt, node_id, is_found_by_path }),
                 Err(error) => {
                     let status = StatusCode::BadNodeIdUnknown;
-                    lost.push(Lost { request, attempts, status, reason: error.to_string() });
+                    missing.push(MissingNode { attempt, status, reason: error.to_string() });
                 }
             }
         }
-        self.create_queued(&mut queue, &mut lost).await?;
-        let mut found = self.find_by_path(lost, memory).await?;
-        let mut still_lost = Vec::new();
-        self.create_queued(&mut found, &mut still_lost).await?;
-        for Lost { request, attempts, status, reason } in still_lost {
-            self.refuse(request, attempts, status, reason);
+        self.create_queued(&mut queue, &mut missing).await?;
+        let mut found = self.find_by_path(missing).await?;
+        let mut still_missing = Vec::new();
+        self.create_queued(&mut found, &mut still_missing).await?;
+        for MissingNode { attempt, status, reason } in still_missing {
+            self.items.add_refused(attempt, status, reason);
         }
         Ok(())
     }
 
-    /// Creates what is queued. What the server does not know (any more) and was not found by its
-    /// path ends in `lost`.
+    /// Creates the queued items. Those whose node the server does not know end in `missing`, unless
+    /// the node was found at its path.
     async fn create_queued(
         &mut self,
-        queue: &mut VecDeque<Candidate>,
-        lost: &mut Vec<Lost>,
+        queue: &mut VecDeque<PendingItem>,
+        missing: &mut Vec<MissingNode>,
     ) -> Result<(), ShopFloorError> {
         while !queue.is_empty() {
-            if self.is_server_full {
-                let reason = "the server's limit of monitored items is reached; raise it there or monitor less";
-                for candidate in queue.drain(..) {
-                    let status = StatusCode::BadTooManyMonitoredItems;
-                    self.refuse(candidate.request, candidate.attempts, status, reason.into());
-                }
+            if self.pool.is_server_full() {
+                self.refuse_all(queue);
                 return Ok(());
             }
-            let Some(index) = self.subscription_with_room().await? else { continue };
-            let subscription = &self.subscriptions[index];
-            let room = subscription.capacity - subscription.items;
-            let count = self.chunk.min(queue.len()).min(room).min(subscription.room_guess);
+            let Some(index) = self.pool.with_room().await? else { continue };
+            let count = (*self.items_per_request).min(queue.len()).min(self.pool.room(index));
             let chunk: Vec<_> = queue.drain(..count).collect();
             let outcomes = match self.request_items(index, &chunk).await {
                 Ok(outcomes) => outcomes,
@@ -113,239 +107,145 @@ impl Subscriptions {
                     if StatusCode::from(status.0) == StatusCode::BadTooManyMonitoredItems
                         && count > 1 =>
                 {
-                    self.subscriptions[index].room_guess = count / 2;
-                    for candidate in chunk.into_iter().rev() {
-                        queue.push_front(candidate);
-                    }
+                    self.pool.set_room_below(index, count);
+                    requeue(queue, chunk);
                     continue;
                 }
-                Err(error) if request::is_choking(&error) && self.chunk > 1 => {
-                    self.chunk = (count / 2).max(1);
-                    tracing::info!(source.id = %self.entry.id, chunk = self.chunk, %error,
-                        "A server cannot take so many items at once; fewer are sent.");
-                    for candidate in chunk.into_iter().rev() {
-                        queue.push_front(candidate);
-                    }
+                Err(error) if item_request::is_too_large(&error) && *self.items_per_request > 1 => {
+                    *self.items_per_request = (count / 2).max(1);
+                    tracing::info!(source.id = %self.source, chunk = *self.items_per_request,
+                        %error, "A server cannot take so many items at once; fewer are sent.");
+                    requeue(queue, chunk);
                     continue;
                 }
                 Err(ShopFloorError::Refused { status }) => {
                     let status = StatusCode::from(status.0);
-                    chunk.iter().map(|_| Outcome::Refused(status)).collect()
+                    chunk.iter().map(|_| ItemOutcome::Refused(status)).collect()
                 }
                 Err(error) => return Err(error),
             };
-            self.settle(index, chunk, outcomes, queue, lost);
+            self.record_outcomes(index, chunk, outcomes, queue, missing);
         }
         Ok(())
     }
 
-    /// Sends one request for items. Handles are released again for those that were not created.
+    fn refuse_all(&mut self, queue: &mut VecDeque<PendingItem>) {
+        let reason = "the server's limit of monitored items is reached; raise it there or monitor \
+                      less";
+        for PendingItem { attempt, .. } in queue.drain(..) {
+            let status = StatusCode::BadTooManyMonitoredItems;
+            self.items.add_refused(attempt, status, reason.into());
+        }
+    }
+
+    /// Sends one request for items. Releases the client handles of those that were not created.
     async fn request_items(
         &self,
         index: usize,
-        chunk: &[Candidate],
-    ) -> Result<Vec<Outcome>, ShopFloorError> {
-        let handles: Vec<_> =
-            chunk.iter().map(|candidate| self.feed.reserve(candidate.request.input)).collect();
-        let publishing_ms = self.publishing_ms();
-        let requests = chunk
-            .iter()
-            .zip(&handles)
-            .map(|(candidate, handle)| {
-                request::item(
-                    candidate.node_id.clone(),
-                    &candidate.request.options,
-                    *handle,
-                    publishing_ms,
-                )
-            })
-            .collect();
+        chunk: &[PendingItem],
+    ) -> Result<Vec<ItemOutcome>, ShopFloorError> {
+        let reserve = |request: &MonitorRequest| self.sink.reserve(request.input);
+        let handles: Vec<_> = chunk.iter().map(|item| reserve(&item.attempt.request)).collect();
+        let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
+            let options = &item.attempt.request.options;
+            item_request::new(item.node_id.clone(), options, *handle, self.publishing_ms)
+        });
         let session = self.connection.session();
-        // Past the session's own list of items, which would keep all of it once more: the feed
-        // knows the handles.
-        let request = CreateMonitoredItems::new(self.subscriptions[index].id, session)
+        // Past the session's own list of items, which would store all of them a second time.
+        let request = CreateMonitoredItems::new(self.pool.id(index), session)
             .timestamps_to_return(TimestampsToReturn::Both)
-            .items_to_create(requests);
-        let created = match self.connection.ask(request.send(session.channel())).await {
+            .items_to_create(requests.collect());
+        let created = match self.connection.request(request.send(session.channel())).await {
             Ok(created) => created.results,
             Err(error) => {
-                handles.into_iter().for_each(|handle| self.feed.release(handle));
+                handles.into_iter().for_each(|handle| self.sink.release(handle));
                 return Err(error);
             }
         };
-        let outcome = |(result, handle): (StatusCode, u32), item_id| {
-            if result.is_good() {
-                Outcome::Created { item_id, handle }
+        let outcomes = created.into_iter().zip(handles).map(|(item, handle)| {
+            let status = item.result.status_code;
+            if status.is_good() {
+                ItemOutcome::Created { item_id: item.result.monitored_item_id, handle }
             } else {
-                self.feed.release(handle);
-                Outcome::Refused(result)
+                self.sink.release(handle);
+                ItemOutcome::Refused(status)
             }
-        };
-        Ok(created
-            .into_iter()
-            .zip(handles)
-            .map(|(item, handle)| {
-                outcome((item.result.status_code, handle), item.result.monitored_item_id)
-            })
-            .collect())
+        });
+        Ok(outcomes.collect())
     }
 
-    /// Notes what became of each item of a request.
-    fn settle(
+    fn record_outcomes(
         &mut self,
         index: usize,
-        chunk: Vec<Candidate>,
-        outcomes: Vec<Outcome>,
-        queue: &mut VecDeque<Candidate>,
-        lost: &mut Vec<Lost>,
+        chunk: Vec<PendingItem>,
+        outcomes: Vec<ItemOutcome>,
+        queue: &mut VecDeque<PendingItem>,
+        missing: &mut Vec<MissingNode>,
     ) {
         let mut is_full = false;
-        for (candidate, outcome) in chunk.into_iter().zip(outcomes) {
+        for (item, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                Outcome::Created { item_id, handle } => {
-                    self.subscriptions[index].items += 1;
-                    self.feed.expect(self.subscriptions[index].place);
-                    let request = candidate.request;
-                    self.entry.note([(request.input, None)]);
-                    let item = Item::Monitored {
-                        request: Arc::clone(&request),
-                        subscription: index,
-                        item_id,
-                        handle,
-                    };
-                    self.items.insert(request.input, item);
+                ItemOutcome::Created { item_id, handle } => {
+                    self.pool.add_item(index);
+                    self.items.add_monitored(item.attempt.request, index, item_id, handle);
                 }
-                Outcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
+                ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
                     is_full = true;
-                    queue.push_back(candidate);
+                    queue.push_back(item);
                 }
-                Outcome::Refused(status) if is_gone(status) && !candidate.is_found_by_path => {
+                ItemOutcome::Refused(
+                    status @ (StatusCode::BadNodeIdUnknown | StatusCode::BadNodeIdInvalid),
+                ) if !item.is_found_by_path => {
                     let reason = format!("the server does not know this node: {status}");
-                    lost.push(Lost {
-                        request: candidate.request,
-                        attempts: candidate.attempts,
-                        status,
-                        reason,
-                    });
+                    missing.push(MissingNode { attempt: item.attempt, status, reason });
                 }
-                Outcome::Refused(status) => {
+                ItemOutcome::Refused(status) => {
                     let reason = format!("the server refuses to monitor this node: {status}");
-                    self.refuse(candidate.request, candidate.attempts, status, reason);
+                    self.items.add_refused(item.attempt, status, reason);
                 }
             }
         }
         if is_full {
-            let subscription = &mut self.subscriptions[index];
-            // An empty subscription that takes nothing: the limit is the session's or the server's.
-            self.is_server_full = subscription.items == 0;
-            subscription.capacity = subscription.items;
+            self.pool.set_full(index);
         }
     }
 
-    /// A subscription that takes another item; made where there is none. `None` after it was found
-    /// that there is no room at all.
-    async fn subscription_with_room(&mut self) -> Result<Option<usize>, ShopFloorError> {
-        if let Some(index) =
-            self.subscriptions.iter().position(|known| known.items < known.capacity)
-        {
-            return Ok(Some(index));
-        }
-        let interval = self.config.publishing_interval();
-        let keep_alive = self.config.silence_max() / 3;
-        let count = |duration: Duration| {
-            (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32
-        };
-        let keep_alive_count = count(keep_alive);
-        let life_count = count(SUBSCRIPTION_LIFE).max(keep_alive_count.saturating_mul(3));
-        let place = self.feed.add_subscription();
-        let listener = Listener::new(Arc::clone(&self.feed), place);
-        let session = self.connection.session();
-        let created = session.create_subscription(
-            interval,
-            life_count,
-            keep_alive_count,
-            0,
-            0,
-            true,
-            listener,
-        );
-        match self.connection.ask(created).await {
-            Ok(id) => {
-                let limit = self.connection.limits().items_per_subscription_max;
-                let limit =
-                    limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
-                let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
-                self.subscriptions.push(Subscription {
-                    id,
-                    place,
-                    items: 0,
-                    capacity,
-                    room_guess: usize::MAX,
-                });
-                Ok(Some(self.subscriptions.len() - 1))
-            }
-            Err(ShopFloorError::Refused { status }) => {
-                tracing::warn!(source.id = %self.entry.id, %status, "A server refuses another subscription.");
-                self.is_server_full = true;
-                Ok(None)
-            }
-            Err(error) => Err(error),
-        }
-    }
-
-    /// Looks for lost nodes at their browse paths.
+    /// Finds missing nodes at their browse paths; the others are refused.
     async fn find_by_path(
         &mut self,
-        lost: Vec<Lost>,
-        memory: &mut Memory,
-    ) -> Result<VecDeque<Candidate>, ShopFloorError> {
+        missing: Vec<MissingNode>,
+    ) -> Result<VecDeque<PendingItem>, ShopFloorError> {
         let mut with_path = Vec::new();
-        for lost in lost {
-            match memory.path_of(&lost.request) {
-                Some(path) => with_path.push((lost, path)),
-                None => self.refuse(lost.request, lost.attempts, lost.status, lost.reason),
+        for node in missing {
+            match self.memory.path_of(&node.attempt.request) {
+                Some(path) => with_path.push((node, path)),
+                None => self.items.add_refused(node.attempt, node.status, node.reason),
             }
         }
         let paths: Vec<_> = with_path.iter().map(|(_, path)| path.clone()).collect();
-        let found = paths::translate(&self.connection, &paths).await?;
+        let found = translate(self.connection, &paths).await?;
         let mut queue = VecDeque::new();
-        for ((lost, path), targets) in with_path.into_iter().zip(found) {
+        for ((MissingNode { attempt, status, reason }, path), targets) in
+            with_path.into_iter().zip(found)
+        {
             if let Some(node_id) = targets.into_iter().next() {
-                tracing::info!(source.id = %self.entry.id, node.id = %lost.request.node_id, path = %path,
+                let requested = attempt.request.node_id.clone();
+                tracing::info!(source.id = %self.source, node.id = %requested, path = %path,
                     "A node was found again at its browse path under another id.");
-                memory.moved.insert(lost.request.node_id.clone(), node_id.clone());
-                let Lost { request, attempts, .. } = lost;
-                queue.push_back(Candidate { request, node_id, is_found_by_path: true, attempts });
+                self.memory.add_relocated(requested, node_id.clone());
+                queue.push_back(PendingItem { attempt, node_id, is_found_by_path: true });
             } else {
-                let reason =
-                    format!("{}; nothing is at its browse path {path} either", lost.reason);
-                self.refuse(lost.request, lost.attempts, lost.status, reason);
+                let reason = format!("{reason}; nothing is at its browse path {path} either");
+                self.items.add_refused(attempt, status, reason);
             }
         }
         Ok(queue)
     }
+}
 
-    /// The input stays without value; its status says why, and it is tried again later.
-    fn refuse(
-        &mut self,
-        request: Arc<MonitorRequest>,
-        attempts: u32,
-        status: StatusCode,
-        reason: String,
-    ) {
-        let status = status_from_stack(status);
-        let input = request.input;
-        self.entry.note([(input, Some((status, reason)))]);
-        if attempts == 0 {
-            self.outbox.push(vec![InputChange {
-                input,
-                value: DataValue::status_only(status, Some(now())),
-            }]);
-        }
-        let pause = RETRY_MIN.saturating_mul(1 << attempts.min(10)).min(RETRY_MAX);
-        let retry_at = Instant::now() + pause;
-        self.next_retry = Some(self.next_retry.map_or(retry_at, |next| next.min(retry_at)));
-        let item = Item::Refused { request, retry_at, attempts: attempts.saturating_add(1) };
-        self.items.insert(input, item);
+/// Puts a refused chunk back to the front of the queue, in its order.
+fn requeue(queue: &mut VecDeque<PendingItem>, chunk: Vec<PendingItem>) {
+    for item in chunk.into_iter().rev() {
+        queue.push_front(item);
     }
 }

@@ -1,10 +1,9 @@
-//! From the sessions to the consumer, without ever making a session wait.
+//! Queue of changes from all sessions to the consumer. Sessions never wait for it.
 //!
-//! While the consumer keeps up, batches pass in order and nothing is merged. When its channel is
-//! full, changes wait in a backlog that holds the newest per input; what is superseded there is
-//! counted.
+//! While the consumer keeps up, batches pass in order and unmerged. When its channel is full,
+//! changes wait in a backlog with the newest one per input; superseded changes are counted.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashSet, sync::Arc};
 
 use asi_model::values::DataValue;
 use indexmap::IndexMap;
@@ -14,9 +13,9 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{InputChange, InputKey};
 
-/// The sending side, shared by all sessions.
+/// Sending side, shared by all sessions.
 #[derive(Clone)]
-pub(crate) struct Outbox {
+pub(crate) struct ChangeQueue {
     shared: Arc<Shared>,
 }
 
@@ -26,14 +25,14 @@ struct Shared {
     backlog_filled: Notify,
 }
 
-impl Outbox {
+impl ChangeQueue {
     pub(crate) fn new(waiting_batches_max: usize) -> (Self, mpsc::Receiver<Vec<InputChange>>) {
         let (sender, receiver) = mpsc::channel(waiting_batches_max.max(1));
         let shared = Shared { sender, backlog: Mutex::default(), backlog_filled: Notify::new() };
         (Self { shared: Arc::new(shared) }, receiver)
     }
 
-    /// Hands changes over; never waits.
+    /// Sends changes to the consumer, or merges them into the backlog. Never waits.
     pub(crate) fn push(&self, changes: Vec<InputChange>) {
         if changes.is_empty() {
             return;
@@ -41,7 +40,7 @@ impl Outbox {
         let mut backlog = self.shared.backlog.lock();
         let changes = if backlog.is_empty() {
             match self.shared.sender.try_send(changes) {
-                // A closed channel means that the consumer has ended: there is nobody to tell.
+                // A closed channel means that the consumer has ended: changes are dropped.
                 Ok(()) | Err(mpsc::error::TrySendError::Closed(_)) => return,
                 Err(mpsc::error::TrySendError::Full(changes)) => changes,
             }
@@ -56,7 +55,7 @@ impl Outbox {
         self.shared.backlog_filled.notify_one();
     }
 
-    /// Drains the backlog as the consumer makes room, until told to stop or the consumer ends.
+    /// Drains the backlog as the consumer makes room, until `shutdown` or the consumer's end.
     pub(crate) async fn run(&self, shutdown: CancellationToken) {
         loop {
             tokio::select! {
@@ -77,18 +76,17 @@ impl Outbox {
         }
     }
 
-    /// Forgets what waits for inputs that nobody wants any more.
-    pub(crate) fn forget(&self, inputs: &[InputKey]) {
+    /// Drops changes of inputs that are no longer monitored.
+    pub(crate) fn discard(&self, inputs: &[InputKey]) {
         let mut backlog = self.shared.backlog.lock();
         if !backlog.is_empty() {
-            let inputs: HashMap<_, _> = inputs.iter().map(|input| (*input, ())).collect();
-            backlog.retain(|input, _| !inputs.contains_key(input));
+            let inputs: HashSet<_> = inputs.iter().collect();
+            backlog.retain(|input, _| !inputs.contains(input));
         }
     }
 }
 
-/// Newest per input wins; returns how many were superseded. An input's place is that of its newest
-/// change.
+/// Merges changes so that the newest per input remains; returns the number of superseded ones.
 fn merge(backlog: &mut IndexMap<InputKey, DataValue>, changes: Vec<InputChange>) -> u64 {
     let mut superseded = 0;
     for change in changes {
@@ -117,38 +115,38 @@ mod tests {
 
     #[tokio::test]
     async fn a_slow_consumer_gets_the_newest_in_order() {
-        let (outbox, mut receiver) = Outbox::new(1);
+        let (queue, mut receiver) = ChangeQueue::new(1);
         let shutdown = CancellationToken::new();
         let runner = tokio::spawn({
-            let (outbox, shutdown) = (outbox.clone(), shutdown.clone());
-            async move { outbox.run(shutdown).await }
+            let (queue, shutdown) = (queue.clone(), shutdown.clone());
+            async move { queue.run(shutdown).await }
         });
-        outbox.push(changes(&[(1, 1), (1, 2)]));
-        outbox.push(changes(&[(1, 3), (2, 1)]));
-        outbox.push(changes(&[(1, 4)]));
+        queue.push(changes(&[(1, 1), (1, 2)]));
+        queue.push(changes(&[(1, 3), (2, 1)]));
+        queue.push(changes(&[(1, 4)]));
 
         assert_eq!(
             receiver.recv().await,
             Some(changes(&[(1, 1), (1, 2)])),
-            "what fits passes unmerged"
+            "changes that fit pass unmerged"
         );
         assert_eq!(
             receiver.recv().await,
             Some(changes(&[(1, 4), (2, 1)])),
-            "what does not is the newest of each"
+            "of the others the newest per input passes"
         );
-        outbox.push(changes(&[(3, 1)]));
+        queue.push(changes(&[(3, 1)]));
         assert_eq!(receiver.recv().await, Some(changes(&[(3, 1)])));
         shutdown.cancel();
         runner.await.expect("ends");
     }
 
     #[test]
-    fn forgotten_inputs_leave_the_backlog() {
-        let (outbox, _receiver) = Outbox::new(1);
-        outbox.push(changes(&[(1, 1)]));
-        outbox.push(changes(&[(1, 2), (2, 2)]));
-        outbox.forget(&[InputKey(1)]);
-        assert_eq!(outbox.shared.backlog.lock().keys().copied().collect::<Vec<_>>(), [InputKey(2)]);
+    fn discarded_inputs_leave_the_backlog() {
+        let (queue, _receiver) = ChangeQueue::new(1);
+        queue.push(changes(&[(1, 1)]));
+        queue.push(changes(&[(1, 2), (2, 2)]));
+        queue.discard(&[InputKey(1)]);
+        assert_eq!(queue.shared.backlog.lock().keys().copied().collect::<Vec<_>>(), [InputKey(2)]);
     }
 }

@@ -1,23 +1,22 @@
-//! Endpoints: what a server offers, and which of them fits.
+//! Choice among the endpoints that a server offers.
 
 use opcua_stack::opcua::{
     crypto::{self, X509},
     types::{EndpointDescription, MessageSecurityMode, UAString, UserTokenType},
 };
 
-use super::problem;
 use crate::{
     EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
     SourceProblemKind as Kind,
 };
 
-/// The endpoint that fits the choice of security and the identity.
+/// Returns the strongest endpoint that fits the choice of security and the identity.
 pub(super) fn choose<'a>(
     offered: &'a [EndpointDescription],
     choice: SecurityChoice,
     identity: &Identity,
 ) -> Result<&'a EndpointDescription, SourceProblem> {
-    let unsuitable = |message: String| Err(problem(Kind::NoSuitableEndpoint, message));
+    let unsuitable = |message: String| Err(SourceProblem::new(Kind::NoSuitableEndpoint, message));
     let fits = |endpoint: &&EndpointDescription| {
         let Some(policy) = policy_of(endpoint) else { return false };
         let mode = mode_of(endpoint.security_mode);
@@ -26,8 +25,8 @@ pub(super) fn choose<'a>(
                 policy != SecurityPolicy::None && mode != MessageSecurity::None
             }
             SecurityChoice::None => policy == SecurityPolicy::None,
-            SecurityChoice::Exactly { policy: wanted_policy, mode: wanted_mode } => {
-                (policy, mode) == (wanted_policy, wanted_mode)
+            SecurityChoice::Exactly { policy: chosen_policy, mode: chosen_mode } => {
+                (policy, mode) == (chosen_policy, chosen_mode)
             }
         }
     };
@@ -43,27 +42,28 @@ pub(super) fn choose<'a>(
         };
         return unsuitable(format!("The server offers {hint}. It offers: {}.", names.join(", ")));
     }
-    let wanted = match identity {
+    let token = match identity {
         Identity::Anonymous => UserTokenType::Anonymous,
         Identity::UserName { .. } => UserTokenType::UserName,
         Identity::Certificate { .. } => UserTokenType::Certificate,
     };
     let strongest = secure_enough
         .into_iter()
-        .filter(|endpoint| allows(endpoint, wanted))
+        .filter(|endpoint| allows(endpoint, token))
         .max_by_key(|endpoint| {
             (mode_of(endpoint.security_mode), policy_of(endpoint), endpoint.security_level)
         });
     match strongest {
         Some(endpoint) => Ok(endpoint),
-        None => unsuitable(format!("The server does not accept sign-in by {wanted:?} there.")),
+        None => unsuitable(format!("The server does not accept sign-in by {token:?} there.")),
     }
 }
 
-fn allows(endpoint: &EndpointDescription, wanted: UserTokenType) -> bool {
-    endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == wanted)
+fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
+    endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == token)
 }
 
+/// Returns the security policy of an endpoint; `None` for one that is deprecated or unknown.
 pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
     match crypto::SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref()) {
         crypto::SecurityPolicy::None => Some(SecurityPolicy::None),
@@ -110,14 +110,14 @@ pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
     }
 }
 
-/// The path that the server says, at the host and port that we were given.
-pub(super) fn reachable_url(given: &str, said: &str) -> String {
+/// Combines the configured host and port with the path of the address that the server returned.
+pub(super) fn reachable_url(configured: &str, returned: &str) -> String {
     let split = |url: &str| {
         let rest = url.strip_prefix("opc.tcp://").unwrap_or(url);
         let at = rest.find('/').unwrap_or(rest.len());
         (rest[..at].to_owned(), rest[at..].to_owned())
     };
-    format!("opc.tcp://{}{}", split(given).0, split(said).1)
+    format!("opc.tcp://{}{}", split(configured).0, split(returned).1)
 }
 
 #[cfg(test)]
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_suitable_endpoint_is_chosen_and_never_an_unprotected_one_by_itself() {
+    fn the_strongest_suitable_endpoint_is_chosen_and_an_unprotected_one_only_on_request() {
         use MessageSecurityMode::{None, Sign, SignAndEncrypt};
         let both = [UserTokenType::Anonymous, UserTokenType::UserName];
         let offered = [
@@ -177,8 +177,8 @@ mod tests {
     }
 
     #[test]
-    fn a_server_is_reached_where_we_were_told() {
-        for (given, said, expected) in [
+    fn the_configured_host_and_port_replace_those_of_the_server() {
+        for (configured, returned, expected) in [
             (
                 "opc.tcp://10.0.0.7:4840",
                 "opc.tcp://plc:4841/UA/Server",
@@ -186,7 +186,7 @@ mod tests {
             ),
             ("opc.tcp://10.0.0.7:4840/x", "opc.tcp://plc", "opc.tcp://10.0.0.7:4840"),
         ] {
-            assert_eq!(reachable_url(given, said), expected);
+            assert_eq!(reachable_url(configured, returned), expected);
         }
     }
 }

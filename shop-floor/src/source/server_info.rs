@@ -1,4 +1,4 @@
-//! What a fresh session asks first: the server's namespaces, limits and clock.
+//! Properties of the Server object: namespaces, limits, start time, clock and state.
 
 use asi_model::values::{DateTime, Variant};
 use opcua_stack::{
@@ -12,19 +12,21 @@ use opcua_stack::{
     values::from_stack,
 };
 
-use super::{connection::ANSWER_TIMEOUT, now, problem};
-use crate::{ServerLimits, SourceProblem, SourceProblemKind};
+use super::connection::RESPONSE_TIMEOUT;
+use crate::{ServerLimits, SourceProblem, SourceProblemKind, clock};
 
-/// What a server says about itself.
-pub(super) struct Facts {
+/// Properties read at the start of a session.
+pub(super) struct ServerProperties {
     pub(super) namespaces: NamespaceTable,
     pub(super) limits: ServerLimits,
+    /// Milliseconds; negative when the server's clock is behind.
     pub(super) clock_ahead_ms: Option<i64>,
-    /// When the server was started; another one means that anything may have changed.
+    /// Start of the server. After another start node ids may name other nodes.
     pub(super) started_at: Option<DateTime>,
 }
 
-const ASKED: [VariableId; 11] = [
+/// Variables in the order in which [`read`] interprets them.
+const PROPERTIES: [VariableId; 11] = [
     VariableId::Server_NamespaceArray,
     VariableId::Server_ServerStatus_StartTime,
     VariableId::Server_ServerStatus_CurrentTime,
@@ -38,23 +40,24 @@ const ASKED: [VariableId; 11] = [
     VariableId::Server_ServerCapabilities_MaxBrowseContinuationPoints,
 ];
 
-pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
+/// Reads the properties of the server behind a new session.
+pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourceProblem> {
     let refused = |reason: String| {
-        problem(
+        SourceProblem::new(
             SourceProblemKind::Refused,
-            format!("The server does not tell its namespaces: {reason}."),
+            format!("The server's namespaces cannot be read: {reason}."),
         )
     };
-    let ids: Vec<_> = ASKED.iter().map(|id| ReadValueId::from(NodeId::from(*id))).collect();
-    let asked_at = now();
-    let answers = tokio::time::timeout(ANSWER_TIMEOUT, ask(session, &ids))
+    let ids: Vec<_> = PROPERTIES.iter().map(|id| ReadValueId::from(NodeId::from(*id))).collect();
+    let requested_at = clock::now();
+    let answers = tokio::time::timeout(RESPONSE_TIMEOUT, read_values(session, &ids))
         .await
-        .map_err(|_| refused("no answer in time".into()))?
+        .map_err(|_| refused("no response in time".into()))?
         .map_err(|error| refused(error.to_string()))?;
-    let answered_at = now();
+    let answered_at = clock::now();
     let namespaces = answers.first().and_then(|value| value.value.as_ref());
     let namespaces = namespaces.and_then(NamespaceTable::from_namespace_array);
-    let namespaces = namespaces.ok_or_else(|| refused("the answer is no list of texts".into()))?;
+    let namespaces = namespaces.ok_or_else(|| refused("the value is no list of texts".into()))?;
     session.set_namespaces(namespaces.to_namespace_map());
 
     let values: Vec<_> =
@@ -79,13 +82,15 @@ pub(super) async fn read(session: &Session) -> Result<Facts, SourceProblem> {
         subscriptions_per_session_max: limit(9),
         browse_continuation_points_max: limit(10),
     };
-    let middle = asked_at.ticks() + (answered_at.ticks() - asked_at.ticks()) / 2;
+    // The server read its clock about in the middle between request and answer.
+    let middle = requested_at.ticks() + (answered_at.ticks() - requested_at.ticks()) / 2;
     let clock_ahead_ms = time(2).map(|server| (server.ticks() - middle) / 10_000);
-    Ok(Facts { started_at: time(1), namespaces, limits, clock_ahead_ms })
+    Ok(ServerProperties { started_at: time(1), namespaces, limits, clock_ahead_ms })
 }
 
-/// Reads all at once, or one by one from a server whose limit, which we do not know yet, is lower.
-async fn ask(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, Error> {
+/// Reads all values in one request, or one by one from a server with a lower limit: limits are not
+/// known yet.
+async fn read_values(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, Error> {
     match session.read(ids, TimestampsToReturn::Both, 0.0).await {
         Err(error) if error.status() == StatusCode::BadTooManyOperations => {
             let mut answers = Vec::with_capacity(ids.len());
@@ -100,18 +105,20 @@ async fn ask(session: &Session, ids: &[ReadValueId]) -> Result<Vec<DataValue>, E
     }
 }
 
-/// Asks whether the server runs; the time says nothing, the answer everything.
+/// Returns true when the server responds and is in a state in which it delivers values.
 pub(super) async fn is_running(session: &Session) -> bool {
     let id = ReadValueId::from(NodeId::from(VariableId::Server_ServerStatus_State));
-    let answer =
-        tokio::time::timeout(ANSWER_TIMEOUT, session.read(&[id], TimestampsToReturn::Server, 0.0))
-            .await;
+    let answer = tokio::time::timeout(
+        RESPONSE_TIMEOUT,
+        session.read(&[id], TimestampsToReturn::Server, 0.0),
+    )
+    .await;
     let Ok(Ok(values)) = answer else { return false };
     let state = values
         .into_iter()
         .next()
         .and_then(|value| value.value)
         .and_then(|value| value.try_cast_to::<i32>().ok());
-    // Running 0, or a state in which it still delivers: Test 6 and CommunicationFault 5.
+    // Running (0), CommunicationFault (5) and Test (6). Some servers do not have the variable.
     matches!(state, None | Some(0 | 5 | 6))
 }

@@ -1,35 +1,33 @@
-//! One request for a monitored item, and what a refusal of several means.
+//! Request for one monitored item.
 
 use opcua_stack::opcua::types::{
     AttributeId, ExtensionObject, MonitoredItemCreateRequest, MonitoringMode, MonitoringParameters,
-    NodeId, NumericRange, QualifiedName, ReadValueId, StatusCode,
+    NodeId, QualifiedName, ReadValueId, StatusCode,
 };
 
-use super::{ShopFloorError, parse_range};
-use crate::MonitorOptions;
+use crate::{
+    MonitorOptions, ShopFloorError,
+    monitor_options::{numeric_range, sampling_interval_ms},
+};
 
-/// Longest queue we ask a server for on our own.
+/// Longest queue requested when the options have none.
 const QUEUE_MAX: u32 = 100;
-/// The queue of an item that is sampled on every change.
+/// Length of the queue of an item that is sampled on every change.
 const QUEUE_ON_CHANGE: u32 = 10;
 
-/// The request for an item under a client handle; intervals in milliseconds.
-pub(super) fn item(
+/// Returns the request for an item under a client handle; the interval is in milliseconds.
+pub(super) fn new(
     node_id: NodeId,
     options: &MonitorOptions,
     handle: u32,
     publishing_ms: f64,
 ) -> MonitoredItemCreateRequest {
-    let sampling_interval = sampling_ms(options, publishing_ms);
+    let sampling_interval = sampling_interval_ms(options, publishing_ms);
     MonitoredItemCreateRequest {
         item_to_monitor: ReadValueId {
             node_id,
             attribute_id: AttributeId::Value as u32,
-            index_range: options
-                .index_range
-                .as_deref()
-                .and_then(parse_range)
-                .unwrap_or(NumericRange::None),
+            index_range: numeric_range(options),
             data_encoding: QualifiedName::null(),
         },
         monitoring_mode: MonitoringMode::Reporting,
@@ -45,12 +43,7 @@ pub(super) fn item(
     }
 }
 
-/// How often the server shall look: what was asked for, else as often as it publishes.
-pub(super) fn sampling_ms(options: &MonitorOptions, publishing_ms: f64) -> f64 {
-    options.sampling_interval_ms.unwrap_or(publishing_ms)
-}
-
-/// How many changes may come together between two publishings.
+/// Returns the queue length that holds all changes between two publishings.
 fn queue_size(sampling_ms: f64, publishing_ms: f64) -> u32 {
     if sampling_ms <= 0.0 {
         return QUEUE_ON_CHANGE;
@@ -59,8 +52,8 @@ fn queue_size(sampling_ms: f64, publishing_ms: f64) -> u32 {
     changes as u32 + 1
 }
 
-/// True where a smaller request may succeed.
-pub(super) fn is_choking(error: &ShopFloorError) -> bool {
+/// Returns true for an error after which a request with fewer items may succeed.
+pub(super) fn is_too_large(error: &ShopFloorError) -> bool {
     match error {
         ShopFloorError::Refused { status } => matches!(
             StatusCode::from(status.0),
@@ -82,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn queues_hold_what_may_come_between_two_publishings() {
+    fn queues_hold_all_changes_between_two_publishings() {
         for (sampling, publishing, expected) in [
             (100.0, 100.0, 2),
             (10.0, 100.0, 11),

@@ -1,0 +1,55 @@
+//! Shared context below the handle, the service and every source's task.
+
+use std::sync::Arc;
+
+use tokio::{
+    sync::{mpsc, watch},
+    task::{self, JoinError},
+};
+
+use crate::{Config, InputChange, certificates::PkiDirectory, change_queue::ChangeQueue};
+
+/// Configuration, certificates, the queue of changes and the version of all statuses.
+pub(crate) struct SourceContext {
+    pub(crate) config: Config,
+    /// Sending side of the channel to the consumer.
+    pub(crate) changes: ChangeQueue,
+    certificates: Arc<PkiDirectory>,
+    status_version: watch::Sender<u64>,
+}
+
+impl SourceContext {
+    /// Returns the context and the receiving side of its queue of changes.
+    pub(crate) fn new(config: Config) -> (Arc<Self>, mpsc::Receiver<Vec<InputChange>>) {
+        let (changes, receiver) = ChangeQueue::new(config.waiting_batches_max);
+        let context = Self {
+            certificates: Arc::new(PkiDirectory::new(&config)),
+            config,
+            changes,
+            status_version: watch::Sender::new(0),
+        };
+        (Arc::new(context), receiver)
+    }
+
+    /// Notifies all watchers that the status of some source has changed.
+    pub(crate) fn notify_status_changed(&self) {
+        self.status_version.send_modify(|version| *version = version.wrapping_add(1));
+    }
+
+    pub(crate) fn watch_status(&self) -> watch::Receiver<u64> {
+        self.status_version.subscribe()
+    }
+
+    pub(crate) fn certificates(&self) -> &PkiDirectory {
+        &self.certificates
+    }
+
+    /// Runs work on the certificates off the async threads: it reads and writes files.
+    pub(crate) async fn with_certificates<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&PkiDirectory) -> T + Send + 'static,
+    ) -> Result<T, JoinError> {
+        let certificates = Arc::clone(&self.certificates);
+        task::spawn_blocking(move || work(&certificates)).await
+    }
+}

@@ -1,0 +1,42 @@
+//! Checks of monitoring options, and their conversion to what the protocol stack takes.
+
+use opcua_stack::opcua::types::NumericRange;
+use shop_floor_model::PATH_ELEMENTS_MAX;
+
+use crate::{BrowsePath, MonitorOptions, ShopFloorError};
+
+/// Checks the ranges of all options.
+pub(crate) fn check(options: &MonitorOptions) -> Result<(), ShopFloorError> {
+    let invalid = |text: &str| Err(ShopFloorError::Invalid(text.into()));
+    let is_interval = |interval: f64| (0.0..=86_400_000.0).contains(&interval);
+    if !options.sampling_interval_ms.is_none_or(is_interval) {
+        return invalid("a sampling interval must be between 0 ms and a day");
+    }
+    if options.queue_size.is_some_and(|size| !(1..=10_000).contains(&size)) {
+        return invalid("a queue must hold 1 to 10000 changes");
+    }
+    let is_range = |text: &str| text.len() <= 200 && parse_range(text).is_some();
+    if !options.index_range.as_deref().is_none_or(is_range) {
+        return invalid("an index range must look like 2 or 1:3");
+    }
+    let is_path = |path: &BrowsePath| (1..=PATH_ELEMENTS_MAX).contains(&path.0.len());
+    if !options.browse_path.as_ref().is_none_or(is_path) {
+        return invalid("a browse path must have 1 to 64 elements");
+    }
+    Ok(())
+}
+
+/// Returns the part of an array that is monitored.
+pub(crate) fn numeric_range(options: &MonitorOptions) -> NumericRange {
+    options.index_range.as_deref().and_then(parse_range).unwrap_or(NumericRange::None)
+}
+
+/// Returns the requested sampling interval, else the publishing interval.
+pub(crate) fn sampling_interval_ms(options: &MonitorOptions, publishing_ms: f64) -> f64 {
+    options.sampling_interval_ms.unwrap_or(publishing_ms)
+}
+
+/// Parses `2` or `1:3` (OPC 10000-4 §7.27).
+fn parse_range(text: &str) -> Option<NumericRange> {
+    text.parse().ok().filter(|range| *range != NumericRange::None)
+}

@@ -1,0 +1,231 @@
+//! Sink for the data change notifications of one session.
+//!
+//! The stack calls it on the session's event loop: it converts values, remembers the last one of
+//! each item and sends changes to the consumer's queue. It never waits.
+
+mod item_slots;
+
+use std::{
+    collections::HashSet,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use asi_model::values::DataValue;
+use opcua_stack::{
+    notifications::DataChanges,
+    opcua::{
+        client::{MonitoredItemMap, OnSubscriptionNotificationCore},
+        types::{NotificationMessage, StatusChangeNotification, match_extension_object_owned},
+    },
+};
+use parking_lot::Mutex;
+use tokio::sync::Notify;
+
+use super::{activity::ActivityCounters, connection::Connection, services::is_undecoded};
+use crate::{InputChange, InputKey, SourceId, change_queue::ChangeQueue};
+
+pub(super) use item_slots::LastNotified;
+
+use item_slots::ItemSlots;
+
+/// Info bits of a status that say that the item's queue overflowed (OPC 10000-4 §7.39.1: InfoType
+/// DataValue, Overflow).
+const OVERFLOW_BITS: u32 = 0x0000_0480;
+
+pub(super) struct NotificationSink {
+    source: SourceId,
+    activity: Arc<ActivityCounters>,
+    changes: ChangeQueue,
+    connection: Connection,
+    slots: Mutex<ItemSlots>,
+    live: AtomicUsize,
+    is_closed: AtomicBool,
+    /// Time of each subscription's last message, by listener index; `None` while it has no items
+    /// and the server owes no message.
+    last_messages: Mutex<Vec<Option<Instant>>>,
+    /// Woken when a structure arrived that needs the server's data types.
+    pub(super) types_needed: Notify,
+    /// Woken when the server ended a subscription.
+    pub(super) subscription_ended: Notify,
+}
+
+impl NotificationSink {
+    pub(super) fn new(
+        source: SourceId,
+        activity: Arc<ActivityCounters>,
+        changes: ChangeQueue,
+        connection: Connection,
+    ) -> Self {
+        Self {
+            source,
+            activity,
+            changes,
+            connection,
+            slots: Mutex::new(ItemSlots::new()),
+            live: AtomicUsize::new(0),
+            is_closed: AtomicBool::new(false),
+            last_messages: Mutex::default(),
+            types_needed: Notify::new(),
+            subscription_ended: Notify::new(),
+        }
+    }
+
+    /// Returns the number of inputs that have had a value in this session.
+    pub(super) fn live(&self) -> usize {
+        self.live.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn live_inputs(&self) -> HashSet<InputKey> {
+        self.slots.lock().live_inputs()
+    }
+
+    /// Returns the listener index of a new subscription.
+    pub(super) fn add_listener(&self) -> usize {
+        let mut last_messages = self.last_messages.lock();
+        last_messages.push(None);
+        last_messages.len() - 1
+    }
+
+    /// Starts to measure the silence of a subscription.
+    pub(super) fn expect_messages(&self, listener: usize) {
+        self.last_messages.lock()[listener].get_or_insert_with(Instant::now);
+    }
+
+    /// Returns the longest silence of a subscription with items; `None` while there is none.
+    pub(super) fn silence(&self) -> Option<Duration> {
+        self.last_messages.lock().iter().flatten().map(Instant::elapsed).max()
+    }
+
+    /// Measures the silence of all subscriptions from now on.
+    pub(super) fn reset_silence(&self) {
+        self.last_messages.lock().iter_mut().flatten().for_each(|at| *at = Instant::now());
+    }
+
+    /// Returns a client handle for a new item of an input.
+    pub(super) fn reserve(&self, input: InputKey) -> u32 {
+        self.slots.lock().reserve(input)
+    }
+
+    /// Releases the client handle of an item that does not exist.
+    pub(super) fn release(&self, handle: u32) {
+        let released = self.slots.lock().release(handle);
+        if released.is_some_and(|slot| slot.last.is_some()) {
+            self.live.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Drops all later notifications.
+    pub(super) fn close(&self) {
+        self.is_closed.store(true, Ordering::SeqCst);
+        // A callback that runs now finishes first: it holds this lock.
+        self.slots.lock().clear();
+        self.live.store(0, Ordering::Relaxed);
+    }
+
+    /// Returns handles and inputs whose values await a data type; they no longer do.
+    pub(super) fn take_awaiting_type(&self) -> Vec<(u32, InputKey)> {
+        self.slots.lock().take_awaiting_type()
+    }
+
+    /// Returns up to `count` last values that were notified before `older_than`, in the order of
+    /// their handles from `start` on, and the handle to continue with.
+    pub(super) fn last_notified(
+        &self,
+        start: usize,
+        count: usize,
+        older_than: Instant,
+    ) -> (Vec<LastNotified>, usize) {
+        self.slots.lock().last_notified(start, count, older_than)
+    }
+
+    /// Returns the time of an item's last notification.
+    pub(super) fn last_notified_at(&self, handle: u32) -> Option<Instant> {
+        self.slots.lock().get(handle).map(|slot| slot.last_at)
+    }
+
+    /// Accepts values by client handle, notified or read.
+    pub(super) fn accept(&self, values: Vec<(u32, DataValue)>) {
+        let at = Instant::now();
+        let types_settled = self.connection.are_types_settled();
+        let mut changes = Vec::with_capacity(values.len());
+        let (mut needs_types, mut overflows) = (false, 0_u64);
+        let mut slots = self.slots.lock();
+        if self.is_closed.load(Ordering::SeqCst) {
+            return;
+        }
+        for (handle, value) in values {
+            // A handle may be released while its last notification is on the way.
+            let Some(slot) = slots.get_mut(handle) else { continue };
+            if slot.last.is_none() {
+                self.live.fetch_add(1, Ordering::Relaxed);
+            }
+            slot.last_at = at;
+            // The audit compares this copy with what the server returns on read. Texts and byte
+            // strings are shared; only arrays and structures are copied.
+            slot.last = Some(value.clone());
+            slot.awaits_type = !types_settled && is_undecoded(&value);
+            overflows += u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
+            if slot.awaits_type {
+                needs_types = true;
+            } else {
+                changes.push(InputChange { input: slot.input, value });
+            }
+        }
+        self.activity.record(changes.len() as u64);
+        // Still under the lock, so that nothing is sent after `close`.
+        self.changes.push(changes);
+        drop(slots);
+        if needs_types {
+            self.types_needed.notify_one();
+        }
+        if overflows > 0 {
+            metrics::counter!("shop_floor_queue_overflows_total").increment(overflows);
+        }
+    }
+}
+
+/// Callback of one subscription.
+pub(super) struct SubscriptionListener {
+    sink: Arc<NotificationSink>,
+    index: usize,
+}
+
+impl SubscriptionListener {
+    pub(super) const fn new(sink: Arc<NotificationSink>, index: usize) -> Self {
+        Self { sink, index }
+    }
+}
+
+impl OnSubscriptionNotificationCore for SubscriptionListener {
+    fn on_subscription_notification(
+        &mut self,
+        message: NotificationMessage,
+        _items: MonitoredItemMap<'_>,
+    ) {
+        let sink = &self.sink;
+        // Any publish response is a sign of life, with or without data.
+        sink.last_messages.lock()[self.index] = Some(Instant::now());
+        sink.activity.record(0);
+        for notification in message.notification_data.into_iter().flatten() {
+            let notification = match DataChanges::take(notification) {
+                Ok(changes) => {
+                    sink.accept(changes.into_values(&sink.connection.namespaces()));
+                    continue;
+                }
+                Err(other) => other,
+            };
+            match_extension_object_owned!(notification,
+                status: StatusChangeNotification => {
+                    tracing::info!(source.id = %sink.source, status = %status.status,
+                        "The server ended a subscription.");
+                    sink.subscription_ended.notify_one();
+                },
+                _ => {}
+            );
+        }
+    }
+}
