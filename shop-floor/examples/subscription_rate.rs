@@ -1,5 +1,4 @@
-//! How many changes per second come through bare subscriptions, from a server in the same process
-//! to the consumer.
+//! Rate of changes through bare subscriptions, from a server in the same process to the consumer.
 //!
 //! `cargo run --release -p shop-floor --example subscription_rate -- [inputs] [changes per second]
 //! [seconds]`

@@ -2,7 +2,7 @@
 //!
 //! Trust is by the certificate itself, approved by a person who compares thumbprints: `trusted/`
 //! and `rejected/` hold one DER file each. A certificate chain, an authority or a host name inside
-//! it are not asked.
+//! it are not evaluated.
 
 use std::{
     fs, io,
@@ -20,27 +20,25 @@ const OWN_CERTIFICATE: &str = "own/cert.der";
 const OWN_PRIVATE_KEY: &str = "private/private.pem";
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";
-/// How long our own certificate is valid.
+/// Days for which the client certificate is valid.
 const OWN_VALIDITY_DAYS: u32 = 3650;
-/// Most certificates listed per folder, and most kept among the rejected ones.
+/// Most certificates listed per folder, and most stored as rejected.
 const CERTIFICATES_MAX: usize = 1000;
 /// Longest certificate file read.
 const CERTIFICATE_BYTES_MAX: u64 = 64 << 10;
 
-/// Our own certificate, which a server's administrator must trust.
+/// Client certificate, which a server's administrator must trust.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OwnCertificate {
     /// SHA-1 thumbprint, hex.
     pub thumbprint: String,
-    /// Who it names.
+    /// Distinguished name of the subject.
     pub subject: String,
     /// The application URI it is for.
     pub application_uri: String,
-    /// From when it is valid.
     #[schema(value_type = String, format = DateTime)]
     pub valid_from: DateTime,
-    /// Until when it is valid.
     #[schema(value_type = String, format = DateTime)]
     pub valid_to: DateTime,
     /// The certificate itself (DER), to be handed to the server's administrator.
@@ -48,33 +46,30 @@ pub struct OwnCertificate {
     pub der: Vec<u8>,
 }
 
-/// A server's certificate that we have met.
+/// Certificate that a server has presented.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PeerCertificate {
     /// SHA-1 thumbprint, hex.
     pub thumbprint: String,
-    /// Who it names.
+    /// Distinguished name of the subject.
     pub subject: String,
-    /// From when it is valid.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub valid_from: Option<DateTime>,
-    /// Until when it is valid.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub valid_to: Option<DateTime>,
     /// The length of its RSA key in bits.
     pub key_bits: Option<usize>,
-    /// Whether we trust it.
     pub trust: TrustState,
 }
 
-/// Whether a certificate is trusted.
+/// Trust in a server's certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum TrustState {
     /// A person approved it.
     Trusted,
-    /// It was presented and nobody approved it yet.
+    /// No person has approved it yet.
     Rejected,
 }
 
@@ -173,8 +168,7 @@ impl PkiDirectory {
         Ok(())
     }
 
-    /// Whether exactly this certificate is trusted. One met for the first time is put among the
-    /// rejected ones.
+    /// Returns true when exactly this certificate is trusted. A new one is stored as rejected.
     pub(crate) fn is_trusted(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
         let name = CertificateStore::cert_file_name(certificate);
         let der = certificate.to_der().map_err(|_| {
@@ -191,7 +185,7 @@ impl PkiDirectory {
         Ok(false)
     }
 
-    /// All certificates met, the rejected ones first.
+    /// Lists all certificates, the rejected ones first.
     pub(crate) fn list(&self) -> Vec<PeerCertificate> {
         [(REJECTED, TrustState::Rejected), (TRUSTED, TrustState::Trusted)]
             .into_iter()
@@ -225,7 +219,7 @@ impl PkiDirectory {
             .ok_or_else(|| ShopFloorError::Certificates(format!("{thumbprint} is unreadable")))
     }
 
-    /// Forgets a certificate.
+    /// Deletes a certificate.
     pub(crate) fn forget(&self, thumbprint: &str) -> Result<(), ShopFloorError> {
         for folder in [REJECTED, TRUSTED] {
             if let Some(path) = self.find(folder, thumbprint) {

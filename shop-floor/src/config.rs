@@ -1,4 +1,4 @@
-//! What is configured: the client itself and its sources.
+//! Configuration of the client and of its sources.
 
 use std::{fmt, path::PathBuf, time::Duration};
 
@@ -7,25 +7,26 @@ use shop_floor_model::SourceId;
 use utoipa::ToSchema;
 use zeroize::Zeroizing;
 
-/// The client itself.
+/// Configuration of the client.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// Where own certificate, trusted and rejected server certificates lie. Created on first use.
+    /// Directory of the client certificate and of trusted and rejected server certificates. Created
+    /// on first use.
     pub pki_directory: PathBuf,
     /// The application's name as servers see it.
     pub application_name: String,
     /// The application's URI, also in its certificate. Globally unique.
     pub application_uri: String,
-    /// How many batches of changes may wait for the consumer before they are coalesced.
+    /// Most batches of changes that wait for the consumer before changes are coalesced.
     pub waiting_batches_max: usize,
-    /// How many sources are accepted.
+    /// Most sources that are accepted.
     pub sources_max: usize,
-    /// How many inputs may be monitored, over all sources.
+    /// Most inputs that are monitored, over all sources.
     pub inputs_max: usize,
 }
 
 impl Config {
-    /// Usual limits.
+    /// Returns a configuration with the usual limits.
     #[must_use]
     pub fn new(
         pki_directory: impl Into<PathBuf>,
@@ -50,18 +51,18 @@ impl Config {
 pub struct SourceConfig {
     /// The source's name, unique in a connector.
     pub source_id: SourceId,
-    /// What people call it.
+    /// Name for people.
     #[serde(default)]
     pub name: String,
     /// The server's address, `opc.tcp://host:port/path`.
     pub endpoint_url: String,
-    /// Which of the server's endpoints to use.
+    /// Choice among the server's endpoints.
     #[serde(default)]
     pub security: SecurityChoice,
-    /// Who we are to the server.
+    /// Sign-in of the client on the server.
     #[serde(default)]
     pub identity: Identity,
-    /// How often the server may send changes, in milliseconds (1 to 60 000).
+    /// Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
     #[serde(default = "default_publishing_interval_ms")]
     pub publishing_interval_ms: u32,
     /// After how many milliseconds without any sign of life a connection is given up (500 to 600
@@ -79,7 +80,7 @@ const fn default_silence_ms_max() -> u32 {
 }
 
 impl SourceConfig {
-    /// A source with the usual settings: the strongest security that the server offers, anonymous.
+    /// Returns a source with the usual settings: the strongest security that the server offers, anonymous.
     #[must_use]
     pub fn new(source_id: SourceId, endpoint_url: &str) -> Self {
         Self {
@@ -102,7 +103,7 @@ impl SourceConfig {
     }
 }
 
-/// Which of a server's endpoints to use.
+/// Choice among a server's endpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(
     rename_all = "camelCase",
@@ -111,15 +112,14 @@ impl SourceConfig {
     deny_unknown_fields
 )]
 pub enum SecurityChoice {
-    /// The strongest that the server offers; never an unprotected one, so that nobody can talk us
-    /// down.
+    /// The strongest that the server offers; never an unprotected one, which would
+    /// let an attacker on the network downgrade the protection.
     #[default]
     Strongest,
     /// No protection. For servers that offer nothing else, on a network that is trusted.
     None,
     /// Exactly this policy and mode.
     Exactly {
-        /// The algorithms.
         policy: SecurityPolicy,
         /// Signed only, or encrypted too.
         mode: MessageSecurity,
@@ -131,7 +131,6 @@ pub enum SecurityChoice {
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
 )]
 pub enum SecurityPolicy {
-    /// No protection.
     None,
     /// RSA 2048 to 4096, AES-128.
     Aes128Sha256RsaOaep,
@@ -141,21 +140,19 @@ pub enum SecurityPolicy {
     Aes256Sha256RsaPss,
 }
 
-/// How messages are protected.
+/// Protection of messages.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
 )]
 #[serde(rename_all = "camelCase")]
 pub enum MessageSecurity {
-    /// Not at all.
     None,
-    /// Signed.
     Sign,
     /// Signed and encrypted.
     SignAndEncrypt,
 }
 
-/// Who we are to a server.
+/// Sign-in of the client on a server.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(
     rename_all = "camelCase",
@@ -164,14 +161,11 @@ pub enum MessageSecurity {
     deny_unknown_fields
 )]
 pub enum Identity {
-    /// Nobody in particular.
     #[default]
     Anonymous,
     /// A user with a password.
     UserName {
-        /// The user's name.
         user_name: String,
-        /// The user's password.
         #[serde(skip_serializing, default)]
         password: Password,
     },
@@ -193,7 +187,7 @@ pub enum Identity {
 pub struct Password(Zeroizing<String>);
 
 impl Password {
-    /// The password itself, to sign in or to store it.
+    /// Returns the plain password, to sign in or to store it.
     #[must_use]
     pub fn expose(&self) -> &str {
         &self.0
@@ -222,13 +216,12 @@ impl fmt::Debug for Password {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct EndpointOffer {
-    /// The server's address as it says it.
+    /// Address of the server as the server returns it.
     pub endpoint_url: String,
-    /// The policy's name; also such as we do not use.
+    /// Name of the policy, also of one that the client does not use.
     pub security_policy: String,
-    /// How messages are protected.
     pub message_security: MessageSecurity,
-    /// True where we can and would use it.
+    /// True when the client supports it and may use it.
     pub is_supported: bool,
     /// Accepts anonymous users.
     pub allows_anonymous: bool,
@@ -236,7 +229,6 @@ pub struct EndpointOffer {
     pub allows_user_name: bool,
     /// Accepts user certificates.
     pub allows_certificate: bool,
-    /// The server's name.
     pub server_name: String,
     /// The server's application URI.
     pub application_uri: String,

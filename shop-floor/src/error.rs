@@ -1,10 +1,10 @@
-//! What may go wrong with a request to the shop floor.
+//! Errors of requests to the client.
 
 use asi_model::values::StatusCode;
 
 use crate::SourceId;
 
-/// A request could not be fulfilled.
+/// Failure of a request to the client.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShopFloorError {
@@ -17,9 +17,7 @@ pub enum ShopFloorError {
     /// More sources or inputs than allowed.
     #[error("the limit of {limit} {what} is reached")]
     LimitReached {
-        /// Of what.
         what: &'static str,
-        /// The limit.
         limit: usize,
     },
     /// A part of the request does not fit.
@@ -31,7 +29,6 @@ pub enum ShopFloorError {
     /// The server refused.
     #[error("the server refused: {status}")]
     Refused {
-        /// Its status.
         status: StatusCode,
     },
     /// No server answers at the address, or it makes no sense.

@@ -1,13 +1,13 @@
-//! The shop floor: OPC UA client sessions to any number of local servers.
+//! OPC UA client sessions to any number of local servers.
 //!
-//! This is the only place that speaks OPC UA as a client. Callers say *what* they want to know
-//! ([`ShopFloorHandle::monitor`]) and receive changes with value, status and source time;
-//! connecting, security, the server's limits, resubscribing and finding renumbered nodes again
-//! happen here.
+//! The only crate that speaks OPC UA as a client. Callers name the variables that they need
+//! ([`ShopFloorHandle::monitor`]) and receive changes with value, status and source time. The crate
+//! connects, secures sessions, observes the server's limits, subscribes again and finds renumbered
+//! nodes.
 //!
-//! - One task and at most one session per source, which alone owns its subscriptions.
-//! - Node ids are named by namespace URI; indexes are looked up anew in every session, and a node
-//!   that is gone is searched by its browse path.
+//! - One task and at most one session per source, which is the only owner of its subscriptions.
+//! - Node ids are named by namespace URI; indexes are looked up again in every session, and a
+//!   node that is gone is found by its browse path.
 //! - A source that is lost yields `BadNotConnected` for each of its inputs; a connection that looks
 //!   alive but delivers nothing is recovered.
 //! - A slow consumer never blocks a session: changes are then coalesced to the newest per input,

@@ -1,4 +1,4 @@
-//! How a source is doing, with the evidence.
+//! Status of a source, with the evidence.
 
 use asi_model::values::{DateTime, NodeId, StatusCode};
 use serde::Serialize;
@@ -6,42 +6,38 @@ use utoipa::ToSchema;
 
 use crate::{InputKey, MessageSecurity, SecurityPolicy, SourceId};
 
-/// How a source is doing.
+/// Status of a source, with the evidence.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SourceStatus {
-    /// Which source.
     pub source_id: SourceId,
-    /// Its state.
     pub state: SourceState,
-    /// Since when.
     #[schema(value_type = String, format = DateTime)]
     pub since: DateTime,
-    /// What is wrong and who must do what, where something is.
+    /// Problem while there is one, with the person who must act.
     pub problem: Option<SourceProblem>,
-    /// How many inputs are wanted from it.
+    /// Number of inputs that are monitored on it.
     pub inputs: usize,
-    /// How many of them the server monitors and has given a first value for.
+    /// Number of inputs that the server monitors and has sent a first value for.
     pub live: usize,
-    /// How many inputs would be found again if the server changed its node ids: those whose browse
-    /// path is known.
+    /// Number of inputs with a known browse path. They are found again when the server changes its
+    /// node ids.
     pub findable: usize,
     /// The inputs that are not live, each with the reason; the first 1000.
     pub not_live: Vec<InputProblem>,
-    /// When a change last arrived.
+    /// Time of the last received change.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_change_at: Option<DateTime>,
-    /// When the server last gave any sign of life.
+    /// Time of the server's last message of any kind.
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_sign_of_life_at: Option<DateTime>,
     /// Changes received since the connector started.
     pub changes: u64,
-    /// How often a session was established since the connector started.
+    /// Sessions established since the connector started.
     pub sessions: u64,
-    /// How far the server's clock is ahead of ours, in milliseconds, measured when the session was
-    /// established.
+    /// Milliseconds by which the server's clock is ahead of the connector's, measured when the
+    /// session was established.
     pub clock_ahead_ms: Option<i64>,
-    /// The endpoint in use.
     pub endpoint: Option<ChosenEndpoint>,
     /// The server's limits as it declares them.
     pub limits: Option<ServerLimits>,
@@ -61,15 +57,13 @@ pub enum SourceState {
     Waiting,
 }
 
-/// What is wrong with a source.
+/// Problem of a source, with its remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SourceProblem {
-    /// Of which kind.
     pub kind: SourceProblemKind,
-    /// What happened.
     pub message: String,
-    /// Who should do what.
+    /// Action that resolves the problem, and the person who takes it.
     pub remedy: String,
 }
 
@@ -88,11 +82,11 @@ pub enum SourceProblemKind {
     Unreachable,
     /// The server offers no endpoint that fits the choice of security or identity.
     NoSuitableEndpoint,
-    /// We do not trust the server's certificate (yet).
+    /// The server's certificate is not trusted (yet).
     ServerCertificateUntrusted,
-    /// We trust the server's certificate but it is not valid: expired, wrong name or key.
+    /// The server's certificate is trusted but not valid: expired, wrong name or key.
     ServerCertificateInvalid,
-    /// The server does not trust our certificate (yet).
+    /// The server does not trust the connector's certificate (yet).
     ClientCertificateRejected,
     /// User name, password or user certificate are wrong.
     CredentialsRejected,
@@ -104,7 +98,7 @@ pub enum SourceProblemKind {
     Stalled,
     /// The server answered in a way that makes no sense, or refused for another reason.
     Refused,
-    /// Our own setup is wrong: certificate or key files, address.
+    /// The connector's setup is wrong: certificate or key files, address.
     Configuration,
 }
 
@@ -141,20 +135,17 @@ impl SourceProblemKind {
     }
 }
 
-/// Why an input is not live.
+/// Reason why an input has no value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct InputProblem {
-    /// Which input.
     #[schema(value_type = u64)]
     pub input: InputKey,
-    /// Its variable.
     #[schema(value_type = String)]
     pub node_id: NodeId,
-    /// The server's status, or ours.
+    /// Status of the server, or of the connector when the server gave none.
     #[schema(value_type = u32)]
     pub status: StatusCode,
-    /// In words.
     pub reason: String,
 }
 
@@ -162,13 +153,10 @@ pub struct InputProblem {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ChosenEndpoint {
-    /// The address that is used.
     pub endpoint_url: String,
-    /// Its policy.
     pub security_policy: SecurityPolicy,
-    /// How messages are protected.
     pub message_security: MessageSecurity,
-    /// What the server calls itself.
+    /// Application name of the server.
     pub server_name: String,
     /// The server's application URI.
     pub application_uri: String,

@@ -1,4 +1,4 @@
-//! What callers want to know, and what they get.
+//! Requests for monitored variables, and the changes that callers receive.
 
 use std::{fmt, str::FromStr, sync::Arc};
 
@@ -16,38 +16,35 @@ pub struct InputKey(pub u64);
 /// A new value of an input, with its quality and times as the source gave them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputChange {
-    /// Whose value.
     pub input: InputKey,
     /// The value. `BadNotConnected` without value when the source is lost; another Bad status
     /// without value when the server refuses to monitor the node.
     pub value: DataValue,
 }
 
-/// Please monitor this variable.
+/// Request to monitor a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonitorRequest {
     /// The caller's key.
     pub input: InputKey,
-    /// On which source; it need not be known or connected yet.
+    /// Source of the variable; it need not be known or connected yet.
     pub source: SourceId,
-    /// Which variable.
     pub node_id: NodeId,
-    /// How.
     pub options: MonitorOptions,
 }
 
-/// How a variable is monitored.
+/// Options of a monitored variable.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct MonitorOptions {
-    /// How often the server looks for a change, in milliseconds. 0: on every change. Default: the
+    /// Sampling interval of the server, in milliseconds. 0: on every change. Default: the
     /// publishing interval of the source.
     pub sampling_interval_ms: Option<f64>,
-    /// How many changes the server keeps between two publishings. Default: what sampling and
-    /// publishing interval ask for, so that no change is lost.
+    /// Changes that the server queues between two publishings. Default: enough for the sampling and
+    /// publishing interval, so that no change is lost.
     pub queue_size: Option<u32>,
-    /// Where the variable was found, from the Objects folder, to find it again when its node id
-    /// changes. Without it, the path is looked up while the node is there.
+    /// Path of the variable from the Objects folder, to find it again when its node id changes.
+    /// Without it, the path is looked up while the node is there.
     pub browse_path: Option<BrowsePath>,
     /// Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
     pub index_range: Option<String>,
@@ -65,7 +62,7 @@ pub struct BrowsePath(pub Vec<QualifiedName>);
     "an element of a browse path must look like nsu=urn:press;Counter or, in namespace 0, Server, but is {found:?}"
 )]
 pub struct InvalidBrowsePath {
-    /// What was found, cut after 120 characters.
+    /// Text that was found, cut after 120 characters.
     pub found: String,
 }
 

@@ -1,7 +1,7 @@
 //! Plain data about sources and their variables: identities, monitoring options, browsed nodes.
 //!
-//! Pure: whatever names a variable of a local server (a mapping, a stored configuration, a
-//! suggestion) needs these types but not the OPC UA client.
+//! Pure: mappings, stored configuration and suggestions name variables with these types and do not
+//! need the OPC UA client.
 
 mod input;
 mod node;

@@ -1,4 +1,4 @@
-//! What browsing shows of a node.
+//! Nodes and variables as browsing returns them.
 
 use std::sync::Arc;
 
@@ -12,25 +12,23 @@ use crate::BrowsePath;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct BrowsedNode {
-    /// Its identity.
     #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Its browse name, as an element of a browse path.
     pub browse_name: String,
     /// Its name for people.
     pub display_name: String,
-    /// What it is, where the server says so.
+    /// Description of the server, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// Which kind of node it is.
     pub node_class: NodeClass,
-    /// Its type: of an object or variable.
+    /// Type of an object or variable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub type_definition: Option<TypeName>,
     /// The type of a variable's value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub data_type: Option<TypeName>,
-    /// The built-in type that carries the value: itself, or the base of an enumeration or
+    /// Built-in type that carries the value: the data type itself, or the base of an enumeration or
     /// structure.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
     #[schema(value_type = Option<String>)]
@@ -45,11 +43,11 @@ pub struct BrowsedNode {
     /// The usual range of an analog variable, low and high.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<(f64, f64)>,
-    /// True where this user may write the value.
+    /// True when the signed-in user may write the value.
     pub is_writable: bool,
-    /// True where there is something below it.
+    /// True when it has child nodes.
     pub has_children: bool,
-    /// Where it was found, from the Objects folder; only in answers to a search.
+    /// Path from the Objects folder; only in answers to a search.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub browse_path: Option<BrowsePath>,
 }
@@ -57,14 +55,13 @@ pub struct BrowsedNode {
 /// A variable in a list of all that a server has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListedVariable {
-    /// Its identity.
     pub node_id: NodeId,
     /// Its name for people.
     pub display_name: String,
     /// The way to it from the Objects folder.
     pub browse_path: BrowsePath,
-    /// The names of its type and of the types of what stands above it, each with its supertypes,
-    /// nearest first.
+    /// Names of its type and of the types of the nodes above it, each with its supertypes, nearest
+    /// first.
     pub type_names: Vec<Arc<str>>,
 }
 
@@ -81,7 +78,6 @@ pub struct VariableList {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TypeName {
-    /// Its identity.
     #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Its browse name without the namespace; empty where the server does not know the type.
@@ -92,7 +88,7 @@ pub struct TypeName {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct UnitName {
-    /// What people see: `mm/s`.
+    /// Symbol for people: `mm/s`.
     pub display_name: String,
     /// The UNECE code behind it (`C16`), where the unit is one of them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,12 +110,11 @@ pub enum NodeClass {
     View,
 }
 
-/// What a method call gave.
+/// Outcome of a method call.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CallOutcome {
-    /// Whether it worked.
     pub status: StatusCode,
-    /// What it returned.
+    /// Output arguments, in the order of the method.
     pub outputs: Vec<Variant>,
 }
 

@@ -14,7 +14,7 @@ pub struct SourceId(Arc<str>);
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a source id must match ^[A-Za-z0-9_-]{{1,64}}$, but is {found:?}")]
 pub struct InvalidSourceId {
-    /// What was found, cut after 80 characters.
+    /// Text that was found, cut after 80 characters.
     pub found: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a person sees of a server when choosing variables.
+//! Browsing of servers by a person who chooses variables.
 
 use asi_model::{NodeId, values::BuiltInType};
 use shop_floor::{NodeClass, ShopFloorHandle, SourceId};

@@ -123,7 +123,7 @@ impl Peer {
             panic!("the server ended before it was ready");
         };
         tokio::time::timeout(Duration::from_secs(60), ready).await.expect("ready in time");
-        // Somebody must go on listening, or the server dies of its own words.
+        // Its output is read to the end: a server whose pipe is full would block.
         tokio::spawn(async move { while let Ok(Some(_)) = lines.next_line().await {} });
         let stdin = child.stdin.take().expect("piped");
         self.running = Some((child, stdin));
@@ -181,7 +181,7 @@ fn monitor_all(floor: &Floor, source: &SourceId, peer: &Peer) {
     }
 }
 
-/// How often servers are killed: as often as `FOREIGN_KILLS` says (`make foreign-kills`).
+/// Returns the number of kills: that in `FOREIGN_KILLS` (`make foreign-kills`), else the usual one.
 fn kills(usual: u32) -> u32 {
     std::env::var("FOREIGN_KILLS")
         .map_or(usual, |kills| kills.parse().expect("FOREIGN_KILLS is a number"))

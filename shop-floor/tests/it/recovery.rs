@@ -42,7 +42,7 @@ async fn proves_to_be_live(cell: &MachineHandle, floor: &Floor, value: u32) {
 }
 
 #[tokio::test]
-async fn a_killed_server_is_told_to_all_inputs_and_found_again_within_five_seconds() {
+async fn a_killed_server_is_reported_to_all_inputs_and_found_again_within_five_seconds() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     cell.inject(Fault::Kill).await.expect("killed");
     for input in 0..KEYS.len() as u64 {
@@ -182,7 +182,7 @@ async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
 }
 
 #[tokio::test]
-async fn a_machine_at_rest_is_not_taken_for_stalled() {
+async fn an_idle_machine_is_not_taken_for_stalled() {
     // Long enough that a busy computer is not taken for a silent server.
     let (_simulation, cell, floor, source) = watched_cell_with_silence(3000).await;
     cell.inject(Fault::StopUpdating).await.expect("at rest");
@@ -231,7 +231,7 @@ async fn the_machines_statuses_and_wrong_clocks_are_passed_on() {
 }
 
 #[tokio::test]
-async fn a_removed_source_tells_its_inputs_and_comes_back() {
+async fn a_removed_source_is_reported_to_its_inputs_and_comes_back() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     floor.handle.remove_source(&source);
     floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;

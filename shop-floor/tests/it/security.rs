@@ -81,7 +81,7 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
 }
 
 #[tokio::test]
-async fn an_unprotected_server_is_used_only_when_somebody_chose_so() {
+async fn an_unprotected_server_is_used_only_by_explicit_choice() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
     let floor = Floor::start();

@@ -3365,20 +3365,21 @@ export interface components {
             /** @description Its browse name, as an element of a browse path. */
             browseName: string;
             browsePath?: components["schemas"]["BrowsePath"] | null;
-            /** @description The built-in type that carries the value: itself, or the base of an enumeration or structure. */
+            /**
+             * @description Built-in type that carries the value: the data type itself, or the base of an enumeration or
+             *     structure.
+             */
             builtInType?: string | null;
             dataType?: components["schemas"]["TypeName"] | null;
-            /** @description What it is, where the server says so. */
+            /** @description Description of the server, if it has one. */
             description?: string | null;
             /** @description Its name for people. */
             displayName: string;
-            /** @description True where there is something below it. */
+            /** @description True when it has child nodes. */
             hasChildren: boolean;
-            /** @description True where this user may write the value. */
+            /** @description True when the signed-in user may write the value. */
             isWritable: boolean;
-            /** @description Which kind of node it is. */
             nodeClass: components["schemas"]["NodeClass"];
-            /** @description Its identity. */
             nodeId: string;
             /** @description The usual range of an analog variable, low and high. */
             range?: [
@@ -3452,13 +3453,10 @@ export interface components {
         ChosenEndpoint: {
             /** @description The server's application URI. */
             applicationUri: string;
-            /** @description The address that is used. */
             endpointUrl: string;
-            /** @description How messages are protected. */
             messageSecurity: components["schemas"]["MessageSecurity"];
-            /** @description Its policy. */
             securityPolicy: components["schemas"]["SecurityPolicy"];
-            /** @description What the server calls itself. */
+            /** @description Application name of the server. */
             serverName: string;
         };
         /** @description Whether a mapping's scripts are run. */
@@ -4084,14 +4082,13 @@ export interface components {
             /** @description So many `WELL`. */
             well: number;
         };
-        /** @description Who we are to a server. */
+        /** @description Sign-in of the client on a server. */
         Identity: {
             /** @enum {string} */
             kind: "anonymous";
         } | {
             /** @enum {string} */
             kind: "userName";
-            /** @description The user's name. */
             userName: string;
             password?: string;
         } | {
@@ -4151,20 +4148,15 @@ export interface components {
             /** @description What a decrease means that is no wrap. */
             onDecrease?: components["schemas"]["OnDecrease"];
         };
-        /** @description Why an input is not live. */
+        /** @description Reason why an input has no value. */
         InputProblem: {
-            /**
-             * Format: int64
-             * @description Which input.
-             */
+            /** Format: int64 */
             input: number;
-            /** @description Its variable. */
             nodeId: string;
-            /** @description In words. */
             reason: string;
             /**
              * Format: int32
-             * @description The server's status, or ours.
+             * @description Status of the server, or of the connector when the server gave none.
              */
             status: number;
         };
@@ -4536,21 +4528,21 @@ export interface components {
          * @enum {string}
          */
         MessageSecurity: "none" | "sign" | "signAndEncrypt";
-        /** @description How a variable is monitored. */
+        /** @description Options of a monitored variable. */
         MonitorOptions: {
             browsePath?: components["schemas"]["BrowsePath"] | null;
             /** @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`. */
             indexRange?: string | null;
             /**
              * Format: int32
-             * @description How many changes the server keeps between two publishings. Default: what sampling and publishing interval ask
-             *     for, so that no change is lost.
+             * @description Changes that the server queues between two publishings. Default: enough for the sampling and
+             *     publishing interval, so that no change is lost.
              */
             queueSize?: number | null;
             /**
              * Format: double
-             * @description How often the server looks for a change, in milliseconds. 0: on every change. Default: the publishing interval
-             *     of the source.
+             * @description Sampling interval of the server, in milliseconds. 0: on every change. Default: the
+             *     publishing interval of the source.
              */
             samplingIntervalMs?: number | null;
         };
@@ -4915,25 +4907,18 @@ export interface components {
             /** @description The organisation: a requester or a recipient. */
             partner: string;
         };
-        /** @description A server's certificate that we have met. */
+        /** @description Certificate that a server has presented. */
         PeerCertificate: {
             /** @description The length of its RSA key in bits. */
             keyBits?: number | null;
-            /** @description Who it names. */
+            /** @description Distinguished name of the subject. */
             subject: string;
             /** @description SHA-1 thumbprint, hex. */
             thumbprint: string;
-            /** @description Whether we trust it. */
             trust: components["schemas"]["TrustState"];
-            /**
-             * Format: date-time
-             * @description From when it is valid.
-             */
+            /** Format: date-time */
             validFrom?: string | null;
-            /**
-             * Format: date-time
-             * @description Until when it is valid.
-             */
+            /** Format: date-time */
             validTo?: string | null;
         };
         /**
@@ -5406,7 +5391,7 @@ export interface components {
             /** @description How many variables it has. */
             variables: number;
         };
-        /** @description Which of a server's endpoints to use. */
+        /** @description Choice among a server's endpoints. */
         SecurityChoice: {
             /** @enum {string} */
             choice: "strongest";
@@ -5418,7 +5403,6 @@ export interface components {
             choice: "exactly";
             /** @description Signed only, or encrypted too. */
             mode: components["schemas"]["MessageSecurity"];
-            /** @description The algorithms. */
             policy: components["schemas"]["SecurityPolicy"];
         };
         /**
@@ -5547,16 +5531,16 @@ export interface components {
         SourceConfig: {
             /** @description The server's address, `opc.tcp://host:port/path`. */
             endpointUrl: string;
-            /** @description Who we are to the server. */
+            /** @description Sign-in of the client on the server. */
             identity?: components["schemas"]["Identity"];
-            /** @description What people call it. */
+            /** @description Name for people. */
             name?: string;
             /**
              * Format: int32
-             * @description How often the server may send changes, in milliseconds (1 to 60 000).
+             * @description Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
              */
             publishingIntervalMs?: number;
-            /** @description Which of the server's endpoints to use. */
+            /** @description Choice among the server's endpoints. */
             security?: components["schemas"]["SecurityChoice"];
             /**
              * Format: int32
@@ -5568,13 +5552,11 @@ export interface components {
         };
         /** @description The name of a source: `[A-Za-z0-9_-]{1,64}`. */
         SourceId: string;
-        /** @description What is wrong with a source. */
+        /** @description Problem of a source, with its remedy. */
         SourceProblem: {
-            /** @description Of which kind. */
             kind: components["schemas"]["SourceProblemKind"];
-            /** @description What happened. */
             message: string;
-            /** @description Who should do what. */
+            /** @description Action that resolves the problem, and the person who takes it. */
             remedy: string;
         };
         /**
@@ -5587,7 +5569,7 @@ export interface components {
          * @enum {string}
          */
         SourceState: "connecting" | "subscribing" | "connected" | "waiting";
-        /** @description How a source is doing. */
+        /** @description Status of a source, with the evidence. */
         SourceStatus: {
             /**
              * Format: int64
@@ -5596,43 +5578,42 @@ export interface components {
             changes: number;
             /**
              * Format: int64
-             * @description How far the server's clock is ahead of ours, in milliseconds, measured when the session was established.
+             * @description Milliseconds by which the server's clock is ahead of the connector's, measured when the
+             *     session was established.
              */
             clockAheadMs?: number | null;
             endpoint?: components["schemas"]["ChosenEndpoint"] | null;
-            /** @description How many inputs would be found again if the server changed its node ids: those whose browse path is known. */
+            /**
+             * @description Number of inputs with a known browse path. They are found again when the server changes its
+             *     node ids.
+             */
             findable: number;
-            /** @description How many inputs are wanted from it. */
+            /** @description Number of inputs that are monitored on it. */
             inputs: number;
             /**
              * Format: date-time
-             * @description When a change last arrived.
+             * @description Time of the last received change.
              */
             lastChangeAt?: string | null;
             /**
              * Format: date-time
-             * @description When the server last gave any sign of life.
+             * @description Time of the server's last message of any kind.
              */
             lastSignOfLifeAt?: string | null;
             limits?: components["schemas"]["ServerLimits"] | null;
-            /** @description How many of them the server monitors and has given a first value for. */
+            /** @description Number of inputs that the server monitors and has sent a first value for. */
             live: number;
             /** @description The inputs that are not live, each with the reason; the first 1000. */
             notLive: components["schemas"]["InputProblem"][];
             problem?: components["schemas"]["SourceProblem"] | null;
             /**
              * Format: int64
-             * @description How often a session was established since the connector started.
+             * @description Sessions established since the connector started.
              */
             sessions: number;
-            /**
-             * Format: date-time
-             * @description Since when.
-             */
+            /** Format: date-time */
             since: string;
-            /** @description Which source. */
             sourceId: components["schemas"]["SourceId"];
-            /** @description Its state. */
             state: components["schemas"]["SourceState"];
         };
         SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
@@ -6106,7 +6087,7 @@ export interface components {
          */
         TrustFileKind: "CERTIFICATE" | "ISSUER" | "REVOCATION_LIST";
         /**
-         * @description Whether a certificate is trusted.
+         * @description Trust in a server's certificate.
          * @enum {string}
          */
         TrustState: "trusted" | "rejected";
@@ -6114,7 +6095,6 @@ export interface components {
         TypeName: {
             /** @description Its browse name without the namespace; empty where the server does not know the type. */
             name: string;
-            /** @description Its identity. */
             nodeId: string;
         };
         /** @description From one unit of measurement to another of the same kind, by UNECE codes. */
@@ -6128,7 +6108,7 @@ export interface components {
         UnitName: {
             /** @description The UNECE code behind it (`C16`), where the unit is one of them. */
             code?: string | null;
-            /** @description What people see: `mm/s`. */
+            /** @description Symbol for people: `mm/s`. */
             displayName: string;
         };
         /** @description What a person may do, and a password. */
