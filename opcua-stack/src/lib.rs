@@ -1,4 +1,4 @@
-//! The one place where the OPC UA stack enters the house.
+//! Entry of the OPC UA stack into the workspace: no other crate depends on it.
 //!
 //! The stack (`async-opcua`) is pinned to an exact version and changes its API between minor
 //! versions, so everything that speaks OPC UA imports it from here as [`opcua`], and what is easy

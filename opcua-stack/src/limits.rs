@@ -31,7 +31,7 @@ pub const SUBSCRIPTIONS_PER_SESSION_MAX: usize = 100;
 /// Most monitored items we put into one subscription as a client: split publish responses would be
 /// slow, and several subscriptions spread the work.
 pub const ITEMS_PER_SUBSCRIPTION: usize = 5000;
-/// How often our servers look for subscriptions that are due.
+/// Interval at which our servers look for subscriptions that are due.
 pub const PUBLISHING_TICK: Duration = Duration::from_millis(5);
 /// Shortest publishing interval that our servers grant.
 pub const PUBLISHING_INTERVAL_MIN: Duration = Duration::from_millis(5);

@@ -1,5 +1,4 @@
-//! What turns a peer's indexes into names that last: its namespace array and, where known, its data
-//! types.
+//! Namespace array of a peer, which turns indexes into URIs, and its data types once known.
 
 use std::{collections::HashMap, sync::Arc};
 

@@ -14,7 +14,7 @@ use opcua::types::{
 
 use crate::{NamespaceTable, values::from_stack};
 
-/// What the stack calls the binary encoding of a DataChangeNotification.
+/// Id of the binary encoding of a DataChangeNotification.
 const BINARY_ID: ObjectId = ObjectId::DataChangeNotification_Encoding_DefaultBinary;
 /// The shortest notification of an item: its handle and an empty data value.
 const ITEM_BYTES_MIN: usize = 5;

@@ -6,7 +6,6 @@
 
 mod from_stack;
 mod ids;
-mod structures;
 mod to_stack;
 
 pub use from_stack::{from_stack, variant_from_stack};
@@ -47,7 +46,7 @@ pub enum ConversionError {
     StructureMismatch {
         /// The data type.
         type_id: String,
-        /// What does not fit.
+        /// Field or type that does not fit.
         reason: String,
     },
     /// A body in JSON, which OPC UA Binary cannot carry.
@@ -69,7 +68,7 @@ pub enum ConversionError {
     Encoding {
         /// The data type.
         type_id: String,
-        /// What the stack says.
+        /// Message of the stack.
         reason: String,
     },
 }

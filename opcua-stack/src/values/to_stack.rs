@@ -1,7 +1,14 @@
-//! Our values to the stack's.
+//! Conversion of our values to the stack's.
+
+use std::{io::Cursor, sync::Arc};
 
 use asi_model::values as model;
+use model::{ExtensionBody, StructureValue};
 use opcua::types as stack;
+use stack::{
+    StructureType,
+    custom::{DynamicStructure, StructTypeInfo},
+};
 
 use super::{
     ConversionError, DEPTH_MAX,
@@ -9,11 +16,16 @@ use super::{
         expanded_node_id_to_stack, localized_text_to_stack, node_id_to_stack,
         qualified_name_to_stack, status_to_stack, string_to_stack, time_to_stack,
     },
-    structures::extension_object_to_stack,
 };
 use crate::NamespaceTable;
 
-/// A data value for the peer.
+/// Range (OPC 10000-8 §5.6.2), a structure of every analog variable, known without reading the
+/// server's types.
+const RANGE: u32 = 884;
+/// EUInformation (OPC 10000-8 §5.6.4), known for the same reason.
+const EU_INFORMATION: u32 = 887;
+
+/// Converts a data value for the peer.
 ///
 /// # Errors
 /// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts
@@ -25,7 +37,7 @@ pub fn to_stack(
     Encoder { namespaces, depth: 0 }.data_value(value)
 }
 
-/// A value for the peer.
+/// Converts a value for the peer.
 ///
 /// # Errors
 /// [`ConversionError`] when the peer lacks a namespace or data type, or the value contradicts
@@ -37,10 +49,10 @@ pub fn variant_to_stack(
     Encoder { namespaces, depth: 0 }.variant(value)
 }
 
-/// Where we are in a value that may nest.
+/// Converter at some depth of a value that may nest.
 #[derive(Clone, Copy)]
-pub(super) struct Encoder<'a> {
-    pub(super) namespaces: &'a NamespaceTable,
+struct Encoder<'a> {
+    namespaces: &'a NamespaceTable,
     depth: usize,
 }
 
@@ -193,4 +205,155 @@ fn scalar_type(built_in: model::BuiltInType) -> stack::VariantScalarTypeId {
         M::Variant => S::Variant,
         M::DiagnosticInfo => S::DiagnosticInfo,
     }
+}
+
+fn extension_object_to_stack(
+    object: &model::ExtensionObject,
+    encoder: Encoder<'_>,
+) -> Result<stack::ExtensionObject, ConversionError> {
+    let type_name = || object.type_id.node_id.to_string();
+    match &object.body {
+        ExtensionBody::None => Ok(stack::ExtensionObject::null()),
+        ExtensionBody::Json(_) => Err(ConversionError::JsonBody { type_id: type_name() }),
+        ExtensionBody::Xml(text) => {
+            let id = node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
+            Ok(stack::ExtensionObject::new(stack::XmlBody::new(
+                text.as_bytes().to_vec(),
+                id,
+                String::new(),
+            )))
+        }
+        ExtensionBody::Binary(bytes) => {
+            let id = node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
+            Ok(binary_to_stack(&id, bytes, encoder.namespaces))
+        }
+        ExtensionBody::Structure(value) => structure_to_stack(object, value, encoder),
+    }
+}
+
+/// Bytes under a data type's or an encoding's id: decoded where the stack knows the type, so that
+/// it travels under its right encoding; kept as they are where it does not.
+fn binary_to_stack(
+    id: &stack::NodeId,
+    bytes: &[u8],
+    namespaces: &NamespaceTable,
+) -> stack::ExtensionObject {
+    let raw = |id: &stack::NodeId| {
+        stack::ExtensionObject::new(stack::ByteStringBody::new(bytes.to_vec().into(), id.clone()))
+    };
+    if let Some(definition) = namespaces.data_types().and_then(|types| types.get_struct_type(id)) {
+        return raw(&definition.encoding_ids.binary_id);
+    }
+    let context = namespaces.context().context();
+    let mut stream = Cursor::new(bytes);
+    match context.load_from_binary(id, &mut stream, Some(bytes.len())) {
+        Ok(object) if usize::try_from(stream.position()) == Ok(bytes.len()) => object,
+        _ => raw(id),
+    }
+}
+
+fn structure_to_stack(
+    object: &model::ExtensionObject,
+    value: &StructureValue,
+    encoder: Encoder<'_>,
+) -> Result<stack::ExtensionObject, ConversionError> {
+    let id = &object.type_id.node_id;
+    if *id == model::NodeId::ua(RANGE) {
+        return range_to_stack(value);
+    }
+    if *id == model::NodeId::ua(EU_INFORMATION) {
+        return unit_to_stack(value);
+    }
+    let stack_id = node_id_to_stack(id, encoder.namespaces)?;
+    let (Some(types), Some(definition)) = (
+        encoder.namespaces.data_types(),
+        encoder.namespaces.data_types().and_then(|types| types.get_struct_type(&stack_id)),
+    ) else {
+        return Err(ConversionError::UnknownStructure { type_id: id.to_string() });
+    };
+    let mismatch =
+        |reason: String| ConversionError::StructureMismatch { type_id: id.to_string(), reason };
+    if let Some(name) =
+        value.fields.keys().find(|name| definition.get_field_by_name(name).is_none())
+    {
+        return Err(mismatch(format!("there is no field {name:?}")));
+    }
+    let (definition, types) = (Arc::clone(definition), Arc::clone(types));
+    let structure = if definition.structure_type == StructureType::Union {
+        match value.switch_field.unwrap_or(0) {
+            0 => Ok(DynamicStructure::new_null_union(definition, types)),
+            selector => {
+                let field = definition.fields.get(selector as usize - 1);
+                let content =
+                    field.and_then(|field| Some((field, value.fields.get(field.name.as_str())?)));
+                let (field, content) = content
+                    .ok_or_else(|| mismatch(format!("the selected field {selector} is missing")))?;
+                let content = field_to_stack(field.scalar_type, content, encoder)?;
+                DynamicStructure::new_union(Arc::clone(&definition), types, content, selector)
+            }
+        }
+    } else {
+        let fields = fields_to_stack(&definition, value, encoder)?;
+        DynamicStructure::new_struct(definition, types, fields)
+    };
+    structure.map(stack::ExtensionObject::new).map_err(|error| mismatch(error.to_string()))
+}
+
+fn fields_to_stack(
+    definition: &StructTypeInfo,
+    value: &StructureValue,
+    encoder: Encoder<'_>,
+) -> Result<Vec<stack::Variant>, ConversionError> {
+    definition
+        .fields
+        .iter()
+        .map(|field| match value.fields.get(field.name.as_str()) {
+            Some(content) => field_to_stack(field.scalar_type, content, encoder),
+            None => Ok(stack::Variant::Empty),
+        })
+        .collect()
+}
+
+/// A field of an abstract type is stored as a variant inside a variant.
+fn field_to_stack(
+    wanted: stack::VariantScalarTypeId,
+    content: &model::Variant,
+    encoder: Encoder<'_>,
+) -> Result<stack::Variant, ConversionError> {
+    let content = encoder.variant(content)?;
+    let is_plain = wanted == stack::VariantScalarTypeId::Variant
+        && !matches!(content, stack::Variant::Array(_));
+    Ok(if is_plain { stack::Variant::Variant(Box::new(content)) } else { content })
+}
+
+fn range_to_stack(value: &StructureValue) -> Result<stack::ExtensionObject, ConversionError> {
+    let bound = |name: &str| {
+        value.fields.get(name).and_then(model::Variant::as_f64).ok_or_else(|| {
+            ConversionError::StructureMismatch {
+                type_id: model::NodeId::ua(RANGE).to_string(),
+                reason: format!("{name} must be a Double"),
+            }
+        })
+    };
+    Ok(stack::ExtensionObject::new(stack::Range { low: bound("Low")?, high: bound("High")? }))
+}
+
+fn unit_to_stack(value: &StructureValue) -> Result<stack::ExtensionObject, ConversionError> {
+    let scalar = |name: &str| value.fields.get(name).and_then(model::Variant::as_scalar);
+    let text = |name: &str| match scalar(name) {
+        Some(model::Scalar::LocalizedText(text)) => localized_text_to_stack(text),
+        _ => stack::LocalizedText::null(),
+    };
+    let Some(model::Scalar::Int32(unit_id)) = scalar("UnitId") else {
+        return Err(ConversionError::StructureMismatch {
+            type_id: model::NodeId::ua(EU_INFORMATION).to_string(),
+            reason: "UnitId must be an Int32".into(),
+        });
+    };
+    Ok(stack::ExtensionObject::new(stack::EUInformation {
+        namespace_uri: string_to_stack(scalar("NamespaceUri").and_then(model::Scalar::as_str)),
+        unit_id: *unit_id,
+        display_name: text("DisplayName"),
+        description: text("Description"),
+    }))
 }

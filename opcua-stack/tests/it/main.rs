@@ -1,4 +1,4 @@
-//! What goes through the stack's binary encoding comes back as it was.
+//! Conversions of values, through the stack's binary encoding and back.
 
 mod round_trip;
 mod structures;
