@@ -1,4 +1,4 @@
-//! What a machine's address space looks like, in terms that outlive namespace indexes.
+//! Blueprint of a machine's address space, independent of namespace indexes.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub struct Blueprint {
     pub namespace_uri: String,
     /// Further namespaces that its nodes and types are of.
     pub type_namespaces: Vec<&'static str>,
-    /// Whether the machine names its nodes by numbers instead of texts.
+    /// True for numeric instead of string identifiers.
     pub numbers_nodes: bool,
     /// Types that others than namespace 0 define.
     pub types: Vec<TypePlan>,
@@ -28,11 +28,9 @@ pub struct Blueprint {
 
 /// An object type, so that type definitions lead somewhere.
 pub struct TypePlan {
-    /// Its identity.
     pub node_id: NodeId,
     /// Its name; in its own namespace.
     pub name: &'static str,
-    /// Its supertype.
     pub supertype: NodeId,
 }
 
@@ -43,13 +41,13 @@ pub struct NodePlan {
     pub key: String,
     /// A fixed identity; else one is made from the key.
     pub node_id: Option<NodeId>,
-    /// What it hangs under; the Objects folder where there is none.
+    /// Index of the parent; none for a child of the Objects folder.
     pub parent: Option<usize>,
     /// Its browse name.
     pub name: QualifiedName,
-    /// What it is, for people.
+    /// Text of the Description attribute; none for most nodes.
     pub description: Option<&'static str>,
-    /// What kind of node it is.
+    /// Node class with its attributes.
     pub class: Class,
 }
 
@@ -73,11 +71,10 @@ pub struct VariablePlan {
     pub type_definition: NodeId,
     /// -1 for a scalar, 1 for an array.
     pub value_rank: i32,
-    /// Where its value comes from.
     pub source: Source,
 }
 
-/// Where a variable's value comes from.
+/// Origin of a variable's value.
 pub enum Source {
     /// It runs by itself.
     Signal(Signal),

@@ -29,17 +29,16 @@ pub struct Config {
     /// The address that all servers listen on.
     #[serde(default = "loopback")]
     pub host: IpAddr,
-    /// Where the HTTP control interface listens; nowhere if absent. It has no access control: keep
-    /// it on loopback.
+    /// Address of the HTTP control interface; none if absent. It has no access control: bind it to
+    /// loopback only.
     #[serde(default)]
     pub control: Option<SocketAddr>,
-    /// Where each machine keeps its certificates, in a folder of its name.
+    /// Directory with one folder of certificates per machine.
     #[serde(default = "pki_directory")]
     pub pki_directory: PathBuf,
-    /// How often values are computed, in milliseconds.
+    /// Interval at which values are computed, in milliseconds.
     #[serde(default = "update_interval_ms")]
     pub update_interval_ms: u64,
-    /// The machines.
     #[serde(default)]
     pub machines: Vec<MachineConfig>,
 }
@@ -50,7 +49,6 @@ pub struct Config {
 pub struct MachineConfig {
     /// Its name: `[A-Za-z0-9_-]{1,64}`, unique.
     pub name: String,
-    /// What it is.
     pub kind: MachineKind,
     /// Its port; 0: any free one.
     #[serde(default)]
@@ -80,7 +78,6 @@ pub struct MachineConfig {
     /// Most subscriptions of one session. 0: plenty.
     #[serde(default)]
     pub subscriptions_per_session_max: u32,
-    /// Who may connect and how.
     #[serde(default)]
     pub security: SecurityConfig,
 }
@@ -98,7 +95,7 @@ pub enum MachineKind {
     Bank,
 }
 
-/// Who may connect and how.
+/// Endpoints and users that a server accepts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SecurityConfig {
@@ -123,9 +120,7 @@ pub struct SecurityConfig {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UserConfig {
-    /// The name.
     pub name: String,
-    /// The password.
     pub password: String,
 }
 
@@ -135,28 +130,13 @@ pub struct UserConfig {
 pub enum ConfigError {
     /// The file cannot be read.
     #[error("{} cannot be read", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The text is no such configuration.
     #[error("{} is not a simulator configuration: {message}", path.display())]
-    Parse {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong where.
-        message: String,
-    },
+    Parse { path: PathBuf, message: String },
     /// A value is out of range.
     #[error("{key}: {reason}")]
-    Invalid {
-        /// Which.
-        key: String,
-        /// Why, and what would be right.
-        reason: String,
-    },
+    Invalid { key: String, reason: String },
 }
 
 fn one() -> f64 {

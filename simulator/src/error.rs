@@ -1,4 +1,4 @@
-//! What may go wrong with a simulation.
+//! Errors of a simulation.
 
 use std::net::SocketAddr;
 
@@ -13,20 +13,10 @@ pub enum SimulatorError {
     Config(String),
     /// An address cannot be listened on.
     #[error("{address} cannot be listened on: {reason}")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// Why.
-        reason: String,
-    },
+    Listen { address: SocketAddr, reason: String },
     /// A server cannot be started.
     #[error("the server of {machine} cannot be started: {reason}")]
-    Server {
-        /// Which machine.
-        machine: String,
-        /// Why.
-        reason: String,
-    },
+    Server { machine: String, reason: String },
     /// There is no such machine.
     #[error("there is no machine {0}")]
     UnknownMachine(String),

@@ -1,4 +1,4 @@
-//! How a machine can be made to fail.
+//! Faults that can be injected into a machine.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,24 +32,21 @@ pub enum Fault {
     },
     /// The machine's clock is wrong: source and server times are ahead by so much (negative:
     /// behind).
-    WrongClock {
-        /// Milliseconds.
-        ahead_ms: i64,
-    },
-    /// The server is gone, without a goodbye.
+    WrongClock { ahead_ms: i64 },
+    /// The server ends without closing its sessions.
     Kill,
-    /// The server is gone, without a goodbye, and comes back after a while.
+    /// The server ends without closing its sessions, and comes back after a while.
     Restart {
-        /// How its nodes are named then.
+        /// Namespaces and node ids after the restart.
         #[serde(default)]
         layout: Layout,
-        /// How long it is gone.
+        /// Time until the restart, in milliseconds.
         #[serde(default)]
         down_ms: u64,
     },
 }
 
-/// How a server numbers its namespaces and names its nodes; the default is what a first start has.
+/// Namespace indexes and node ids of a server; the default is that of a first start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct Layout {

@@ -41,7 +41,7 @@ pub(crate) struct Host {
     pki_directory: PathBuf,
     host: std::net::IpAddr,
     public_port: u16,
-    /// Where clients connect; a clone of it is served.
+    /// Listener for clients; a clone of it is served.
     listener: std::net::TcpListener,
     relay: Option<Arc<Relay>>,
     server: Option<MachineServer>,
@@ -121,7 +121,7 @@ impl Host {
                 biased;
                 () = shutdown.cancelled() => break,
                 command = self.commands.recv() => match command {
-                    Some(command) => self.obey(command).await,
+                    Some(command) => self.handle_command(command).await,
                     None => break,
                 },
                 _ = tick.tick() => self.tick().await,
@@ -141,8 +141,8 @@ impl Host {
         }
     }
 
-    async fn obey(&mut self, command: Command) {
-        // Whoever asked may have given up waiting.
+    async fn handle_command(&mut self, command: Command) {
+        // A caller may have dropped its receiver; send errors are ignored.
         match command {
             Command::Set { key, value, status, reply } => {
                 let _ = reply.send(self.set(&key, value, status));
@@ -294,7 +294,7 @@ impl Host {
     }
 
     async fn stop_server(&mut self) {
-        // First the network, so that no client hears a goodbye.
+        // The network is cut first, so that no client receives a CloseSession response.
         if let Some(relay) = &self.relay {
             relay.set_target(None);
             relay.drop_connections();

@@ -14,6 +14,7 @@ mod config;
 pub mod control;
 mod error;
 mod fault;
+mod handle;
 mod host;
 pub mod machines;
 mod relay;
@@ -26,5 +27,6 @@ pub use config::{
 };
 pub use error::SimulatorError;
 pub use fault::{Fault, Layout};
+pub use handle::SimulatorHandle;
 pub use host::MachineHandle;
-pub use simulator::{Simulator, SimulatorHandle};
+pub use simulator::Simulator;

@@ -7,7 +7,7 @@ mod robot;
 
 use crate::{MachineConfig, MachineKind, blueprint::Blueprint};
 
-/// What a configured machine looks like and how it runs.
+/// Returns the blueprint of a configured machine.
 #[must_use]
 pub fn blueprint(config: &MachineConfig) -> Blueprint {
     match config.kind {

@@ -1,7 +1,7 @@
 //! The network between clients and a machine, which can be broken.
 //!
 //! Clients connect to the relay's address, the server listens elsewhere. So connections can be cut
-//! without the server's goodbye, and hang without anybody noticing.
+//! without a response of the server, and hang without a sign to either peer.
 
 use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
@@ -32,7 +32,7 @@ impl Relay {
         })
     }
 
-    /// Where connections lead; nowhere: they are reset.
+    /// Sets the target of connections; without one they are reset.
     pub(crate) fn set_target(&self, target: Option<SocketAddr>) {
         *self.target.lock() = target;
     }
@@ -124,7 +124,7 @@ async fn pump(
     }
 }
 
-/// Closes a connection as a crashed peer does: by a reset instead of a goodbye.
+/// Closes a connection as a crashed peer does: by a reset instead of an orderly shutdown.
 fn reset(stream: &TcpStream) {
     let _ = socket2::SockRef::from(stream).set_linger(Some(Duration::ZERO));
 }

@@ -37,10 +37,10 @@ use tokio::{net::TcpListener, task::JoinHandle};
 
 use crate::{Layout, MachineConfig, SecurityConfig, SimulatorError, blueprint::Blueprint};
 
-use nodes::MachineNodes;
+use nodes::{MachineNodes, Variable};
 
-/// How long a server gets to end by itself.
-const GOODBYE_TIMEOUT: Duration = Duration::from_millis(500);
+/// Longest wait until a server ends by itself.
+const STOP_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// A running server.
 pub(crate) struct MachineServer {
@@ -50,13 +50,6 @@ pub(crate) struct MachineServer {
     nodes: Arc<InMemoryNodeManager<MachineNodes>>,
     table: NamespaceTable,
     variables: HashMap<String, Variable>,
-}
-
-/// A variable on a server.
-#[derive(Clone)]
-struct Variable {
-    id: StackId,
-    built_in: BuiltInType,
 }
 
 impl MachineServer {
@@ -99,7 +92,7 @@ impl MachineServer {
         Ok(Self { handle, task, address, nodes, table, variables })
     }
 
-    /// Where it listens itself.
+    /// Returns the address that the server listens on.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
     }
@@ -117,7 +110,7 @@ impl MachineServer {
         self.variables.get(key).map(|variable| variable.built_in)
     }
 
-    /// What a variable has now.
+    /// Returns the current value of a variable.
     pub(crate) fn value(&self, key: &str) -> Option<DataValue> {
         let variable = self.variables.get(key)?;
         let space = self.nodes.address_space().read();
@@ -173,10 +166,10 @@ impl MachineServer {
         self.nodes.inner().mute(is_muted);
     }
 
-    /// Ends the server. Where the connections were cut before, no client hears a goodbye.
+    /// Ends the server. Clients are not notified when their connections were cut before.
     pub(crate) async fn stop(mut self) {
         self.handle.cancel();
-        if tokio::time::timeout(GOODBYE_TIMEOUT, &mut self.task).await.is_err() {
+        if tokio::time::timeout(STOP_TIMEOUT, &mut self.task).await.is_err() {
             self.task.abort();
             let _ = self.task.await;
         }

@@ -1,4 +1,4 @@
-//! Where the numbers come from: pure functions of seed and simulated time.
+//! Signals: pure functions of seed and simulated time.
 
 /// A moment of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +57,7 @@ pub fn quantised(value: f64, step: f64) -> f64 {
     if step < 1.0 { steps / (1.0 / step).round() } else { steps * step }
 }
 
-/// How a machine produces: one part per cycle, one interruption per period.
+/// Rhythm of production: one part per cycle, one interruption per period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Production {
     /// Seconds per part.
@@ -68,7 +68,7 @@ pub struct Production {
     pub interruption: f64,
 }
 
-/// What a machine is doing.
+/// Progress of production at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Seconds that it has been producing in all.
@@ -77,11 +77,11 @@ pub struct Progress {
     pub parts: u64,
     /// Those of them that were no good.
     pub scrap: u64,
-    /// How far the present part is, 0..1.
+    /// Completed fraction of the current part, 0..1.
     pub cycle_progress: f64,
     /// The kind of the present interruption, 0 to 255, where there is one.
     pub interruption: Option<u8>,
-    /// How many interruptions have begun.
+    /// Interruptions that have begun so far.
     pub interruptions: u64,
 }
 
@@ -93,7 +93,7 @@ const PART_TIMES: u64 = 3;
 const SCRAP: u64 = 4;
 
 impl Production {
-    /// What the machine is doing at a moment.
+    /// Returns the progress at a moment.
     #[must_use]
     pub fn at(&self, moment: Moment) -> Progress {
         let period = (moment.seconds / self.period).floor();

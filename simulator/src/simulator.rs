@@ -1,40 +1,16 @@
-//! All machines of a simulation.
-
-use std::sync::Arc;
+//! Simulation: all machines and the control interface.
 
 use indexmap::IndexMap;
 use tokio::{net::TcpListener, task::JoinSet};
 use tokio_util::sync::CancellationToken;
 
-use crate::{
-    Config, SimulatorError, control,
-    host::{Host, MachineHandle},
-};
+use crate::{Config, SimulatorError, SimulatorHandle, control, host::Host};
 
-/// The simulation, its servers already listening.
+/// Simulation whose servers already listen.
 pub struct Simulator {
     hosts: Vec<Host>,
     control: Option<TcpListener>,
     handle: SimulatorHandle,
-}
-
-/// A cloneable handle to the simulation.
-#[derive(Clone)]
-pub struct SimulatorHandle {
-    machines: Arc<IndexMap<String, MachineHandle>>,
-}
-
-impl SimulatorHandle {
-    /// A machine by its name.
-    #[must_use]
-    pub fn machine(&self, name: &str) -> Option<&MachineHandle> {
-        self.machines.get(name)
-    }
-
-    /// All machines, in the order of the configuration.
-    pub fn machines(&self) -> impl Iterator<Item = &MachineHandle> {
-        self.machines.values()
-    }
 }
 
 impl Simulator {
@@ -61,11 +37,11 @@ impl Simulator {
             hosts.push(host);
             machines.insert(machine.name.clone(), handle);
         }
-        let handle = SimulatorHandle { machines: Arc::new(machines) };
+        let handle = SimulatorHandle::new(machines);
         Ok((Self { hosts, control, handle: handle.clone() }, handle))
     }
 
-    /// Runs until told to stop.
+    /// Runs until `shutdown` is cancelled.
     pub async fn run(self, shutdown: CancellationToken) {
         let mut tasks = JoinSet::new();
         for host in self.hosts {

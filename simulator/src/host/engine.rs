@@ -1,4 +1,4 @@
-//! What a machine's variables have at a time, and which of them changed.
+//! Values of a machine's variables over time, and their changes.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -18,9 +18,9 @@ pub(super) struct Engine {
     epoch: DateTime,
     changes_per_second: f64,
     counters: Vec<usize>,
-    /// How many changes the bank's counters have had.
+    /// Changes of the bank's counters so far.
     counted: u64,
-    /// What was published last, by node of the blueprint.
+    /// Last published values, by node of the blueprint.
     last: HashMap<usize, (Variant, StatusCode)>,
     held: HashMap<String, (Variant, StatusCode)>,
     statuses: HashMap<String, StatusCode>,

@@ -1,4 +1,4 @@
-//! What callers can tell and ask a machine.
+//! Handle to a running machine.
 
 use std::{collections::HashMap, path::PathBuf, sync::Arc};
 
@@ -18,7 +18,7 @@ pub struct MachineHandle {
     pub(super) pki_directory: PathBuf,
 }
 
-/// What a machine is told through its handle.
+/// Command to a machine, with the channel for its reply.
 pub(super) enum Command {
     Set {
         key: String,
@@ -46,13 +46,13 @@ impl MachineHandle {
         &self.config.name
     }
 
-    /// How it is configured.
+    /// Returns the configuration of the machine.
     #[must_use]
     pub fn config(&self) -> &MachineConfig {
         &self.config
     }
 
-    /// Where clients connect.
+    /// Returns the address that clients connect to.
     #[must_use]
     pub fn endpoint_url(&self) -> &str {
         &self.endpoint_url

@@ -30,7 +30,7 @@ const ALARMS: [&str; 4] = [
 /// States of such a machine; `MachineState` has these numbers and `StateText` these names.
 const STATES: [&str; 4] = ["Idle", "Running", "Interrupted", "Alarm"];
 
-/// What differs between the machines of this family.
+/// Parameters that differ between the machines of this family.
 #[derive(Clone, Copy)]
 struct Character {
     production: Production,

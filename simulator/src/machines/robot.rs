@@ -22,7 +22,7 @@ pub const ROBOTICS: &str = "http://opcfoundation.org/UA/Robotics/";
 const AXES: u64 = 40;
 const MOTORS: u64 = 60;
 const PRODUCTION: Production = Production { cycle: 8.0, period: 720.0, interruption: 20.0 };
-/// How far each axis turns, in degrees to either side, and how long one swing takes in seconds.
+/// Swing of each axis: degrees to either side, and seconds per swing.
 const SWINGS: [(f64, f64); 6] =
     [(120.0, 8.0), (60.0, 8.0), (80.0, 4.0), (150.0, 8.0), (90.0, 4.0), (300.0, 16.0)];
 

@@ -1,4 +1,4 @@
-//! How the nodes of a machine are named on one server: which namespaces in which order, which ids.
+//! Node ids of a machine on one server: order of the namespaces, and identifiers.
 
 use std::sync::Arc;
 

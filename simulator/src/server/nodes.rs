@@ -33,13 +33,20 @@ use opcua_stack::{
     },
 };
 
-use super::{Variable, layout};
+use super::layout;
 use crate::{
     Layout,
     blueprint::{Blueprint, Class},
 };
 
 use build::{Builder, add_power_aggregate};
+
+/// Variable on a server.
+#[derive(Clone)]
+pub(super) struct Variable {
+    pub(super) id: NodeId,
+    pub(super) built_in: BuiltInType,
+}
 
 pub(crate) struct MachineNodes {
     name: String,
