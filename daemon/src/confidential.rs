@@ -17,7 +17,7 @@ impl<T: Zeroize> Confidential<T> {
         Self(value)
     }
 
-    /// The value itself. Whoever calls this answers for where it goes.
+    /// Returns the value itself. The caller must not log or show it.
     pub const fn expose(&self) -> &T {
         &self.0
     }

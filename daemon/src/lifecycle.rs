@@ -12,7 +12,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 use tracing::{Instrument, error, info, info_span, warn};
 
-/// What the end of a task before shutdown means.
+/// Meaning of a task's end before the shutdown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Importance {
     /// The daemon is of no use without it: everything stops and the exit status is a failure.
@@ -21,7 +21,7 @@ pub enum Importance {
     Optional,
 }
 
-/// Why a daemon ended other than by request.
+/// Reason of an end that was not requested.
 #[derive(Debug, thiserror::Error)]
 pub enum LifecycleError {
     /// The operating system refused to deliver signals.
@@ -32,13 +32,13 @@ pub enum LifecycleError {
     TaskEnded {
         /// The task's name.
         task: &'static str,
-        /// Why, with the chain of causes.
+        /// Error of the task with its chain of causes.
         reason: String,
     },
     /// Some tasks did not finish within the deadline, or a second signal came.
     #[error("stopped without waiting for {count} tasks")]
     Unfinished {
-        /// How many were still running.
+        /// Number of tasks that were still running.
         count: usize,
     },
 }

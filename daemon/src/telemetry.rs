@@ -7,7 +7,7 @@ use serde::Deserialize;
 use tokio_util::sync::CancellationToken;
 use tracing_subscriber::{EnvFilter, Layer, layer::SubscriberExt, util::SubscriberInitExt};
 
-/// How and how much is logged.
+/// Format and level of the log.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogConfig {
@@ -43,7 +43,6 @@ pub enum TelemetryError {
     ParseFilter {
         /// The filter as given.
         filter: String,
-        /// Why.
         source: tracing_subscriber::filter::ParseError,
     },
     /// A subscriber or recorder is installed already.

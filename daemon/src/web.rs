@@ -1,4 +1,4 @@
-//! The web side of a daemon: one way to answer, to sign in, to show pages and to tell news.
+//! Web server of a daemon: problem answers, sessions, embedded pages and live events.
 
 pub mod api;
 pub mod assets;

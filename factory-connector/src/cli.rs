@@ -116,7 +116,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => daemon::ending::after("factory-connector", error.as_ref()),
+        Err(error) => daemon::exit::after("factory-connector", error.as_ref()),
     }
 }
 

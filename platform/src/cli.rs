@@ -126,7 +126,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => daemon::ending::after("platform", error.as_ref()),
+        Err(error) => daemon::exit::after("platform", error.as_ref()),
     }
 }
 

@@ -16,10 +16,7 @@ pub enum ShopFloorError {
     NotConnected(SourceId),
     /// More sources or inputs than allowed.
     #[error("the limit of {limit} {what} is reached")]
-    LimitReached {
-        what: &'static str,
-        limit: usize,
-    },
+    LimitReached { what: &'static str, limit: usize },
     /// A part of the request does not fit.
     #[error("{0}")]
     Invalid(String),
@@ -28,9 +25,7 @@ pub enum ShopFloorError {
     Timeout(SourceId),
     /// The server refused.
     #[error("the server refused: {status}")]
-    Refused {
-        status: StatusCode,
-    },
+    Refused { status: StatusCode },
     /// No server answers at the address, or it makes no sense.
     #[error("the server could not be asked: {0}")]
     Unreachable(String),

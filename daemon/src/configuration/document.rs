@@ -110,12 +110,12 @@ impl Document {
     }
 
     pub(super) fn fault(&self, keys: &[String], message: &str) -> ConfigurationFault {
-        let (message, remedy) = self.words(keys, message);
+        let (message, remedy) = self.explain(keys, message);
         ConfigurationFault { origin: self.origin(keys), key: keys.join("."), message, remedy }
     }
 
-    /// Who says a setting, for people.
-    pub(super) fn said_by(&self, keys: &[String]) -> Option<String> {
+    /// Names the origin of a setting, for people.
+    pub(super) fn origin_name(&self, keys: &[String]) -> Option<String> {
         match self.origin(keys) {
             Origin::File { path, line } => Some(format!("{path}:{line}")),
             Origin::Variable { name } => Some(format!("environment variable {name}")),
@@ -123,7 +123,7 @@ impl Document {
         }
     }
 
-    /// Where the setting, or the nearest table around it, is said.
+    /// Returns the origin of the setting, or of the nearest table around it.
     fn origin(&self, keys: &[String]) -> Origin {
         for length in (1..=keys.len()).rev() {
             if let Some(variable) = self.variables.get(&keys[..length]) {
@@ -136,8 +136,8 @@ impl Document {
         Origin::Nowhere
     }
 
-    /// What is wrong and what to do, from the words of the deserialiser.
-    fn words(&self, keys: &[String], message: &str) -> (String, String) {
+    /// Returns message and remedy for an error of the deserialiser.
+    fn explain(&self, keys: &[String], message: &str) -> (String, String) {
         let mut message = message.trim().replace('\n', ", ");
         if let Some(variable) = self.variables.get(keys) {
             // A variable may hold a secret, so an error never repeats it.

@@ -1,4 +1,4 @@
-//! What can be wrong with a configuration, said so that it can be mended.
+//! Faults of a configuration, each with its origin and its remedy.
 
 use std::{fmt, path::PathBuf};
 
@@ -11,12 +11,7 @@ pub enum ConfigurationError {
          `config example`",
         path.display()
     )]
-    ReadFile {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    ReadFile { path: PathBuf, source: std::io::Error },
     /// The file was read, but something in it or in the environment is wrong.
     #[error("{}", list(faults))]
     Invalid {
@@ -34,31 +29,26 @@ fn list(faults: &[ConfigurationFault]) -> String {
 /// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ConfigurationFault {
-    /// Where it stands.
     pub origin: Origin,
     /// The key, as `web.listen`; empty where the whole document is meant.
     pub key: String,
-    /// What is wrong, in words.
+    /// Problem, for people.
     pub message: String,
-    /// What to do.
+    /// Action that resolves the fault.
     pub remedy: String,
 }
 
-/// Where a setting comes from.
+/// Origin of a setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
     /// A line of the file, counted from 1.
     File {
         /// The file's name as given.
         path: String,
-        /// The line.
         line: usize,
     },
     /// An environment variable.
-    Variable {
-        /// Its name.
-        name: String,
-    },
+    Variable { name: String },
     /// Nowhere: the setting is missing.
     Nowhere,
 }

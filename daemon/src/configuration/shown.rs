@@ -20,17 +20,17 @@ const ABSENT: &str = "#: ";
 pub struct Setting {
     /// The section it stands in; empty at the top.
     pub section: String,
-    /// Its name.
+    /// Path of the key, as `web.listen`.
     pub key: String,
-    /// What it means.
+    /// Description for people.
     pub meaning: String,
-    /// What it is without being said, as TOML; none where it is absent then.
+    /// Default as TOML; none when the setting has no default.
     pub default: Option<String>,
-    /// What it was set to, as TOML; none where the default holds. Secrets are not shown.
+    /// Configured value as TOML; none when the default is used. Secrets are not shown.
     pub value: Option<String>,
-    /// Who says so: a line of the file or a variable of the environment.
+    /// Origin of the value: a line of the file or a variable of the environment.
     pub origin: Option<String>,
-    /// It is set to something that is not shown.
+    /// True for a configured value that is not shown.
     pub is_hidden: bool,
 }
 
@@ -71,7 +71,7 @@ fn shown_of(
         let setting = &mut settings[index];
         setting.value = (!is_hidden).then(|| value.to_string());
         setting.is_hidden = is_hidden;
-        setting.origin = document.said_by(&keys);
+        setting.origin = document.origin_name(&keys);
     }
     Ok(settings)
 }

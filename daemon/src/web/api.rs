@@ -26,7 +26,7 @@ use super::{
 };
 use crate::telemetry::Metrics;
 
-/// Where the API is.
+/// Path below which all operations are.
 const API: &str = "/api/v1";
 
 /// The operations of an API.
@@ -37,15 +37,15 @@ pub struct Operations<S> {
     pub open: OpenApiRouter<S>,
 }
 
-/// What stands around the operations.
+/// Parts that the operations are served with.
 pub struct Shell<S, A: Accounts> {
-    /// What the operations speak to.
+    /// State that handlers extract.
     pub state: S,
-    /// Who is signed in.
+    /// Sessions that guard the operations.
     pub sessions: Sessions<A>,
-    /// What the daemon waits for.
+    /// Readiness behind `/readyz`.
     pub readiness: Readiness,
-    /// Metrics.
+    /// Metrics behind `/metrics`.
     pub metrics: Metrics,
     /// Largest body of any request, in bytes, unless an operation says otherwise.
     pub body_bytes_max: usize,

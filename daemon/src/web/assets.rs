@@ -1,8 +1,8 @@
 //! A single-page app out of the executable.
 //!
 //! Vite names what it builds by its content and puts it under `assets/`, so that such files may be
-//! kept for ever while `index.html` is asked for anew. Paths without a file are places inside the
-//! app and get `index.html`.
+//! cached for ever while `index.html` is requested each time. Paths without a file are routes inside
+//! the app and get `index.html`.
 
 use axum::{
     Router,

@@ -1,4 +1,4 @@
-//! Live news for pages: server-sent events with ids, so that a page that was away catches up.
+//! Server-sent events for pages. Events have ids, so that a page that was away catches up.
 //!
 //! An [`EventLog`] keeps the newest events in a ring. Every reader has its own cursor into it, so a
 //! slow page costs nothing but its own place: when the ring has moved on, the page is told `reset`
@@ -53,7 +53,7 @@ impl<T> std::fmt::Debug for EventLog<T> {
 /// The stream behind an answer.
 type EventStream = BoxStream<'static, Result<Event, Infallible>>;
 
-/// What a reader finds.
+/// Result of a reader's look into the log.
 enum Next<T> {
     Event(u64, Arc<T>),
     Reset(u64),
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn news_wake_a_waiting_page() {
+    async fn an_event_wakes_a_waiting_page() {
         let log = log();
         let reader = log.clone();
         let waiting = tokio::spawn(async move { read(&reader, Some("ab-2"), 1).await });

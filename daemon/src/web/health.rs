@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::telemetry::Metrics;
 
-/// What a daemon waits for before it is of use. Parts set their own entry; clones share them.
+/// Conditions that a daemon waits for before it is ready. Parts set their own entry; clones share them.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness(Arc<Mutex<BTreeMap<&'static str, Option<String>>>>);
 

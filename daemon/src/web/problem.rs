@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Problem {
-    /// `urn:verbund:problem:<code>`.
+    /// Problem type, `urn:verbund:problem:<code>`.
     #[serde(rename = "type")]
     #[schema(value_type = String)]
     pub problem_type: Box<str>,
@@ -27,7 +27,7 @@ pub struct Problem {
     /// A stable code, as `NOT_FOUND`.
     #[schema(value_type = String)]
     pub code: Box<str>,
-    /// What is wrong and what to do, for people.
+    /// Problem and remedy, for people.
     pub detail: String,
     /// Each single fault, where a document has several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

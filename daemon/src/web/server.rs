@@ -31,20 +31,10 @@ pub struct TlsFiles {
 pub enum ServerError {
     /// The address cannot be listened on.
     #[error("cannot listen on {address}")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// Why.
-        source: std::io::Error,
-    },
+    Listen { address: SocketAddr, source: std::io::Error },
     /// A PEM file cannot be used.
     #[error("cannot read {}", path.display())]
-    ReadPem {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: rustls::pki_types::pem::Error,
-    },
+    ReadPem { path: PathBuf, source: rustls::pki_types::pem::Error },
     /// Certificate and key do not make a server.
     #[error("certificate and key cannot be used")]
     UseCertificate(#[source] rustls::Error),
@@ -56,7 +46,7 @@ pub enum ServerError {
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
 const HANDSHAKES_MAX: usize = 128;
 const ACCEPTED_WAITING_MAX: usize = 16;
-/// How long open requests may take once shutdown begins.
+/// Longest wait for open requests once shutdown begins.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Binds the address; port 0 takes a free one.

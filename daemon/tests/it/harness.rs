@@ -125,7 +125,7 @@ impl Harness {
             .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
         let mut config = SessionConfig::new("verbund_test", false);
-        config.stream_look = Duration::from_millis(20);
+        config.stream_check_interval = Duration::from_millis(20);
         let sessions = Sessions::new(config, memory.clone());
         let readiness = Readiness::new();
         let guarded = get(who)

@@ -4985,7 +4985,7 @@ export interface components {
         Problem: {
             /** @description A stable code, as `NOT_FOUND`. */
             code: string;
-            /** @description What is wrong and what to do, for people. */
+            /** @description Problem and remedy, for people. */
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
@@ -5001,7 +5001,7 @@ export interface components {
             status: number;
             /** @description The HTTP status in words. */
             title: string;
-            /** @description `urn:verbund:problem:<code>`. */
+            /** @description Problem type, `urn:verbund:problem:<code>`. */
             type: string;
         };
         /** @description One fault of a document, placed. */
@@ -5470,19 +5470,19 @@ export interface components {
         };
         /** @description One setting as a person reads it. */
         Setting: {
-            /** @description What it is without being said, as TOML; none where it is absent then. */
+            /** @description Default as TOML; none when the setting has no default. */
             default?: string | null;
-            /** @description It is set to something that is not shown. */
+            /** @description True for a configured value that is not shown. */
             isHidden: boolean;
-            /** @description Its name. */
+            /** @description Path of the key, as `web.listen`. */
             key: string;
-            /** @description What it means. */
+            /** @description Description for people. */
             meaning: string;
-            /** @description Who says so: a line of the file or a variable of the environment. */
+            /** @description Origin of the value: a line of the file or a variable of the environment. */
             origin?: string | null;
             /** @description The section it stands in; empty at the top. */
             section: string;
-            /** @description What it was set to, as TOML; none where the default holds. Secrets are not shown. */
+            /** @description Configured value as TOML; none when the default is used. Secrets are not shown. */
             value?: string | null;
         };
         /**

@@ -1730,7 +1730,7 @@ export interface components {
         Problem: {
             /** @description A stable code, as `NOT_FOUND`. */
             code: string;
-            /** @description What is wrong and what to do, for people. */
+            /** @description Problem and remedy, for people. */
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
@@ -1746,7 +1746,7 @@ export interface components {
             status: number;
             /** @description The HTTP status in words. */
             title: string;
-            /** @description `urn:verbund:problem:<code>`. */
+            /** @description Problem type, `urn:verbund:problem:<code>`. */
             type: string;
         };
         /** @description One fault of a document, placed. */

@@ -1,4 +1,4 @@
-//! What sessions need of the owner's store.
+//! Interface of sessions to the store of the daemon.
 
 use std::{fmt, time::SystemTime};
 
@@ -10,13 +10,13 @@ use super::password::PasswordHash;
 /// Users and sessions in the owner's store.
 #[async_trait]
 pub trait Accounts: Send + Sync + 'static {
-    /// Who somebody is: name, role and what else the owner's handlers decide by.
+    /// Signed-in user: name, role, and all else that the daemon's handlers decide by.
     type Principal: Clone + Send + Sync + 'static;
 
     /// The hash of a user's password; `None` where there is no such user.
     async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError>;
 
-    /// Who the user is at this moment; `None` where there is none (any more).
+    /// Returns the user as of now; `None` for an unknown or removed one.
     async fn principal(&self, user_name: &str) -> Result<Option<Self::Principal>, AccountsError>;
 
     /// Stores a new session; expired ones may be removed on the way.
@@ -41,16 +41,14 @@ impl AccountsError {
     }
 }
 
-/// What the store knows of a session.
+/// Session as it is stored.
 #[derive(Clone, PartialEq, Eq)]
 pub struct StoredSession {
     /// The hash of its token.
     pub id: SessionId,
-    /// Whose it is.
     pub user_name: String,
-    /// What changes must carry.
+    /// Token that requests with changes must carry.
     pub csrf_token: String,
-    /// When it ends.
     pub expires_at: SystemTime,
 }
 

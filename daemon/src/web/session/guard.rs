@@ -1,9 +1,9 @@
-//! The middleware before every route that needs a session, and the extractor behind it.
+//! Middleware before every route that needs a session.
 
 use axum::{
     body::Body,
-    extract::{FromRequestParts, Request, State},
-    http::{header::CONTENT_TYPE, request::Parts},
+    extract::{Request, State},
+    http::header::CONTENT_TYPE,
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -12,38 +12,12 @@ use futures::StreamExt as _;
 use subtle::ConstantTimeEq;
 
 use super::{
-    Sessions,
-    accounts::{Accounts, SessionId},
-    internal,
+    accounts::Accounts,
+    sessions::{CSRF_HEADER, Sessions, internal},
 };
 use crate::web::{headers::is_safe, problem::Problem};
 
-/// Whoever asks, as handlers extract it.
-#[derive(Clone)]
-pub struct SignedIn<P> {
-    /// The session, to end it.
-    pub session: SessionId,
-    /// Who it is.
-    pub principal: P,
-    /// What changes must carry in `x-csrf-token`; told to pages when they ask who is signed in.
-    pub csrf_token: String,
-}
-
-impl<P: std::fmt::Debug> std::fmt::Debug for SignedIn<P> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SignedIn").field("principal", &self.principal).finish_non_exhaustive()
-    }
-}
-
-impl<P: Clone + Send + Sync + 'static, S: Send + Sync> FromRequestParts<S> for SignedIn<P> {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        parts.extensions.get::<Self>().cloned().ok_or_else(Problem::unauthorized)
-    }
-}
-
-/// Lets only those pass who are signed in, and changes only with the CSRF token. For
+/// Passes requests of signed-in users only, and changes only with the CSRF token. For
 /// `axum::middleware::from_fn_with_state(sessions, require_session::<A>)`.
 pub async fn require_session<A: Accounts>(
     State(sessions): State<Sessions<A>>,
@@ -51,7 +25,7 @@ pub async fn require_session<A: Accounts>(
     next: Next,
 ) -> Response {
     let jar = CookieJar::from_headers(request.headers());
-    let Some(cookie) = jar.get(&sessions.inner.config.cookie_name) else {
+    let Some(cookie) = jar.get(&sessions.config().cookie_name) else {
         return Problem::unauthorized().into_response();
     };
     let signed_in = match sessions.resume(cookie.value()).await {
@@ -60,8 +34,7 @@ pub async fn require_session<A: Accounts>(
         Err(error) => return internal(error).into_response(),
     };
     if !is_safe(request.method()) {
-        let sent =
-            request.headers().get(super::CSRF_HEADER).map_or(&b""[..], |value| value.as_bytes());
+        let sent = request.headers().get(CSRF_HEADER).map_or(&b""[..], |value| value.as_bytes());
         if !bool::from(sent.ct_eq(signed_in.csrf_token.as_bytes())) {
             return Problem::new(
                 axum::http::StatusCode::FORBIDDEN,
@@ -77,14 +50,14 @@ pub async fn require_session<A: Accounts>(
     if !is_live(&answer) {
         return answer;
     }
-    // Whoever is no longer signed in hears no more either.
+    // A live stream ends with its session.
     answer.map(|body| {
-        let ended = async move { while sessions.is_good(&token).await {} };
+        let ended = async move { while sessions.is_valid_after_pause(&token).await {} };
         Body::from_stream(body.into_data_stream().take_until(Box::pin(ended)))
     })
 }
 
-/// Whether an answer goes on for as long as somebody listens.
+/// Returns true for an answer that lasts until the client closes it.
 fn is_live(answer: &Response) -> bool {
     answer
         .headers()

@@ -15,7 +15,6 @@ pub struct PasswordHash(String);
 /// A password is refused or could not be hashed.
 #[derive(Debug, thiserror::Error)]
 pub enum PasswordError {
-    /// Too short.
     #[error("a password needs at least {min} characters")]
     TooShort {
         /// The least number of characters.
@@ -32,7 +31,7 @@ pub enum PasswordError {
     Hash(argon2::password_hash::Error),
 }
 
-/// What passwords must fulfil. Length counts, not decoration (NIST SP 800-63B §5.1.1).
+/// Requirements of passwords: length, no composition rules (NIST SP 800-63B §5.1.1).
 #[derive(Debug, Clone, Copy)]
 pub struct PasswordPolicy {
     /// The least number of characters.
@@ -84,7 +83,7 @@ impl PasswordHash {
         &self.0
     }
 
-    /// Whether this is the hash of the password. Takes some tens of milliseconds of CPU.
+    /// Returns true when this is the hash of the password. Takes some tens of milliseconds of CPU.
     #[must_use]
     pub fn is_of(&self, password: &Confidential<String>) -> bool {
         password.expose().len() <= PASSWORD_BYTES_MAX

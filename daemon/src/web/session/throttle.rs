@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// How attempts are slowed down.
+/// Limits of attempts.
 #[derive(Debug, Clone)]
 pub struct ThrottleConfig {
     /// Failures that cost nothing.
@@ -51,7 +51,7 @@ impl LoginThrottle {
         Self { config, entries: HashMap::new() }
     }
 
-    /// Whether an attempt is allowed now.
+    /// Checks that an attempt is allowed now.
     ///
     /// # Errors
     /// How long to wait.

@@ -1,4 +1,4 @@
-//! How a program ends: what it prints about what went wrong, and its exit code.
+//! Exit of a program after an error: message on standard error, and exit code.
 
 use std::{
     error::Error,
@@ -9,19 +9,19 @@ use std::{
 
 use crate::lifecycle::LifecycleError;
 
-/// Prints an error with all its causes and says with which code the program ends. Who reads the
-/// output may stop when it has seen enough, as `head` does: that is no error.
+/// Prints an error with all its causes and returns the exit code. A closed standard output is no
+/// error: programs like `head` close it when they have read enough.
 pub fn after(program: &str, error: &(dyn Error + 'static)) -> ExitCode {
     let of_daemon = causes(error).find_map(|cause| cause.downcast_ref::<LifecycleError>());
-    if of_daemon.is_none() && is_reader_gone(error) {
+    if of_daemon.is_none() && is_output_closed(error) {
         return ExitCode::SUCCESS;
     }
-    let said: Vec<String> = causes(error).map(ToString::to_string).collect();
-    drop(writeln!(io::stderr(), "{program}: {}", said.join(": ")));
+    let messages: Vec<String> = causes(error).map(ToString::to_string).collect();
+    drop(writeln!(io::stderr(), "{program}: {}", messages.join(": ")));
     of_daemon.map_or(ExitCode::FAILURE, LifecycleError::exit_code)
 }
 
-fn is_reader_gone(error: &(dyn Error + 'static)) -> bool {
+fn is_output_closed(error: &(dyn Error + 'static)) -> bool {
     let is_broken_pipe = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
     causes(error).any(|cause| cause.downcast_ref().is_some_and(is_broken_pipe))
 }
@@ -39,8 +39,8 @@ mod tests {
     struct Writing(#[source] io::Error);
 
     #[test]
-    fn a_reader_that_has_seen_enough_is_no_error() {
-        assert!(is_reader_gone(&Writing(io::ErrorKind::BrokenPipe.into())));
-        assert!(!is_reader_gone(&Writing(io::ErrorKind::StorageFull.into())));
+    fn a_closed_output_is_no_error() {
+        assert!(is_output_closed(&Writing(io::ErrorKind::BrokenPipe.into())));
+        assert!(!is_output_closed(&Writing(io::ErrorKind::StorageFull.into())));
     }
 }
