@@ -2,33 +2,34 @@
 //! tests: machines are noisy, so distributions are printed with a description of the machine.
 
 mod browsable;
+mod figures;
 pub mod goals;
 mod ledger;
 mod links;
 mod mappings;
 pub mod part;
+pub mod part_runner;
 mod throughput;
 mod twin;
 mod usage;
 
-use std::time::Duration;
-
 use anyhow::Context as _;
 use clap::ValueEnum as _;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::{
     demo::{latency, play},
     harness::{Steps, repository, say},
     world::{Places, World},
 };
+use figures::distribution;
 
 /// Changes whose latency is measured.
 const CHANGES: u32 = 300;
 /// Requests whose way into the address space is measured.
 const REQUESTS: u32 = 40;
 
-/// What is measured.
+/// Part of the product that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Subject {
     /// The whole path: from the machine to the buyer's page.
@@ -89,23 +90,6 @@ async fn path() -> anyhow::Result<Vec<Value>> {
     results.extend(throughput::measure(&mut world, &cast).await?);
     world.stop()?;
     Ok(results)
-}
-
-fn result(name: &str, value: f64, unit: &str) -> Value {
-    let digits = if value.abs() < 10.0 { 2 } else { 1 };
-    say(&format!("  {name}: {value:.digits$} {unit}{}", goals::beside(name, value, unit)));
-    json!({ "name": name, "value": value, "unit": unit })
-}
-
-fn distribution(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
-    latencies.sort_unstable();
-    let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;
-    [("median", 50), ("90 %", 90), ("99 %", 99), ("slowest", 100)]
-        .into_iter()
-        .map(|(what, share)| {
-            result(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms")
-        })
-        .collect()
 }
 
 /// Processor, cores, load and kernel: what figures depend on.

@@ -1,19 +1,19 @@
 //! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while
 //! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
 //! end the stores of both sides are compared: every report that left is held once, in its order
-//! within each lane, with the values it left with, and the ledger knows of it; and every remark
+//! within each lane, with the values it left with, and the ledger knows of it; and every comment
 //! that one side took is on both sides once.
 
 mod clock;
+mod comments;
 mod copied;
 mod disk;
+mod findings;
 mod line;
 mod load;
 mod plan;
 mod stage;
 mod stores;
-mod talk;
-mod verdict;
 
 use std::time::{Duration, Instant};
 
@@ -30,11 +30,12 @@ use crate::{
         story,
     },
 };
+use comments::CommentTraffic;
+use findings::Findings;
 use stage::Stage;
-use talk::{Remark, Talk};
-use verdict::Verdict;
+use stores::Comment;
 
-/// How long a run goes on.
+/// Length of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Length {
     /// No new round after so long.
@@ -46,9 +47,9 @@ pub struct Length {
 /// How long everything may take to work again after a round. A peer that is gone without a word is
 /// noticed after the link's own patience, and a login throttle or a backoff may add to it.
 const RECOVERY: Duration = Duration::from_secs(120);
-/// How long nothing may have waited to call it the end.
+/// Time without anything waiting that counts as the end.
 const QUIET: Duration = Duration::from_secs(5);
-/// Faults shown of a verdict.
+/// Faults shown at most.
 const SHOWN_MAX: usize = 20;
 
 /// Plays the rounds of a seed and judges.
@@ -98,7 +99,7 @@ async fn play(
     steps.run("every writer is kept busy", load::put_on(cast)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
-    let talk = Talk::begin(&stage.world.places)?;
+    let comments = CommentTraffic::begin(&stage.world.places)?;
     let mut plan = Plan::new(seed);
     let start = Instant::now();
     let mut number = 0;
@@ -106,7 +107,7 @@ async fn play(
         number += 1;
         round(stage, steps, number, &plan.round()).await?;
     }
-    let said = talk.end().await?;
+    let said = comments.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
     let took = start.elapsed();
@@ -205,30 +206,30 @@ async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
     Ok(())
 }
 
-async fn judge(stage: &Stage, said: &[Remark]) -> anyhow::Result<String> {
+async fn judge(stage: &Stage, said: &[Comment]) -> anyhow::Result<String> {
     let folder = &stage.world.places.folder;
-    let mut verdict = Verdict::default();
+    let mut findings = Findings::default();
     for factory in [MUNICH, HAMBURG] {
-        verdict::of_factory(folder, factory, &stage.set_back, &mut verdict).await?;
+        findings::of_factory(folder, factory, &stage.set_back, &mut findings).await?;
         if let Err(error) = ledger_holds(stage, factory).await {
-            verdict.faults.push(format!("{error:#}"));
+            findings.faults.push(format!("{error:#}"));
         }
     }
-    verdict.faults.extend(talk::faults(folder, said, &stage.lost_remarks).await?);
+    findings.faults.extend(comments::faults(folder, said, &stage.lost_comments).await?);
     let (repeats, letters) = stores::repeats_and_dead_letters(folder).await?;
     if letters > 0 {
-        verdict.faults.push(format!("{letters} messages could not be used"));
+        findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Verdict { left, arrived, replayed, faults } = verdict;
+    let Findings { left, arrived, replayed, faults } = findings;
     let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
     anyhow::ensure!(faults.is_empty(), "{} faults:\n  {}", faults.len(), shown.join("\n  "));
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {repeats} repeats discarded, \
-         {} set back by a lost broker store; {} remarks taken, {} of them on their way to a broker that lost its store",
+         {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store",
         stage.set_back.len(),
         said.len(),
-        stage.lost_remarks.len()
+        stage.lost_comments.len()
     ))
 }
 

@@ -1,4 +1,4 @@
-//! What crosses the parts: the demo, the end-to-end tests, chaos and the benchmarks of the whole
+//! Tests across the parts: the demo, the end-to-end tests, chaos and the benchmarks of the whole
 //! path.
 //!
 //! - [`harness`]: starts the real programs in a folder of their own, on free ports, and talks to

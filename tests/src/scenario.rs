@@ -1,5 +1,6 @@
 //! The frame order: a frame is made in Munich, shipped, inspected and assembled in Hamburg, and the
 //! buyer wants to know how it goes. The demo plays it, the tests check it, the benchmarks load it.
 
+mod decisions;
 pub mod frame_order;
 pub mod story;

@@ -1,6 +1,7 @@
 //! Two factories and a cloud: every program that takes part in the frame order, in one folder, on
 //! ports of its own.
 
+mod accounts;
 mod copies;
 mod files;
 mod places;
@@ -9,6 +10,7 @@ use std::{path::Path, time::Duration};
 
 use anyhow::Context as _;
 
+pub use accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD};
 pub use places::{FactoryPlaces, Places};
 
 use crate::{
@@ -16,23 +18,10 @@ use crate::{
     scenario::frame_order::{HAMBURG, MUNICH},
 };
 
-/// Who may sign in at the platform.
-pub const ADMIN: &str = "admin";
-/// Who may sign in at a connector and its twin.
-pub const ENGINEER: &str = "engineer";
-/// The password of both in the demo; real installations make up their own at the first start.
-pub const PASSWORD: &str = "frame-order-4711";
-/// A broker user with the platform's rights, for tools that look at messages.
-pub const OBSERVER: &str = "observer";
-/// Its password.
-pub const OBSERVER_PASSWORD: &str = "observer-3f9a1c77d2e84b60";
-
 /// One factory: its machines and its connector.
 #[derive(Debug)]
 pub struct Factory {
-    /// Its id.
     pub id: &'static str,
-    /// The machines.
     pub simulator: Daemon,
     /// The connector, once it is enrolled and started.
     pub connector: Option<Daemon>,
@@ -41,9 +30,8 @@ pub struct Factory {
 /// Everything that runs.
 #[derive(Debug)]
 pub struct World {
-    /// Where everything is and listens.
+    /// Folder and ports of all programs.
     pub places: Places,
-    /// The cloud.
     pub platform: Daemon,
     /// Munich and Hamburg.
     pub factories: [Factory; 2],

@@ -1,4 +1,4 @@
-//! How many disclosed values per second go through gate, ledger and spool into the one transaction,
+//! Rate of disclosed values through gate, ledger and spool into the one transaction,
 //! what that transaction costs beside bare SQLite, and how long the verification of a million
 //! entries takes.
 
@@ -22,14 +22,14 @@ use factory_connector::{
 use serde_json::{Value, json};
 
 use self::bare::BareStore;
-use super::result;
+use super::figures::result;
 
 /// Requests, each with so many fields.
 const REQUESTS: usize = 500;
 const FIELDS: usize = 10;
 /// Values that change between two reports: 10 000 per second at the publishing interval of 20 ms.
 const VALUES_PER_TRANSACTION: usize = 200;
-/// How long values are disclosed without a pause.
+/// Time during which values are disclosed without a pause.
 const SUSTAINED: Duration = Duration::from_secs(15);
 /// Transactions beside those of bare SQLite.
 const TURNS: usize = 40;
@@ -151,7 +151,7 @@ impl Plant {
         Ok(began.elapsed())
     }
 
-    /// What follows when the next fields get new values.
+    /// Changes that follow when the next fields get new values.
     fn changes(&mut self, values: usize, now: DateTime) -> anyhow::Result<Changes> {
         for _ in 0..values {
             let field = &self.fields[self.next];

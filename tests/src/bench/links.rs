@@ -8,33 +8,24 @@ mod broker_under_test;
 mod made_up;
 
 use std::{
-    sync::{
-        Arc,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::Arc,
     time::{Duration, Instant},
 };
 
-use async_trait::async_trait;
-use messaging::{Delivery, Inbox, Link, LinkConfig, LogicalAddress, Login, Settlement};
+use messaging::{Link, LinkConfig, LogicalAddress, Login};
 use serde_json::Value;
 use tokio_util::sync::CancellationToken;
 
 use self::{
-    broker_under_test::{Account, BrokerUnderTest, Protocol},
-    made_up::MadeUpSpool,
+    broker_under_test::{Account, BrokerUnderTest, MESSAGES, Protocol, WINDOW},
+    made_up::{Counting, MadeUpSpool},
 };
 use super::{
-    part::{Part, figure},
-    result,
+    figures::{figure, result},
+    part::Part,
     usage::Usage,
 };
 
-/// Messages of each measurement, and bytes of each.
-const MESSAGES: u64 = 30_000;
-const BODY_BYTES: usize = 1024;
-/// Messages under way, of link and bare client alike.
-const WINDOW: u16 = 500;
 /// Times that each is measured; the fastest counts, for disturbances only slow down.
 const ROUNDS: usize = 3;
 /// Messages over which memory must not grow, and when it is looked at first.
@@ -198,28 +189,6 @@ impl RunningLink {
     async fn stop(self) -> anyhow::Result<()> {
         self.stop.cancel();
         Ok(self.running.await?)
-    }
-}
-
-/// Accepts everything.
-#[derive(Default)]
-struct Counting(AtomicU64);
-
-impl Counting {
-    fn received(&self) -> u64 {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-#[async_trait]
-impl Inbox for Counting {
-    async fn receive(
-        &self,
-        _address: &LogicalAddress,
-        deliveries: Vec<Delivery>,
-    ) -> Vec<Settlement> {
-        self.0.fetch_add(deliveries.len() as u64, Ordering::Relaxed);
-        vec![Settlement::Accept; deliveries.len()]
     }
 }
 

@@ -1,4 +1,4 @@
-//! What one connector does with the changes of a machine: built-in functions and scripts into
+//! Throughput and memory of one connector with the changes of a machine: built-in functions and scripts into
 //! report fields with reports each second, beside the bare subscription in the same run and the
 //! same job done with node-opcua.
 
@@ -17,10 +17,10 @@ use self::{
     bank::{Bank, node},
     connector::{Connector, Filled},
 };
-use super::{result, usage::Usage};
+use super::{figures::result, usage::Usage};
 use crate::harness::repository;
 
-/// How long each rate is measured.
+/// Time for which each rate is measured.
 const SPAN: Duration = Duration::from_secs(10);
 /// Mappings and offered changes per second: built in, scripts.
 const BUILT_IN: u32 = 10_000;
@@ -167,7 +167,7 @@ async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
     Ok(Measured::between((0.0, before), (values, after), took))
 }
 
-/// What a connector takes that was asked for a field per variable of the bank and maps none.
+/// Memory of a connector that was asked for a field per variable of the bank and maps none.
 async fn empty_bytes(bank: &Bank) -> anyhow::Result<u64> {
     let mut connector = Connector::start(Filled::with(bank, &json!(null)).await?).await?;
     let resident = connector.settled_bytes().await?;

@@ -4,23 +4,22 @@
 use std::{process::Stdio, time::Duration};
 
 use anyhow::Context as _;
-use serde_json::{Value, json};
+use serde_json::Value;
 use tokio::process::Command;
 
-use super::{links, result, twin};
-use crate::harness::say;
+use super::figures::result;
 
-/// How long one part may take.
+/// Time that one part may take.
 const PART_TIMEOUT: Duration = Duration::from_secs(170);
 
-/// What runs in a process of its own.
+/// Measurement in a process of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Part {
     /// The twin: memory of a field, and the time to show everything again.
     Fields,
     /// A connector that starts again.
     Restore,
-    /// The twin: adding and browsing while somebody reads.
+    /// The twin: adding and browsing beside a reader.
     Readers,
     /// The twin: from a change to its notification.
     Latency,
@@ -56,7 +55,7 @@ impl Part {
         Ok(command)
     }
 
-    /// What the part finds.
+    /// Runs the part and returns its figures.
     pub(super) async fn measure(self) -> anyhow::Result<Vec<Value>> {
         let run = self.command()?.stderr(Stdio::inherit()).output();
         let output = tokio::time::timeout(PART_TIMEOUT, run)
@@ -74,27 +73,4 @@ impl Part {
         });
         Ok(shown.collect())
     }
-}
-
-/// Runs one part in this process and prints what it finds as JSON.
-///
-/// # Errors
-/// When it fails.
-pub async fn run(part: Part) -> anyhow::Result<()> {
-    let found = match part {
-        Part::Fields => twin::own::fields_and_restore()?,
-        Part::Restore => twin::restore::measure().await?,
-        Part::Readers => twin::own::readers().await?,
-        Part::Latency => twin::own::latency().await?,
-        Part::Burst => twin::own::burst().await?,
-        Part::Serve => return twin::server::serve().await,
-        Part::Traffic => links::traffic().await?,
-    };
-    say(&serde_json::to_string(&found)?);
-    Ok(())
-}
-
-/// One figure, for the program that asked.
-pub(super) fn figure(name: &str, value: f64, unit: &str) -> Value {
-    json!({ "name": name, "value": value, "unit": unit })
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tokio_util::sync::CancellationToken;
 
-use super::result;
+use super::figures::result;
 use crate::{
     demo::Cast,
     harness::{Api, eventually},
@@ -20,7 +20,7 @@ use crate::{
 /// Data sets, and fields of each.
 const REQUESTS: usize = 10;
 const FIELDS: usize = 50;
-/// How long is measured, and how long the cloud is away.
+/// Time of the measurement, and of the cloud's absence.
 const SPAN: Duration = Duration::from_secs(10);
 const OUTAGE: Duration = Duration::from_secs(20);
 /// Reports that wait although nothing is behind: those of two publishing intervals.

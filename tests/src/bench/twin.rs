@@ -6,15 +6,9 @@ pub(super) mod own;
 pub(super) mod restore;
 pub(super) mod server;
 
-use std::time::Duration;
-
 use serde_json::Value;
 
-use super::{
-    distribution,
-    part::{Part, figure},
-    result,
-};
+use super::part::Part;
 
 /// Measures everything about the twin.
 ///
@@ -27,16 +21,4 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
     }
     results.extend(beside::measure().await?);
     Ok(results)
-}
-
-/// A sorted distribution at these shares in percent.
-fn figures(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
-    latencies.sort_unstable();
-    let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;
-    [("median", 50), ("99 %", 99), ("slowest", 100)]
-        .into_iter()
-        .map(|(what, share)| {
-            figure(&format!("{name}, {what} of {}", latencies.len()), at(share), "ms")
-        })
-        .collect()
 }

@@ -1,15 +1,14 @@
-//! What processes have used, as Linux counts it.
+//! Memory and processor time of processes, as Linux counts them.
 
 use std::fs;
 
 use anyhow::Context as _;
 
-/// What processes have used.
+/// Memory and processor time of processes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Usage {
     /// User and system time.
     pub cpu_seconds: f64,
-    /// Resident memory.
     pub resident_bytes: u64,
 }
 

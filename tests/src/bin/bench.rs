@@ -14,7 +14,7 @@ use verbund_tests::{
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
-    /// What is measured; everything where nothing is named.
+    /// Parts to measure; all when none is named.
     #[arg(value_enum)]
     subjects: Vec<Subject>,
 }
@@ -24,7 +24,7 @@ enum Command {
     /// One part of the figures, in a process of its own; prints them as JSON.
     #[command(hide = true)]
     Part {
-        /// Which.
+        /// Name of the part.
         #[arg(value_enum)]
         part: Part,
     },
@@ -36,7 +36,7 @@ async fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let outcome = match arguments.command {
         None => bench::run(&arguments.subjects).await,
-        Some(Command::Part { part }) => bench::part::run(part).await,
+        Some(Command::Part { part }) => bench::part_runner::run(part).await,
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,10 +13,10 @@ use verbund_tests::{
     about = "Kills, cuts, stalls and fills what it can, and proves that nothing is lost or doubled."
 )]
 struct Arguments {
-    /// How long faults go on.
+    /// Minutes for which faults go on.
     #[arg(long, default_value_t = 5)]
     minutes: u64,
-    /// What the faults are drawn from; drawn by lot and printed without one.
+    /// Seed of the faults; drawn at random and printed when none is given.
     #[arg(long)]
     seed: Option<u64>,
     /// No new faults after so many kills.

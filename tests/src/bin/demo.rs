@@ -17,7 +17,7 @@ struct Arguments {
 enum Command {
     /// Plays the frame order until Ctrl-C; a second start goes on where the first stopped.
     Run {
-        /// Where configuration, data and logs live.
+        /// Folder of configuration, data and logs.
         #[arg(long, default_value = "demo-data")]
         folder: PathBuf,
     },

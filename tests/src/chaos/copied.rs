@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use serde_json::Value;
 
-use super::{Fault, Stage, Talk, drain, flows, judge, load};
+use super::{CommentTraffic, Fault, Stage, drain, flows, judge, load};
 use crate::{
     harness::{Api, Daemon, Steps, eventually, say},
     scenario::frame_order::MUNICH,
     world::World,
 };
 
-/// How long it may take until everybody knows: a renewal, and more on a busy machine.
+/// Time until all sides know of the copy: a renewal, and more on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Kills a connector, copies its data directory, starts it again and the copy beside it: the first
@@ -42,21 +42,21 @@ pub async fn copied() -> anyhow::Result<()> {
     outcome
 }
 
+fn original(stage: &mut Stage) -> anyhow::Result<&mut Daemon> {
+    stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")
+}
+
 async fn beside(
     stage: &mut Stage,
     steps: &mut Steps,
     copy: &mut Option<Daemon>,
 ) -> anyhow::Result<()> {
-    let talk = Talk::begin(&stage.world.places)?;
+    let comments = CommentTraffic::begin(&stage.world.places)?;
     steps
         .run("kill -9 of a connector, and it goes on at once", async {
-            let connector =
-                stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
-            connector.kill()?;
+            original(stage)?.kill()?;
             stage.world.copy_connector(MUNICH)?;
-            let connector =
-                stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")?;
-            connector.restart()?;
+            original(stage)?.restart()?;
             let restarted = Instant::now();
             let munich = stage.world.connector_api(MUNICH).await?;
             lease(&munich, "HELD").await?;
@@ -118,7 +118,7 @@ async fn beside(
     if let Some(copy) = copy {
         copy.kill()?;
     }
-    let said = talk.end().await?;
+    let said = comments.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
     steps.run("every report is held once, in order, and in the ledger", judge(stage, &said)).await

@@ -13,7 +13,7 @@ use tokio::{
 };
 use tokio_util::{sync::CancellationToken, task::AbortOnDropHandle};
 
-/// How the line treats what passes.
+/// Treatment of the bytes that pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Condition {
     /// Everything passes at once.
@@ -22,11 +22,11 @@ pub enum Condition {
     Stalled,
     /// Bytes are taken and thrown away.
     Swallowing,
-    /// Little passes.
+    /// Few bytes a second pass.
     Thin,
 }
 
-/// What a thin line carries at once, and the pause after it: 16 kB/s.
+/// Bytes that a thin line carries at once, and the pause after them: 16 kB/s.
 const THIN_BYTES: usize = 512;
 const THIN_PAUSE: Duration = Duration::from_millis(32);
 

@@ -1,4 +1,4 @@
-//! What goes wrong, and when: drawn from a seed alone, so that a run can be played again.
+//! Plan of faults and their times: drawn from a seed alone, so that a run can be played again.
 
 use std::{fmt, time::Duration};
 
@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::scenario::frame_order::{HAMBURG, MUNICH};
 
-/// What the platform is called beside the factories.
+/// Name of the platform beside the factories.
 pub(super) const PLATFORM: &str = "platform";
 
 /// Something that goes wrong. Whatever is killed is started again at once.
@@ -54,7 +54,7 @@ pub enum Fault {
 pub struct ClockOffset(pub i32);
 
 impl Fault {
-    /// How many programs it kills.
+    /// Number of programs it kills.
     #[must_use]
     pub const fn kills(self) -> u32 {
         match self {
@@ -121,7 +121,6 @@ impl fmt::Display for Fault {
 pub struct Strike {
     /// After the last one.
     pub pause: Duration,
-    /// What.
     pub fault: Fault,
 }
 

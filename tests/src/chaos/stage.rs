@@ -11,10 +11,11 @@ use anyhow::Context as _;
 
 use super::{
     clock::Clock,
+    comments,
     disk::Disk,
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
-    stores, talk,
+    stores,
 };
 use crate::{
     demo::{self, Cast},
@@ -25,7 +26,6 @@ use crate::{
 
 /// Everything that runs, and what stands between it.
 pub(super) struct Stage {
-    /// The programs.
     pub world: World,
     line: Line,
     // Unmounted after the programs above are gone.
@@ -34,11 +34,11 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store: they arrive later, out of their
     /// order.
     pub set_back: BTreeSet<stores::ReportKey>,
-    /// Remarks that the broker may have had when it lost its store.
-    pub lost_remarks: BTreeSet<talk::Remark>,
-    /// What was done, by kind.
+    /// Comments that the broker may have had when it lost its store.
+    pub lost_comments: BTreeSet<stores::Comment>,
+    /// Number of faults by kind.
     pub counts: BTreeMap<&'static str, u32>,
-    /// How many programs were killed.
+    /// Number of programs that were killed.
     pub kills: u32,
     /// Programs that ended by themselves and were started again, as a supervisor does.
     pub ended: u32,
@@ -70,7 +70,7 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
-            lost_remarks: BTreeSet::new(),
+            lost_comments: BTreeSet::new(),
             counts: BTreeMap::new(),
             kills: 0,
             ended: 0,
@@ -159,7 +159,7 @@ impl Stage {
                 for factory in [MUNICH, HAMBURG] {
                     self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
-                self.lost_remarks.extend(talk::on_the_way(&folder).await?);
+                self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {
                     stores::exchange_broker_store(&folder)?;
                 } else {

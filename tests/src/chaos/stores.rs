@@ -1,4 +1,4 @@
-//! What lies on the disks of the programs, read and spoilt from outside.
+//! Stores of the programs, read and spoilt from outside.
 
 use std::{
     collections::BTreeMap,
@@ -12,8 +12,6 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqliteRow},
 };
 
-use super::talk::Remark;
-
 /// One DataSetMessage of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ReportKey {
@@ -23,18 +21,26 @@ pub(super) struct ReportKey {
     pub sequence: i64,
 }
 
-/// What a connector holds of a report.
+/// A comment, from or to a factory.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Comment {
+    pub factory: String,
+    pub is_from_factory: bool,
+    pub text: String,
+}
+
+/// Row of a report in a connector's store.
 #[derive(Debug, Clone)]
 pub(super) struct Left {
     /// WAITING, SENT, PARKED or DONE.
     pub state: String,
-    /// How many partners it was for.
+    /// Number of partners it was for.
     pub recipients: usize,
     /// Field name to value, as it left.
     pub values: BTreeMap<String, Value>,
 }
 
-/// What the platform holds of a report.
+/// Row of a report in the platform's store.
 #[derive(Debug, Clone)]
 pub(super) struct Arrived {
     pub is_replay: bool,
@@ -253,12 +259,12 @@ pub(super) async fn arrived(
         .collect()
 }
 
-/// The remarks from and to a factory: those its connector holds, and those the platform holds.
-pub(super) async fn remarks(
+/// The comments from and to a factory: those its connector holds, and those the platform holds.
+pub(super) async fn comments(
     folder: &Path,
     factory: &str,
-) -> anyhow::Result<(Vec<Remark>, Vec<Remark>)> {
-    let remark = |row: &SqliteRow| Remark {
+) -> anyhow::Result<(Vec<Comment>, Vec<Comment>)> {
+    let comment = |row: &SqliteRow| Comment {
         factory: factory.to_owned(),
         is_from_factory: row.get::<i64, _>(0) != 0,
         text: row.get(1),
@@ -270,10 +276,10 @@ pub(super) async fn remarks(
         .bind(factory)
         .fetch_all(&mut store)
         .await?;
-    Ok((here.iter().map(remark).collect(), there.iter().map(remark).collect()))
+    Ok((here.iter().map(comment).collect(), there.iter().map(comment).collect()))
 }
 
-/// How many repeats the platform has discarded, and how many messages it could not use.
+/// Number of repeats that the platform has discarded, and of messages it could not use.
 pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
     let mut store = open(&platform_store(folder)).await?;
     let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) FROM data_set_writer")

@@ -22,9 +22,7 @@ pub struct Api {
 pub struct ApiError {
     /// The method of the call.
     pub method: Method,
-    /// Its path.
     pub path: String,
-    /// The status.
     pub status: StatusCode,
     /// The body, an RFC 9457 problem where the daemon answered itself.
     pub problem: Value,

@@ -10,18 +10,16 @@ use std::{
 
 use anyhow::Context as _;
 
-/// How a program is started, so that it can be started again the same way.
+/// Command line of a program, to start it again the same way.
 #[derive(Debug, Clone)]
 pub struct DaemonCommand {
-    /// What it is called in messages and in the name of its log file.
+    /// Name in messages and of its log file.
     pub name: String,
-    /// The program.
     pub program: PathBuf,
-    /// Its arguments.
     pub arguments: Vec<String>,
     /// Further environment variables.
     pub environment: Vec<(String, String)>,
-    /// Where its output goes, appended.
+    /// File to which its output is appended.
     pub log: PathBuf,
 }
 
@@ -60,7 +58,7 @@ impl Daemon {
         Ok(Self { command, child })
     }
 
-    /// What it is called.
+    /// Name in messages.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.command.name
@@ -86,7 +84,7 @@ impl Daemon {
         self.child.try_wait()
     }
 
-    /// `kill -9`: no drain, no goodbye.
+    /// `kill -9`: no drain, no clean end.
     ///
     /// # Errors
     /// When the process cannot be killed or awaited.

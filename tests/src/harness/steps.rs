@@ -1,4 +1,4 @@
-//! One line a step, with its time, so that whoever waits sees what happens.
+//! One line a step, with its time, so that the person who waits sees progress.
 
 use std::{
     fmt::Display,
@@ -41,7 +41,7 @@ impl Steps {
         }
     }
 
-    /// How many steps held so far, and how long they took together.
+    /// Number of steps that held so far, and the time they took together.
     #[must_use]
     pub fn total(&self) -> (usize, Duration) {
         (self.done.len(), self.done.iter().map(|(_, took)| *took).sum())

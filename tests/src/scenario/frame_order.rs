@@ -1,4 +1,4 @@
-//! Who takes part in the frame order, what they do, and what the buyer asks for.
+//! Partners of the frame order, their operations, and the requests of the buyer.
 
 use serde_json::{Value, json};
 
@@ -66,7 +66,7 @@ pub fn operation_network(start: time::OffsetDateTime) -> Value {
             ),
             field("operationState", 12, None, Some("OPERATION_STATE"), "State of the operation"),
             field("spindlePower", 11, Some("KWT"), None, "Power drawn by the spindle"),
-            field("note", 12, None, None, "A remark of the shift"),
+            field("note", 12, None, None, "A note of the shift"),
             field("machineProgram", 12, None, None, "The NC program that runs"),
         ],
     );
@@ -119,7 +119,12 @@ pub fn operation_network(start: time::OffsetDateTime) -> Value {
               "owningFactoryId": HAMBURG, "productId": "FUSELAGE-7", "plannedStart": at(56), "plannedEnd": at(80),
               "plannedQuantity": 1, "quantityUnit": "PIECE" }
         ],
-        "operationRelationList": [
+        "operationRelationList": relations()
+    })
+}
+
+fn relations() -> Value {
+    json!([
             { "operationRelationId": "rel1", "relationType": "FINISH_TO_START",
               "predecessorOperationId": "MakeFrame1", "successorOperationId": "ShipFrame1" },
             { "operationRelationId": "rel2", "relationType": "FINISH_TO_START",
@@ -128,6 +133,5 @@ pub fn operation_network(start: time::OffsetDateTime) -> Value {
             { "operationRelationId": "rel3", "relationType": "FINISH_TO_START",
               "predecessorOperationId": "InspectFrame1", "successorOperationId": "AssembleFrame1",
               "conditionList": [ { "conditionId": "c2", "conditionKind": "MINIMUM_GAP", "duration": "PT1H" } ] }
-        ]
-    })
+    ])
 }

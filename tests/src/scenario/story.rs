@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use reqwest::StatusCode;
 use serde_json::{Value, json};
 
+pub use super::decisions::{StoryDecision, decisions, machines, node};
 use super::frame_order::{
     BUYER, COLLABORATION, HAMBURG, INSPECTOR, MAKER, MUNICH, NETWORK, operation_network,
 };
@@ -15,7 +16,7 @@ use crate::{
     world::World,
 };
 
-/// How long any single step may take on a busy machine.
+/// Time that any single step may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// True for "that exists already".
@@ -108,22 +109,6 @@ pub async fn link_is_up(connector: &Api) -> anyhow::Result<String> {
     .await
 }
 
-/// The local servers of a factory, by name and kind.
-#[must_use]
-pub fn machines(factory_id: &str) -> [&'static str; 3] {
-    if factory_id == MUNICH {
-        ["MillingCell1", "Conveyor1", "Robot1"]
-    } else {
-        ["Press1", "Conveyor2", "Robot2"]
-    }
-}
-
-/// The node of a machine's variable, by its key.
-#[must_use]
-pub fn node(machine: &str, key: &str) -> String {
-    format!("nsu=urn:verbund:simulator:{machine};s={key}")
-}
-
 /// Connects a factory's connector to its machines and waits until it reads from them.
 ///
 /// # Errors
@@ -180,159 +165,6 @@ pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
         }
     })
     .await
-}
-
-/// A decision of the story.
-#[derive(Debug, Clone)]
-pub struct StoryDecision {
-    /// The factory whose engineer decides.
-    pub factory_id: &'static str,
-    /// The operation.
-    pub operation: &'static str,
-    /// The request.
-    pub request: &'static str,
-    /// The field.
-    pub field: &'static str,
-    /// What is decided.
-    pub decision: Value,
-}
-
-fn mapped(
-    machine: &str,
-    key: &str,
-    value_type: &str,
-    unit: Option<&str>,
-    steps: Value,
-    disclosure: Value,
-) -> Value {
-    let mut input = json!({ "name": "input", "sourceId": machine, "nodeId": node(machine, key), "valueType": value_type });
-    if let Some(unit) = unit {
-        input["unit"] = json!(unit);
-    }
-    json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": { "inputs": [input], "steps": steps },
-            "disclosure": disclosure })
-}
-
-/// What the two engineers decide: a built-in function, a unit conversion, a script, a field left to
-/// OPC UA clients, one for the operator, and one refused.
-#[must_use]
-pub fn decisions() -> Vec<StoryDecision> {
-    let state_script = "const STATES = ['AllowedToStart', 'Running', 'Interrupted', 'Interrupted'];\n\
-                        (value, ctx) => STATES[Number(value)] ?? 'NotAllowedToStart'";
-    let decide = |factory_id, operation, request, field, decision| StoryDecision {
-        factory_id,
-        operation,
-        request,
-        field,
-        decision,
-    };
-    vec![
-        decide(
-            MUNICH,
-            "MakeFrame1",
-            "ReqResponse1",
-            "progressStatus",
-            mapped(
-                "MillingCell1",
-                "Production.PartCounter",
-                "UInt32",
-                None,
-                json!([{ "function": "counter" }, { "function": "convert", "to": "UInt64" }]),
-                json!({}),
-            ),
-        ),
-        decide(
-            MUNICH,
-            "MakeFrame1",
-            "ReqResponse1",
-            "operationState",
-            mapped(
-                "MillingCell1",
-                "Status.MachineState",
-                "Int32",
-                None,
-                json!([{ "function": "script", "source": state_script }]),
-                json!({}),
-            ),
-        ),
-        decide(
-            MUNICH,
-            "MakeFrame1",
-            "ReqResponse1",
-            "spindlePower",
-            mapped(
-                "MillingCell1",
-                "Spindle.Power",
-                "Double",
-                Some("WTT"),
-                json!([{ "function": "unitConversion", "from": "WTT", "to": "KWT" }]),
-                json!({ "roundingStep": 0.5, "minimumIntervalMs": 1000 }),
-            ),
-        ),
-        decide(
-            MUNICH,
-            "MakeFrame1",
-            "ReqResponse1",
-            "note",
-            json!({ "mappingState": "MAPPED", "valueSource": "EXTERNAL", "disclosure": {} }),
-        ),
-        decide(
-            MUNICH,
-            "MakeFrame1",
-            "ReqResponse1",
-            "machineProgram",
-            json!({ "mappingState": "REFUSED", "reason": "The program is our trade secret." }),
-        ),
-        decide(
-            MUNICH,
-            "ShipFrame1",
-            "ReqTransport1",
-            "loadedFrames",
-            json!({ "mappingState": "MAPPED", "valueSource": "MANUAL", "disclosure": {} }),
-        ),
-        decide(
-            HAMBURG,
-            "InspectFrame1",
-            "ReqInspection1",
-            "goodFrames",
-            mapped(
-                "Press1",
-                "Production.GoodCounter",
-                "UInt32",
-                None,
-                json!([{ "function": "convert", "to": "UInt64" }]),
-                json!({}),
-            ),
-        ),
-        decide(
-            HAMBURG,
-            "InspectFrame1",
-            "ReqInspection1",
-            "scrapFrames",
-            mapped(
-                "Press1",
-                "Production.ScrapCounter",
-                "UInt32",
-                None,
-                json!([{ "function": "convert", "to": "UInt64" }]),
-                json!({}),
-            ),
-        ),
-        decide(
-            HAMBURG,
-            "InspectFrame1",
-            "ReqInspection1",
-            "stationTemperature",
-            mapped(
-                "Press1",
-                "Ram.DieTemperature",
-                "Float",
-                Some("CEL"),
-                json!([{ "function": "convert", "to": "Double" }]),
-                json!({ "roundingStep": 1.0 }),
-            ),
-        ),
-    ]
 }
 
 /// The path of a field in a connector's API.

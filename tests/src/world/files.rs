@@ -4,7 +4,10 @@ use std::path::Path;
 
 use anyhow::Context as _;
 
-use super::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD, Places};
+use super::{
+    Places,
+    accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD},
+};
 use crate::scenario::frame_order::{BUYER, HAMBURG, MUNICH};
 
 /// Writes what is not there yet.

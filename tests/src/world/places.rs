@@ -1,4 +1,4 @@
-//! Where everything lives and listens.
+//! Folder and ports of a world.
 
 use std::{net::TcpListener, path::PathBuf};
 
@@ -20,12 +20,10 @@ pub struct Places {
     pub broker_tls: u16,
     /// Its broker without TLS, loopback only.
     pub broker_plain: u16,
-    /// Where connectors find the broker, when something stands in between.
+    /// Port at which connectors find the broker when a proxy stands in between.
     #[serde(default)]
     pub broker_detour: Option<u16>,
-    /// Munich.
     pub munich: FactoryPlaces,
-    /// Hamburg.
     pub hamburg: FactoryPlaces,
 }
 
@@ -34,7 +32,6 @@ pub struct Places {
 pub struct FactoryPlaces {
     /// The connector's pages and API.
     pub connector_web: u16,
-    /// Its twin.
     pub twin: u16,
     /// The machines' control interface.
     pub machines_control: u16,

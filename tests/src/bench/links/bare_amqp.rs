@@ -13,10 +13,7 @@ use fe2o3_amqp::{
 };
 use futures::{StreamExt as _, stream::FuturesUnordered};
 
-use super::{
-    BODY_BYTES, MESSAGES, WINDOW,
-    broker_under_test::{Account, BrokerUnderTest},
-};
+use super::broker_under_test::{Account, BODY_BYTES, BrokerUnderTest, MESSAGES, WINDOW};
 
 /// Messages settled at once, as the link does.
 const BATCH: usize = 100;

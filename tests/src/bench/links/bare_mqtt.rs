@@ -9,10 +9,7 @@ use rumqttc::v5::{
     mqttbytes::{QoS, v5::Packet},
 };
 
-use super::{
-    BODY_BYTES, MESSAGES, WINDOW,
-    broker_under_test::{Account, BrokerUnderTest},
-};
+use super::broker_under_test::{Account, BODY_BYTES, BrokerUnderTest, MESSAGES, WINDOW};
 
 /// A week, in seconds.
 const SESSION_EXPIRY: u32 = 7 * 24 * 3600;

@@ -18,16 +18,20 @@ use tokio_util::sync::CancellationToken;
 const FACTORY: &str = "f1";
 const PLATFORM: &str = "platform";
 
-/// What a broker speaks.
+/// Messages of each measurement, and bytes of each.
+pub(super) const MESSAGES: u64 = 30_000;
+pub(super) const BODY_BYTES: usize = 1024;
+/// Messages under way, of link and bare client alike.
+pub(super) const WINDOW: u16 = 500;
+
+/// Protocol of a broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Protocol {
-    /// AMQP 1.0.
     Amqp,
-    /// MQTT 5.
     Mqtt,
 }
 
-/// Who may do something there.
+/// Account with the rights of a factory.
 pub(super) struct Account {
     pub user_name: String,
     pub password: String,

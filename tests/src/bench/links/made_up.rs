@@ -3,17 +3,20 @@
 
 use std::{
     collections::BTreeSet,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use async_trait::async_trait;
 use bytes::Bytes;
 use messaging::{
-    Backlog, Envelope, Fetch, Lane, LogicalAddress, RowId, RowOutcome, SendOutcome, SpoolRow,
-    SpoolStore, StoreError,
+    Backlog, Delivery, Envelope, Fetch, Inbox, Lane, LogicalAddress, RowId, RowOutcome,
+    SendOutcome, Settlement, SpoolRow, SpoolStore, StoreError,
 };
 
-use super::{BODY_BYTES, Counting};
+use super::broker_under_test::BODY_BYTES;
 
 pub(super) struct MadeUpSpool {
     count: u64,
@@ -47,7 +50,7 @@ impl MadeUpSpool {
         Self { pace: Some((inbox, messages)), ..self }
     }
 
-    /// How many the broker has accepted, without a hole.
+    /// Number of rows that the broker has accepted, without a hole.
     pub(super) fn accepted(&self) -> u64 {
         self.lock().through
     }
@@ -109,5 +112,27 @@ impl SpoolStore for MadeUpSpool {
     async fn backlog(&self) -> Result<Backlog, StoreError> {
         let waiting = self.count - self.lock().through;
         Ok(Backlog { waiting, bytes: waiting * BODY_BYTES as u64, ..Backlog::default() })
+    }
+}
+
+/// Accepts and counts everything.
+#[derive(Default)]
+pub(super) struct Counting(AtomicU64);
+
+impl Counting {
+    pub(super) fn received(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+#[async_trait]
+impl Inbox for Counting {
+    async fn receive(
+        &self,
+        _address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
+        self.0.fetch_add(deliveries.len() as u64, Ordering::Relaxed);
+        vec![Settlement::Accept; deliveries.len()]
     }
 }

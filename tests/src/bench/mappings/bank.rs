@@ -51,7 +51,7 @@ impl Bank {
         })
     }
 
-    /// How a connector reads from it.
+    /// Source by which a connector reads from it.
     pub fn source(&self) -> anyhow::Result<SourceConfig> {
         let mut source = SourceConfig::new(SourceId::new("bank")?, &self.endpoint);
         (source.security, source.publishing_interval_ms) = (SecurityChoice::None, 50);

@@ -31,7 +31,7 @@ const PASSWORD: &str = "a long password for benchmarks";
 /// Fields of each request.
 const FIELDS: u32 = 500;
 
-/// How often it is asked how far it is: rarely enough not to be work itself.
+/// Interval of asking for progress: long enough not to be work itself.
 const ASK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Longest wait for a start to be over.
@@ -129,7 +129,7 @@ impl Connector {
         Ok(line.and_then(|value| value.trim().parse().ok()).unwrap_or_default())
     }
 
-    /// What it and its workers have used.
+    /// Memory and processor time of the connector and its workers.
     pub fn usage(&self) -> anyhow::Result<Usage> {
         Usage::of(self.daemon.pid())
     }

@@ -17,22 +17,24 @@ use tokio::{
 };
 
 use super::{
-    Part,
     client::Client,
-    distribution, result,
     server::{PERIOD, VARIABLES},
+};
+use crate::bench::{
+    figures::{distribution, result},
+    part::Part,
 };
 use crate::harness::repository;
 
-/// How long is measured, after a while of getting warm.
+/// Time of the measurement, after a while of getting warm.
 const SPAN: Duration = Duration::from_secs(10);
 const WARM: Duration = Duration::from_secs(3);
-/// How long a server may take to start.
+/// Time that a server may take to start.
 const START_TIMEOUT: Duration = Duration::from_secs(60);
 /// Of every so many notifications the latency is kept.
 const LATENCY_EVERY: usize = 50;
 
-/// What one server took.
+/// Resources that one server took.
 struct Taken {
     per_second: f64,
     processor_percent: f64,

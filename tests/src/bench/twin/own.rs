@@ -15,13 +15,13 @@ use serde_json::Value;
 
 use super::{
     client::{Client, instance},
-    figure, figures,
     server::{Running, document, fields, new, node, now, text},
 };
+use crate::bench::figures::{figure, figures};
 
 const NETWORKS: usize = 10_000;
 const FIELDS_PER_NETWORK: usize = 10;
-/// How long is waited for any notification.
+/// Time to wait for any notification.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Changes whose latency is measured.
 const CHANGES: u64 = 1000;

@@ -21,10 +21,8 @@ use time::OffsetDateTime;
 use tokio::{sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 
-use super::{
-    figure,
-    server::{FACTORY, new, now, text},
-};
+use super::server::{FACTORY, new, now, text};
+use crate::bench::figures::figure;
 
 const NETWORKS: usize = 10_000;
 const FIELDS_PER_NETWORK: usize = 10;
@@ -65,7 +63,7 @@ struct Connector {
     shown: usize,
     shutdown: CancellationToken,
     running: JoinHandle<anyhow::Result<()>>,
-    /// What the desk would find gone otherwise.
+    /// Receivers that the coordinator would find gone otherwise.
     _ends: (mpsc::Receiver<Vec<factory_connector::books::MappingWork>>, Box<dyn Send>),
 }
 

@@ -16,7 +16,7 @@ use twin::{
     TwinError, TwinHandle, TwinUser,
 };
 
-/// Whose twin it is.
+/// Factory of the twin.
 pub(super) const FACTORY: &str = "FOR_MUC";
 /// Variables of the server that is compared, and how often all of them change.
 pub(super) const VARIABLES: usize = 5000;

@@ -1,4 +1,4 @@
-//! What a foreign AMQP client may send, and what becomes of it.
+//! Messages of a foreign AMQP client, and the answers to them.
 
 use std::{path::PathBuf, time::Duration};
 

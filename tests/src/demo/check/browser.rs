@@ -10,7 +10,7 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, World},
 };
 
-/// How long a browser may take: pictures of everything are several hundred, drawn without a
+/// Time that a browser may take: pictures of everything are several hundred, drawn without a
 /// graphics card.
 const PATIENCE: Duration = Duration::from_secs(1800);
 
@@ -20,7 +20,7 @@ pub(super) async fn partners_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=story"]).await
 }
 
-/// An operator's tablet loses the network while somebody works with it.
+/// An operator's tablet loses the network while a person works with it.
 pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=operator"]).await
 }

@@ -1,4 +1,4 @@
-//! What a foreign OPC UA client sees and may do.
+//! Views and rights of a foreign OPC UA client.
 
 use std::time::Duration;
 
@@ -41,13 +41,13 @@ pub(super) async fn browse(world: &World) -> anyhow::Result<String> {
 
 /// An accepted write, which the platform then shows.
 pub(super) async fn write_external(world: &World, platform: &Api) -> anyhow::Result<String> {
-    let remark = "Tool changed, going on";
+    let note = "Tool changed, going on";
     let answer =
-        asyncua(world, &["write", &field_node("note"), "String", &format!("\"{remark}\"")]).await?;
+        asyncua(world, &["write", &field_node("note"), "String", &format!("\"{note}\"")]).await?;
     anyhow::ensure!(answer["status"] == "Good", "{answer}");
     eventually("the platform shows the written value", Duration::from_secs(10), || async {
         let field = story::platform_field(platform, "note").await.map_err(|e| format!("{e:#}"))?;
-        if field["value"] == remark { Ok(String::new()) } else { Err(field.to_string()) }
+        if field["value"] == note { Ok(String::new()) } else { Err(field.to_string()) }
     })
     .await
 }

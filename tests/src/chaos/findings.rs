@@ -1,4 +1,4 @@
-//! What must hold in the end, read from the stores of both sides after everything has stopped.
+//! Checks of the stores of both sides after everything has stopped.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -7,30 +7,30 @@ use std::{
 
 use super::stores::{self, ReportKey};
 
-/// What was found.
+/// Result of the checks.
 #[derive(Debug, Default)]
-pub(super) struct Verdict {
+pub(super) struct Findings {
     /// Reports that left the factories.
     pub left: usize,
     /// Of these, how many the platform holds.
     pub arrived: usize,
-    /// How many came with the backlog after an outage.
+    /// Number of reports that came with the backlog after an outage.
     pub replayed: usize,
-    /// What does not hold.
+    /// Breaches of what is promised.
     pub faults: Vec<String>,
 }
 
-/// Compares what left one factory with what arrived, and adds to the verdict.
+/// Compares what left one factory with what arrived, and adds to the findings.
 pub(super) async fn of_factory(
     folder: &Path,
     factory: &str,
     set_back: &BTreeSet<ReportKey>,
-    verdict: &mut Verdict,
+    findings: &mut Findings,
 ) -> anyhow::Result<()> {
     let left = stores::left(folder, factory).await?;
     let arrived = stores::arrived(folder, factory).await?;
     let gaps = stores::gaps(folder, factory).await?;
-    let faults = &mut verdict.faults;
+    let faults = &mut findings.faults;
 
     let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
     if held.len() != arrived.len() {
@@ -59,7 +59,7 @@ pub(super) async fn of_factory(
             .filter(|key| !left.contains_key(**key))
             .map(|key| format!("never left: {key:?}")),
     );
-    // The spools are far from their limits: whatever is announced as given up was lost by somebody.
+    // The spools are far from their limits: whatever is announced as given up was lost by a person.
     faults.extend(gaps.iter().map(|key| format!("given up: {key:?}")));
     faults.extend(holes(left.keys()));
     faults.extend(disorder(&arrived, set_back));
@@ -69,9 +69,9 @@ pub(super) async fn of_factory(
         faults.push(format!("{factory}: {entries} ledger entries for {recipients} disclosures"));
     }
 
-    verdict.left += left.len();
-    verdict.arrived += arrived.len();
-    verdict.replayed += arrived.iter().filter(|(_, report)| report.is_replay).count();
+    findings.left += left.len();
+    findings.arrived += arrived.len();
+    findings.replayed += arrived.iter().filter(|(_, report)| report.is_replay).count();
     Ok(())
 }
 

@@ -1,5 +1,5 @@
-//! Remarks both ways while things go wrong. No receipt brings them again, so every hop alone must
-//! keep them: the sender's outbox, the broker's queue, and the receiver, which stores before it
+//! Comments both ways while things go wrong. No receipt brings them again, so every hop alone must
+//! keep them: the sender's spool, the broker's queue, and the receiver, which stores before it
 //! settles.
 
 use std::{
@@ -11,29 +11,21 @@ use std::{
 use serde_json::{Value, json};
 use tokio_util::sync::CancellationToken;
 
-use super::stores;
+use super::stores::{self, Comment};
 use crate::{
     harness::Api,
     scenario::frame_order::{HAMBURG, MUNICH, NETWORK},
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
-/// Between two remarks of one speaker: often enough that many are being received whenever something
+/// Between two comments of one speaker: often enough that many are being received whenever something
 /// is killed.
 const PAUSE: Duration = Duration::from_millis(40);
 
-/// A remark, from or to a factory.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Remark {
-    pub factory: String,
-    pub is_from_factory: bool,
-    pub text: String,
-}
-
 /// Talks until told to stop.
-pub(super) struct Talk {
+pub(super) struct CommentTraffic {
     stop: CancellationToken,
-    speakers: Vec<tokio::task::JoinHandle<Vec<Remark>>>,
+    speakers: Vec<tokio::task::JoinHandle<Vec<Comment>>>,
 }
 
 struct Speaker {
@@ -43,7 +35,7 @@ struct Speaker {
     is_from_factory: bool,
 }
 
-impl Talk {
+impl CommentTraffic {
     /// Each factory talks to the platform, and the platform to each factory.
     pub fn begin(places: &Places) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
@@ -63,7 +55,7 @@ impl Talk {
     }
 
     /// Everything that was said and taken.
-    pub async fn end(self) -> anyhow::Result<Vec<Remark>> {
+    pub async fn end(self) -> anyhow::Result<Vec<Comment>> {
         self.stop.cancel();
         let mut said = Vec::new();
         for speaker in self.speakers {
@@ -74,19 +66,19 @@ impl Talk {
 }
 
 impl Speaker {
-    async fn talk(mut self, stop: CancellationToken) -> Vec<Remark> {
+    async fn talk(mut self, stop: CancellationToken) -> Vec<Comment> {
         let mut said = Vec::new();
         let mut is_signed_in = false;
         for number in 0_u64.. {
             // A program that starts again has forgotten its sessions.
             is_signed_in = is_signed_in || self.api.sign_in(self.user, PASSWORD).await.is_ok();
             if is_signed_in {
-                let text = format!("remark {number}");
+                let text = format!("comment {number}");
                 is_signed_in = self.say(&text).await.is_ok();
                 if is_signed_in {
                     let (factory, is_from_factory) =
                         (self.factory.to_owned(), self.is_from_factory);
-                    said.push(Remark { factory, is_from_factory, text });
+                    said.push(Comment { factory, is_from_factory, text });
                 }
             }
             if stop.run_until_cancelled(tokio::time::sleep(PAUSE)).await.is_none() {
@@ -106,24 +98,24 @@ impl Speaker {
     }
 }
 
-/// Remarks that nobody but the broker has yet: one side has not got what the other has said, and it
+/// Comments that nobody but the broker has yet: one side has not got what the other has said, and it
 /// waits in a queue.
-pub(super) async fn on_the_way(folder: &Path) -> anyhow::Result<BTreeSet<Remark>> {
+pub(super) async fn on_the_way(folder: &Path) -> anyhow::Result<BTreeSet<Comment>> {
     let queued = stores::queued(folder).await?;
     let mut found = BTreeSet::new();
     for factory in [MUNICH, HAMBURG] {
-        let (here, there) = stores::remarks(folder, factory).await?;
+        let (here, there) = stores::comments(folder, factory).await?;
         let (here, there): (BTreeSet<_>, BTreeSet<_>) =
             (here.into_iter().collect(), there.into_iter().collect());
         found.extend(
-            here.symmetric_difference(&there).filter(|remark| remark.is_in(&queued)).cloned(),
+            here.symmetric_difference(&there).filter(|comment| comment.is_in(&queued)).cloned(),
         );
     }
     Ok(found)
 }
 
-impl Remark {
-    /// Whether it is in one of these messages, each with its queue.
+impl Comment {
+    /// True when it is in one of these messages, each with its queue.
     fn is_in(&self, messages: &[(String, Vec<u8>)]) -> bool {
         let queue = format!(
             "factory.{}.{}",
@@ -136,36 +128,36 @@ impl Remark {
     }
 }
 
-/// What does not hold: each remark is on both sides once, but for those that the broker lost with
+/// Breaches of the promise that each comment is on both sides once, but for those that the broker lost with
 /// its store.
 pub(super) async fn faults(
     folder: &Path,
-    said: &[Remark],
-    lost: &BTreeSet<Remark>,
+    said: &[Comment],
+    lost: &BTreeSet<Comment>,
 ) -> anyhow::Result<Vec<String>> {
     let mut faults = Vec::new();
     for factory in [MUNICH, HAMBURG] {
-        let (here, there) = stores::remarks(folder, factory).await?;
+        let (here, there) = stores::comments(folder, factory).await?;
         let (here, there) = (counted(here), counted(there));
-        for remark in
-            said.iter().filter(|remark| remark.factory == factory && !lost.contains(remark))
+        for comment in
+            said.iter().filter(|comment| comment.factory == factory && !lost.contains(comment))
         {
-            if !here.contains_key(remark) || !there.contains_key(remark) {
-                faults.push(format!("a remark is lost: {remark:?}"));
+            if !here.contains_key(comment) || !there.contains_key(comment) {
+                faults.push(format!("a comment is lost: {comment:?}"));
             }
         }
         let twice = here.iter().chain(&there).filter(|(_, count)| **count > 1);
         faults.extend(
-            twice.map(|(remark, count)| format!("a remark is held {count} times: {remark:?}")),
+            twice.map(|(comment, count)| format!("a comment is held {count} times: {comment:?}")),
         );
     }
     Ok(faults)
 }
 
-fn counted(remarks: Vec<Remark>) -> BTreeMap<Remark, usize> {
+fn counted(comments: Vec<Comment>) -> BTreeMap<Comment, usize> {
     let mut counts = BTreeMap::new();
-    for remark in remarks {
-        *counts.entry(remark).or_default() += 1;
+    for comment in comments {
+        *counts.entry(comment).or_default() += 1;
     }
     counts
 }
