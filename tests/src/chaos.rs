@@ -44,7 +44,7 @@ pub struct Length {
     pub kills: u32,
 }
 
-/// How long everything may take to work again after a round. A peer that is gone without a word is
+/// Time for everything to work again after a round. A peer that is gone without a word is
 /// noticed after the link's own patience, and a login throttle or a backoff may add to it.
 const RECOVERY: Duration = Duration::from_secs(120);
 /// Time without anything waiting that counts as the end.
@@ -80,11 +80,11 @@ fn save(stage: &Stage) -> anyhow::Result<()> {
     for name in
         [format!("connector-{MUNICH}"), format!("connector-{HAMBURG}"), "platform".to_owned()]
     {
-        let copied = std::process::Command::new("cp")
+        let status = std::process::Command::new("cp")
             .arg("-a")
             .args([folder.join(&name), folder.join(format!("{name}-kept"))])
             .status()?;
-        anyhow::ensure!(copied.success(), "copying {name} failed");
+        anyhow::ensure!(status.success(), "copying {name} failed");
     }
     Ok(())
 }

@@ -64,7 +64,7 @@ impl Daemon {
         &self.command.name
     }
 
-    /// Where its output goes.
+    /// File to which its output is appended.
     #[must_use]
     pub fn log(&self) -> &Path {
         &self.command.log

@@ -149,6 +149,7 @@ impl Connector {
         .await
     }
 
+    /// Stops the connector and waits for its end.
     pub fn stop(&mut self) -> anyhow::Result<()> {
         self.daemon.stop(Duration::from_secs(20)).map(drop)
     }

@@ -33,6 +33,7 @@ pub(super) fn instance(identifier: &str) -> NodeId {
 }
 
 impl Client {
+    /// Connects with a user and an encrypted channel.
     pub async fn connect(url: &str, folder: &Path) -> anyhow::Result<Self> {
         let builder = ClientBuilder::new()
             .application_name("Verbund benchmark")
@@ -54,12 +55,14 @@ impl Client {
         Ok(Self { session, events })
     }
 
+    /// Ends the session.
     pub async fn close(self) -> anyhow::Result<()> {
         self.session.disconnect().await?;
         self.events.await?;
         Ok(())
     }
 
+    /// Reads the value of a node of the interface.
     pub async fn read(&self, identifier: &str) -> anyhow::Result<DataValue> {
         let wanted = ReadValueId {
             node_id: instance(identifier),

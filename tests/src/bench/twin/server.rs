@@ -53,6 +53,7 @@ pub(super) struct Running {
 }
 
 impl Running {
+    /// Starts a twin on a free port.
     pub async fn start(folder: &Path) -> anyhow::Result<Self> {
         let (twin, handle) = new(folder)?;
         let shutdown = CancellationToken::new();
@@ -61,6 +62,7 @@ impl Running {
         Ok(Self { handle, url, shutdown, task })
     }
 
+    /// Stops the twin and waits for its tasks.
     pub async fn stop(self) -> anyhow::Result<()> {
         self.shutdown.cancel();
         Ok(self.task.await??)

@@ -95,7 +95,7 @@ fn canonical(value: &DecodedValue) -> String {
     String::from_utf8(text).expect("our own text")
 }
 
-/// What open62541 1.5.10 is known to get wrong: structures in their place, and escaped control
+/// Known faults of open62541 1.5.10: structures in their place, and escaped control
 /// characters.
 fn is_known_fault(value: &Variant) -> bool {
     let is_fault = |scalar: &Scalar| match scalar {
