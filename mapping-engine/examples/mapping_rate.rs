@@ -1,5 +1,5 @@
-//! How many values per second the engine takes from the shop floor's channel to the consumer's, and
-//! how much memory a mapping has. Prints one line of name, value and unit per figure.
+//! Measures values per second from the shop floor's channel to the consumer's, and memory per
+//! mapping. Prints one line of name, value and unit per figure.
 //!
 //! `cargo run --release -p mapping-engine --example mapping_rate` (build `script-quickjs` with the
 //! same profile before).

@@ -14,17 +14,16 @@ pub const SAMPLES_MAX: usize = 10_000;
 pub struct DryRunSample {
     /// The name of the input.
     pub input: String,
-    /// When it came, by the local clock; timers between two samples run in between.
+    /// Arrival time by the local clock; timers that are due between two samples run in between.
     pub at: DateTime,
-    /// What came.
     pub value: DataValue,
 }
 
-/// What a mapping made of samples.
+/// Result of a dry run.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Trace {
-    /// What is to be said about the mapping; with an error there are no runs.
+    /// All diagnostics of the mapping; with an error there are no runs.
     pub diagnostics: Vec<MappingDiagnostic>,
     /// One run per sample, and per timer that ran out in between.
     pub runs: Vec<TraceRun>,
@@ -34,21 +33,21 @@ pub struct Trace {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TraceRun {
-    /// When, by the local clock.
+    /// Time of the run by the local clock.
     #[schema(value_type = String, format = DateTime)]
     pub at: DateTime,
     /// The input that changed; absent where time passed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<String>,
-    /// What came in.
+    /// Value that came in; absent where time passed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<TracedValue>,
-    /// What each function made of it, as far as the chain got.
+    /// Results of the functions, as far as the chain got.
     pub steps: Vec<TraceStep>,
-    /// What came out; absent where the mapping said nothing.
+    /// Candidate; absent where the mapping yielded none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub candidate: Option<TracedValue>,
-    /// Why the end of the chain failed.
+    /// Fault at the end of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<TracedFault>,
 }

@@ -1,13 +1,13 @@
-//! Where values come from: the seam to the shop floor.
+//! Interface to the shop floor, where values come from.
 
 use std::sync::Arc;
 
 use shop_floor::{InputKey, MonitorRequest, ShopFloorError, ShopFloorHandle};
 
-/// What the engine asks of the shop floor: to monitor variables under keys, and to stop.
+/// Monitoring of variables under keys.
 ///
-/// Both only announce the wish and never wait; values, and the status of a source that is away,
-/// arrive as [`shop_floor::InputChange`]s.
+/// Neither method waits: values, and the status of a source that is away, arrive as
+/// [`shop_floor::InputChange`]s.
 pub trait Inputs: Send + Sync + 'static {
     /// Monitors variables; all or none. A key that is used already is moved.
     ///

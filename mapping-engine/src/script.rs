@@ -1,16 +1,15 @@
 //! Scripts, which run in worker processes.
 //!
-//! A worker is started when the first script needs it, is told what it may use, and is taken down
-//! and started anew when it does not keep to that. [`worker::ScriptWorker`] hides this: callers get
-//! a result for every call, and the fault of a call that took the worker down is that call's fault
-//! only.
+//! A worker is started when the first script needs it, gets its limits, and is killed and restarted
+//! when it breaks them. [`worker::ScriptWorker`] hides this: callers get a result for every call,
+//! and the fault of a call that ended the worker is that call's fault only.
 
 pub(crate) mod breaker;
 pub(crate) mod config;
-pub(crate) mod lane;
 mod process;
 pub(crate) mod values;
 pub(crate) mod worker;
+pub(crate) mod worker_queue;
 
 use std::{sync::Arc, time::Duration};
 
@@ -18,7 +17,7 @@ use asi_model::StatusCode;
 use mapping::{Fault, FaultKind};
 use script_protocol::{FaultKind as Kind, ScriptFault};
 
-/// What a call came to.
+/// Outcome of one call.
 #[derive(Debug, Clone)]
 pub(crate) struct CallOutcome {
     pub result: Result<script_protocol::Yielded, Fault>,
@@ -35,7 +34,7 @@ impl CallOutcome {
     }
 }
 
-/// A script's fault in the engine's words.
+/// Returns a script's fault with its OPC UA status.
 pub(crate) fn fault_of(fault: ScriptFault) -> Fault {
     let (kind, status) = match fault.kind {
         Kind::Syntax => (FaultKind::ScriptSyntax, StatusCode::BAD_CONFIGURATION_ERROR),

@@ -1,4 +1,4 @@
-//! What differs between two versions of a mapping, for people.
+//! Differences between two versions of a mapping, for people.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,18 +17,18 @@ pub struct MappingChange {
     /// JSON pointer into the mapping: of the later version, or of the earlier one where something
     /// was taken away.
     pub pointer: String,
-    /// What was there; absent where it is new.
+    /// Value in the earlier version; absent where it is new.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Object>)]
     pub before: Option<Json>,
-    /// What is there now; absent where it was taken away.
+    /// Value in the later version; absent where it was taken away.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Object>)]
     pub after: Option<Json>,
 }
 
-/// What differs from one mapping to another. Inputs and functions that only moved to another place
-/// because one was put in or taken out are not differences.
+/// Returns the differences from one mapping to another. Inputs and functions that only moved
+/// because another was inserted or removed are not differences.
 #[must_use]
 pub fn compare(before: &Mapping, after: &Mapping) -> Vec<MappingChange> {
     let json =

@@ -129,10 +129,9 @@ pub fn convert_exactly(scalar: &Scalar, to: BuiltInType) -> Option<Scalar> {
     convert_scalar(scalar, to, Rounding::Exact, Overflow::Fault).ok()
 }
 
-/// What happens at the end of every chain: the value must be of the target's type, or be one of its
-/// values. Numbers change between numeric types where the value is exactly one of the wanted type
-/// (Double to Float rounds); texts and localized texts change into each other. Everything else
-/// takes an explicit function.
+/// Returns the value at the end of a chain as one of the target's type. Numbers change between
+/// numeric types where the value is exactly one of the wanted type (Double to Float rounds); texts
+/// and localized texts change into each other. Everything else takes an explicit function.
 ///
 /// # Errors
 /// [`Fault`] with a sentence that names the function to add.
@@ -149,7 +148,7 @@ pub fn coerce(value: Variant, to: BuiltInType) -> Result<Variant, Fault> {
     convert(&value, to, Rounding::Exact, Overflow::Fault)
 }
 
-/// Whether [`coerce`] may succeed between two types.
+/// Returns true where [`coerce`] may succeed between two types.
 #[must_use]
 pub fn coerces(from: BuiltInType, to: BuiltInType) -> bool {
     use BuiltInType as T;
@@ -158,7 +157,7 @@ pub fn coerces(from: BuiltInType, to: BuiltInType) -> bool {
         || matches!((from, to), (T::String, T::LocalizedText) | (T::LocalizedText, T::String))
 }
 
-/// Whether [`convert`] knows a way between two types at all.
+/// Returns true where [`convert`] may succeed between two types.
 #[must_use]
 pub fn converts(from: BuiltInType, to: BuiltInType) -> bool {
     use BuiltInType as T;
@@ -206,8 +205,7 @@ pub fn to_text(scalar: &Scalar) -> Option<String> {
     })
 }
 
-/// Whether the value counts as true: `true`, or a number that is not zero. `None` for anything
-/// else.
+/// Returns the truth of a Boolean, or of a number: not zero is true. `None` for anything else.
 #[must_use]
 pub fn is_true(scalar: &Scalar) -> Option<bool> {
     match scalar {

@@ -1,20 +1,20 @@
-//! What is wrong with a mapping, all at once, each with its place.
+//! Diagnostics of a mapping: all at once, each with its position.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// One thing to say about a mapping.
+/// Diagnostic of a mapping.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingDiagnostic {
-    /// Whether it keeps the mapping from running.
+    /// Severity; a mapping with an error does not run.
     pub severity: Severity,
     /// JSON pointer into the mapping, as `/steps/2/factor`.
     pub pointer: String,
     /// A stable code in camelCase.
     pub code: DiagnosticCode,
-    /// What is wrong and what to do, in a sentence.
+    /// Fault and remedy, in a sentence.
     pub message: String,
     /// The line in the expression or script, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,7 +24,7 @@ pub struct MappingDiagnostic {
     pub column: Option<u32>,
 }
 
-/// How bad a diagnostic is.
+/// Severity of a diagnostic.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema, ToSchema,
 )]

@@ -1,8 +1,7 @@
-//! What a factory engineer writes down: inputs, a chain of functions, and the field that gets the
-//! result.
+//! Mapping document: inputs, a chain of functions, and the field that gets the result.
 //!
-//! A mapping is plain data. It is checked and compiled by the engine, and kept, versioned and
-//! published by whoever owns it. Sources and nodes are named as in the factory; namespaces are
+//! A mapping is plain data, checked and compiled by [`crate::transform::compile`]; its owner
+//! stores, versions and publishes it. Sources and nodes are named as in the factory; namespaces are
 //! URIs, so that a mapping survives a server whose namespace indexes moved.
 
 mod literal;
@@ -124,7 +123,7 @@ pub struct Mapping {
     #[serde(default)]
     #[schema(max_items = 32)]
     pub steps: Vec<Step>,
-    /// What happens to values that arrive after newer ones of the same variable.
+    /// Treatment of values that arrive after newer ones of the same variable.
     #[serde(default, skip_serializing_if = "LateValues::is_default")]
     pub late_values: LateValues,
 }
@@ -149,22 +148,21 @@ pub struct MappingInput {
     /// The variable's unit as seen when it was picked (UNECE code or alias).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Whether a change of this variable makes the mapping run; `false`: it is only read when
+    /// True where a change of this variable makes the mapping run; otherwise it is only read when
     /// another one changes.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub triggers: bool,
-    /// How the variable is monitored: sampling, queue, browse path to find it again, part of an
-    /// array.
+    /// Monitoring of the variable: sampling, queue, browse path to find it again, part of an array.
     #[serde(default, skip_serializing_if = "is_default_monitoring")]
     #[schemars(with = "serde_json::Value")]
     pub monitor: MonitorOptions,
 }
 
-/// What happens to a value whose source time lies before that of the newest value of the same
+/// Treatment of a value whose source time lies before that of the newest value of the same
 /// variable.
 ///
-/// A value is late by at most ten seconds. What lies further back is a source whose clock was set
-/// back, and is used.
+/// A value is late by at most ten seconds. A longer step back is a source whose clock was set back,
+/// and the value is used.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
 )]

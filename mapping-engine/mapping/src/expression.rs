@@ -18,8 +18,7 @@ pub const EXPRESSION_BYTES_MAX: usize = 4096;
 /// Deepest nesting.
 pub const EXPRESSION_DEPTH_MAX: usize = 64;
 
-/// Why a text is not an expression, with the column (in characters, from 1) where it stops being
-/// one.
+/// Syntax fault, with the column (in characters, from 1) where the text stops being an expression.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message} (column {column})")]
 pub(crate) struct SyntaxError {
@@ -41,7 +40,7 @@ pub(crate) enum Expr {
     Call(functions::Builtin, Box<[Expr]>),
 }
 
-/// What a name stands for.
+/// Operand that a name refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Name {
     /// The chain's value.
@@ -74,7 +73,7 @@ pub(crate) struct Names {
 }
 
 impl Expr {
-    /// Which names it reads.
+    /// Returns the names that it reads.
     pub fn names(&self) -> Names {
         let mut names = Names::default();
         self.collect(&mut names);

@@ -1,4 +1,4 @@
-//! What goes wrong with one value.
+//! Faults of functions on single values.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use utoipa::ToSchema;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Fault {
-    /// What the partner sees instead of a value.
+    /// Status that the partner sees instead of a value.
     pub status: StatusCode,
-    /// What kind of fault it is.
+    /// Kind, for programs.
     pub kind: FaultKind,
-    /// What went wrong, in a sentence.
+    /// Sentence that names the fault, without the value.
     pub message: Arc<str>,
     /// The line in the script, from 1.
     pub line: Option<u32>,
@@ -84,15 +84,15 @@ impl Fault {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FaultRecord {
-    /// When it happened.
+    /// Time of the fault by the local clock.
     #[schema(value_type = String, format = DateTime)]
     pub at: DateTime,
     /// Index of the function in the chain; absent for the end of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<usize>,
-    /// What kind of fault it is.
+    /// Kind, for programs.
     pub kind: FaultKind,
-    /// What went wrong, in a sentence.
+    /// Sentence that names the fault, without the value.
     pub message: String,
     /// The line in the script, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]

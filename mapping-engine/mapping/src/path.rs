@@ -57,7 +57,7 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
     Ok(parts.into())
 }
 
-/// What lies at a path.
+/// Returns the element or field at a path.
 ///
 /// # Errors
 /// A [`Fault`] naming the part that does not exist.

@@ -31,6 +31,7 @@ pub struct Meta {
 }
 
 impl Meta {
+    /// Returns status and times of a value.
     pub fn of(value: &DataValue) -> Self {
         Self {
             status: value.status,
@@ -82,12 +83,12 @@ pub(crate) fn worst(a: StatusCode, b: StatusCode) -> StatusCode {
 
 /// 0 Good, 1 Uncertain, 2 Bad.
 pub(crate) const fn severity(status: StatusCode) -> u32 {
-    // 0b11 is reserved; whoever sends it does not mean Good.
+    // 0b11 is reserved; a source that sends it does not mean Good.
     let bits = status.0 >> 30;
     if bits > 2 { 2 } else { bits }
 }
 
-/// Whether a status says that the source cannot be asked, not that its value is bad.
+/// Returns true where a status means that the source cannot be asked, not that its value is bad.
 pub(crate) fn is_source_away(status: StatusCode) -> bool {
     const AWAY: [u32; 6] = [
         StatusCode::BAD_NOT_CONNECTED.0,

@@ -1,4 +1,4 @@
-//! What can be said about a script without running it.
+//! Static checks of a script's source text.
 
 /// Longest source text, in bytes.
 pub const SOURCE_BYTES_MAX: usize = 65_536;

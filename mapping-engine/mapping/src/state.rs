@@ -1,4 +1,4 @@
-//! What functions remember between values, in a form that can be stored and restored.
+//! State of functions between values, in a form that can be stored and restored.
 
 use std::{collections::VecDeque, sync::Arc};
 
@@ -9,9 +9,9 @@ use utoipa::ToSchema;
 
 use crate::{document::Step, number::Number, quality::Meta, stored};
 
-/// What the functions of a mapping remember: returned with each candidate that it belongs to, so
-/// that both can be committed together, and given back when the mapping is put again. Copies are
-/// cheap; serialise it when it is stored.
+/// State of a mapping's functions. It is returned with the candidate that it belongs to, so that
+/// both can be committed together, and given back when the mapping is published again. Copies are
+/// cheap; it is serialised when it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(transparent)]
 #[schemars(with = "Vec<serde_json::Value>")]
@@ -19,10 +19,10 @@ use crate::{document::Step, number::Number, quality::Meta, stored};
 pub struct TransformState(pub(crate) Arc<[StepState]>);
 
 impl TransformState {
-    /// What of this state, left by a mapping with the steps `before`, a mapping with the steps
-    /// `after` may go on with: that of every function which stands in the same place with the same
-    /// parameters. A script's own state is kept as long as there is a script in its place, so that
-    /// a corrected script goes on counting.
+    /// Returns the part of this state, left by a mapping with the steps `before`, with which a
+    /// mapping with the steps `after` may continue: that of every function at the same index with
+    /// the same parameters. A script's state survives as long as there is a script at its index, so
+    /// that a corrected script continues to count.
     #[must_use]
     pub fn carried_over(&self, before: &[Step], after: &[Step]) -> Self {
         let is_same = |place: usize| match (before.get(place), after.get(place)) {
@@ -44,7 +44,7 @@ impl TransformState {
     }
 }
 
-/// What one function remembers.
+/// State of one function.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "function", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub(crate) enum StepState {
@@ -83,7 +83,7 @@ pub(crate) enum StepState {
 }
 
 impl StepState {
-    /// Whether this can be the state of a function whose fresh state is `fresh`.
+    /// Returns true where this can be the state of a function whose initial state is `fresh`.
     pub fn is_like(&self, fresh: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(fresh)
     }
@@ -102,7 +102,7 @@ pub(crate) struct Kept {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pending {
     pub kept: Kept,
-    /// When it passes, by the local clock.
+    /// Time at which it passes, by the local clock.
     pub due: DateTime,
 }
 
@@ -118,7 +118,7 @@ pub(crate) struct RatePoint {
 #[serde(rename_all = "camelCase")]
 pub(crate) struct WindowState {
     pub samples: VecDeque<Sample>,
-    /// When the newest came, by the local clock; relates the source's clock to ours.
+    /// Arrival time of the newest by the local clock; relates the source's clock to ours.
     pub received_at: DateTime,
 }
 

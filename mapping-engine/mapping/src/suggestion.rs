@@ -1,5 +1,4 @@
-//! Which variable might a requested field mean? Ranked candidates, each with its reasons; a person
-//! decides.
+//! Suggestions of variables for a requested field, ranked, each with its reasons; a person decides.
 //!
 //! Pure: callers bring the variables (from browsing), a value of each where they have one, and the
 //! factory's earlier decisions. Each piece of evidence gives points and a sentence; types and units
@@ -33,17 +32,17 @@ const SCORE_MAX: i32 = 100;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Suggestion {
-    /// The server.
+    /// Source of the variable.
     #[schema(value_type = String)]
     pub source_id: SourceId,
-    /// The variable.
+    /// Node id with its namespace's URI.
     #[schema(value_type = String)]
     pub node_id: NodeId,
-    /// Where it stands, as people read it.
+    /// Names down to the variable, joined by `/`.
     pub place: String,
     /// 20 to 100.
     pub score: u8,
-    /// Why, the weightiest first.
+    /// Evidence, the weightiest first.
     pub reasons: Vec<Reason>,
     /// The functions it would need.
     pub steps: Vec<Step>,

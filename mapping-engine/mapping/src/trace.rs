@@ -13,29 +13,29 @@ use crate::{
     quality::Meta,
 };
 
-/// What one function made of its value.
+/// Result of one function on one value.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TraceStep {
     /// Index of the function.
     pub step: usize,
-    /// Its name.
+    /// Name of the function, as in JSON.
     pub function: String,
-    /// What it yielded; absent where it held the value back or failed.
+    /// Value yielded; absent where it held the value back or failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<TracedValue>,
-    /// Why it failed.
+    /// Fault, where it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<TracedFault>,
 }
 
-/// Why a function failed.
+/// Fault of a function.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TracedFault {
-    /// What kind of fault it is.
+    /// Kind, for programs.
     pub kind: FaultKind,
-    /// What went wrong, in a sentence.
+    /// Sentence that names the fault.
     pub message: String,
     /// The line in the script, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,7 +53,7 @@ pub struct TracedValue {
     /// The built-in type; absent where there is no value.
     #[serde(rename = "type", skip_serializing_if = "Option::is_none")]
     pub value_type: Option<TypeName>,
-    /// The value.
+    /// Value as plain JSON.
     #[schema(value_type = Object)]
     pub value: Json,
     /// The status code.
@@ -61,11 +61,11 @@ pub struct TracedValue {
     /// The status' name, where it is a well-known one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub status_name: Option<String>,
-    /// When the source measured it.
+    /// Time at which the source measured it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
     pub source_timestamp: Option<DateTime>,
-    /// When the server last knew it.
+    /// Time at which the server last knew it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
     pub server_timestamp: Option<DateTime>,

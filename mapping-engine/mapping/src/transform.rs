@@ -76,6 +76,7 @@ impl Transform {
         }
     }
 
+    /// Returns the plan that it runs.
     pub fn plan(&self) -> &Arc<Plan> {
         &self.plan
     }
@@ -144,7 +145,7 @@ impl Transform {
         }
     }
 
-    /// When [`Self::on_timer`] wants to be called, by the local clock.
+    /// Returns the time of the next [`Self::on_timer`], by the local clock.
     pub fn due(&self) -> Option<DateTime> {
         self.state
             .0
@@ -194,7 +195,7 @@ impl Transform {
             Ok(yielded) => yielded,
             Err(fault) => return self.fail(Some(call.step), fault, meta, trace),
         };
-        // Whoever keeps the state shares it: it is copied where it changes only.
+        // Candidates share the state: it is copied only where it changes.
         if let Some(new) = yielded.state
             && let Some(StepState::Script { state }) =
                 Arc::make_mut(&mut self.state.0).get_mut(call.step)

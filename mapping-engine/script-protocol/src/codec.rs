@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-/// Why bytes are not a message.
+/// Fault of bytes that are not a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// The bytes end within a value.
@@ -14,9 +14,9 @@ pub enum DecodeError {
     /// A tag that nothing has.
     #[error("the tag {tag} means nothing as {what}")]
     UnknownTag {
-        /// What was to be read.
+        /// Kind of value that was read.
         what: &'static str,
-        /// What was found.
+        /// Tag that was found.
         tag: u8,
     },
     /// A text that is not UTF-8.
@@ -46,7 +46,7 @@ impl Encoder {
         self.bytes
     }
 
-    /// How many bytes there are so far.
+    /// Returns the number of bytes so far.
     #[must_use]
     pub fn len(&self) -> usize {
         self.bytes.len()

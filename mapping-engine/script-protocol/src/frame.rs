@@ -11,7 +11,7 @@ pub const HEADER_BYTES: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a frame announces {announced} bytes; at most {FRAME_BYTES_MAX} are allowed")]
 pub struct FrameTooLong {
-    /// What the header said.
+    /// Length in the header.
     pub announced: usize,
 }
 

@@ -1,5 +1,5 @@
-//! What a script worker process and the process that started it say to each other over standard
-//! input and output.
+//! Protocol between a script worker process and the process that started it, over standard input
+//! and output.
 //!
 //! Frames are a length and a body ([`frame`]), bodies are messages ([`message`]) in a compact
 //! binary form of our own ([`codec`]) that keeps 64-bit integers exact and is bounded wherever the

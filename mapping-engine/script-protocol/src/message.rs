@@ -19,7 +19,7 @@ pub const STATE_BYTES_MAX: usize = 4096;
 /// Longest message of a fault, in bytes; longer ones are cut.
 pub const FAULT_MESSAGE_BYTES_MAX: usize = 1024;
 
-/// What scripts may use.
+/// Limits of scripts and of their worker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Memory of one script, in bytes.
@@ -60,14 +60,14 @@ impl Limits {
     }
 }
 
-/// Why a script did not load or a call did not yield.
+/// Fault of a script that did not load, or of a call that did not yield.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScriptFault {
-    /// What kind of fault it is; the same for every engine.
+    /// Kind; the same for every engine.
     pub kind: FaultKind,
     /// The class of the error thrown, as `TypeError`; empty where it was none.
     pub name: Arc<str>,
-    /// What the engine says; texts differ between engines.
+    /// Message of the engine; texts differ between engines.
     pub message: Arc<str>,
     /// The line in the script, from 1.
     pub line: Option<u32>,
@@ -87,7 +87,7 @@ pub enum FaultKind {
     Timeout = 2,
     /// The script wanted more memory than its budget; it starts again from its state.
     OutOfMemory = 3,
-    /// What it returned is not a value.
+    /// The result is not a value.
     Result = 4,
     /// No script has this id.
     NotLoaded = 5,

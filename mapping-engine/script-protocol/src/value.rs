@@ -11,7 +11,7 @@ pub const DEPTH_MAX: usize = 16;
 /// no more.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScriptValue {
-    /// `null`.
+    /// `null`, for null values and opaque structures.
     Null,
     /// `true` or `false`.
     Boolean(bool),
@@ -21,14 +21,14 @@ pub enum ScriptValue {
     Signed(i64),
     /// A BigInt that fits 64 bits without sign.
     Unsigned(u64),
-    /// A text.
+    /// A text in UTF-8.
     Text(Arc<str>),
     /// A `Date`, in milliseconds since 1970; the fraction survives into the script only as far as
     /// `Date` keeps it.
     Time(f64),
-    /// A `Uint8Array`.
+    /// A `Uint8Array`, a ByteString of OPC UA.
     Bytes(Arc<[u8]>),
-    /// An array.
+    /// An array of any values.
     List(Vec<ScriptValue>),
     /// An object's own members, in order.
     Record(Vec<(Arc<str>, ScriptValue)>),

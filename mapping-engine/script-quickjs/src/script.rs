@@ -36,6 +36,9 @@ struct Functions {
     tools: Persistent<Object<'static>>,
 }
 
+/// Outcome of a call, and `ctx.state` as JSON where it changed.
+type Called = (Result<Yielded, ScriptFault>, Option<Arc<str>>);
+
 impl Script {
     /// Compiles a script in a new runtime and takes the function that it evaluates to.
     ///
@@ -60,11 +63,7 @@ impl Script {
 
     /// Calls the function. `state` is `ctx.state` before the call, as JSON; the second value is the
     /// state where it changed.
-    pub fn call(
-        &mut self,
-        call: &Call,
-        state: Option<&str>,
-    ) -> (Result<Yielded, ScriptFault>, Option<Arc<str>>) {
+    pub fn call(&mut self, call: &Call, state: Option<&str>) -> Called {
         let Self { functions, file, context, guard, .. } = self;
         let (called, has_fired) = guard.watch(|| {
             context.with(|ctx| {
@@ -122,7 +121,7 @@ impl Functions {
         ctx: &Ctx<'js>,
         call: &Call,
         state: Option<&str>,
-    ) -> Result<(Result<Yielded, ScriptFault>, Option<Arc<str>>), Failure> {
+    ) -> Result<Called, Failure> {
         let tools = self.tools.clone().restore(ctx)?;
         if !call.inputs.is_empty() {
             let input = self.input.clone().restore(ctx)?;

@@ -1,4 +1,4 @@
-//! What the engine decides, without waiting for anything.
+//! Decisions of the engine, without waiting for anything.
 
 mod scripts;
 
@@ -14,23 +14,23 @@ use shop_floor::{InputChange, InputKey, MonitorRequest};
 use smallvec::SmallVec;
 
 use super::{
-    Compiled, EngineError, MappingEngineConfig,
+    command::Compiled,
+    config::MappingEngineConfig,
+    error::EngineError,
     history::History,
-    inventory::{Entry, Inventory},
+    inventory::{Inventory, RunningMapping},
     plans::Plans,
     routes::{Routes, Subscriber},
     status::MappingStatus,
     survey::{MappingHealth, MappingSurvey},
     timers::Timers,
 };
-use crate::{dry_run::DryRunSample, inputs::Inputs, script::lane::Lane};
+use crate::{dry_run::DryRunSample, inputs::Inputs, script::worker_queue::WorkerQueue};
 
-pub(super) use scripts::yielded_of;
-
-/// The place of nobody: holds variables while their mapping is replaced.
+/// Placeholder subscriber that keeps variables monitored while a mapping is replaced.
 const HELD: u32 = u32::MAX;
 
-/// Mappings, routes, timers, and what waits for the consumer.
+/// State of the engine: mappings, routes, timers, and candidates that wait for the consumer.
 pub(super) struct Core {
     config: MappingEngineConfig,
     inputs: Box<dyn Inputs>,
@@ -38,18 +38,23 @@ pub(super) struct Core {
     plans: Plans,
     routes: Routes,
     timers: Timers,
-    lanes: Vec<Lane>,
-    /// Where a script belongs: its mapping's place, and which of its scripts it is.
+    queues: Vec<WorkerQueue>,
+    /// Slot of a script's mapping, and index among the mapping's scripts.
     scripts: HashMap<ScriptId, (usize, usize)>,
     last_script: u32,
     pending: Vec<Candidate>,
-    /// The places of the mappings that made them.
-    pending_places: Vec<u32>,
+    /// Slots of the mappings that yielded them.
+    pending_slots: Vec<u32>,
     batches: u64,
 }
 
 impl Core {
-    pub fn new(config: MappingEngineConfig, inputs: Box<dyn Inputs>, lanes: Vec<Lane>) -> Self {
+    /// Creates an engine without mappings; `queues` has one entry per worker.
+    pub fn new(
+        config: MappingEngineConfig,
+        inputs: Box<dyn Inputs>,
+        queues: Vec<WorkerQueue>,
+    ) -> Self {
         Self {
             config,
             inputs,
@@ -57,15 +62,16 @@ impl Core {
             plans: Plans::default(),
             routes: Routes::default(),
             timers: Timers::default(),
-            lanes,
+            queues,
             scripts: HashMap::new(),
             last_script: 0,
             pending: Vec::new(),
-            pending_places: Vec::new(),
+            pending_slots: Vec::new(),
             batches: 0,
         }
     }
 
+    /// Publishes mappings. Returns one result for each.
     pub fn put_many(
         &mut self,
         compiled: Vec<Compiled>,
@@ -96,13 +102,12 @@ impl Core {
                 }
             }
         }
-        self.lanes.iter_mut().for_each(Lane::feed);
+        self.queues.iter_mut().for_each(WorkerQueue::feed);
         metrics::gauge!("mapping_engine_mappings").set(count(self.inventory.len()));
         results
     }
 
-    /// What both the mapping so far and the new one use stays monitored, and keeps what was
-    /// recorded of it.
+    /// Replaces a mapping. Variables that both versions use stay monitored and keep their history.
     fn put(
         &mut self,
         compiled: Compiled,
@@ -112,12 +117,12 @@ impl Core {
         let mapping = Arc::clone(&compiled.mapping);
         let mut held = Vec::with_capacity(mapping.inputs.len());
         for (input, wanted) in (0..).zip(&mapping.inputs) {
-            let subscriber = Subscriber { place: HELD, input };
+            let subscriber = Subscriber { slot: HELD, input };
             let (key, request) = self.routes.subscribe(wanted, subscriber);
             requests.extend(request);
             held.push((key, subscriber));
         }
-        let result = self.put_in_place(compiled, now);
+        let result = self.insert(compiled, now);
         for (key, subscriber) in held {
             if self.routes.unsubscribe(key, subscriber) {
                 requests.retain(|request| request.input != key);
@@ -127,7 +132,7 @@ impl Core {
         result
     }
 
-    fn put_in_place(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
+    fn insert(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
         let Compiled { mapping, plan, target, state, last, is_shadow } = compiled;
         let id = mapping.mapping_id.clone();
         self.remove(&id);
@@ -135,19 +140,22 @@ impl Core {
             return Err(EngineError::TooManyMappings(self.config.mappings_max));
         }
         let transform = Transform::new(self.plans.shared(&mapping, plan), state, last);
-        let place = self.inventory.next_place();
-        let scripts = self.place_scripts(&mapping, &transform, place)?;
-        let follower = |input| Subscriber { place: narrow(place), input };
+        let slot = self.inventory.next_slot();
+        let scripts = self.assign_scripts(&mapping, &transform, slot)?;
+        let follower = |input| Subscriber { slot: narrow(slot), input };
         // They are held already, so there is nothing to request.
         let inputs = (0..).zip(&mapping.inputs);
         let keys: SmallVec<_> = inputs
             .map(|(input, wanted)| self.routes.subscribe(wanted, follower(input)).0)
             .collect();
-        self.inventory
-            .insert(id, Entry::new(mapping, transform, target, keys.clone(), scripts, is_shadow));
-        let reaction = self.inventory.get_mut(place).map(|entry| entry.transform.start(now, None));
+        self.inventory.insert(
+            id,
+            RunningMapping::new(mapping, transform, target, keys.clone(), scripts, is_shadow),
+        );
+        let reaction =
+            self.inventory.get_mut(slot).map(|running| running.transform.start(now, None));
         if let Some(reaction) = reaction {
-            self.react(place, reaction, now);
+            self.react(slot, reaction, now);
         }
         for (input, key) in (0..).zip(keys) {
             let last = self.routes.get_mut(key).and_then(|route| route.history.newest().cloned());
@@ -158,31 +166,33 @@ impl Core {
         Ok(())
     }
 
+    /// Withdraws a mapping and drops its candidates that wait. Returns false if there is none with
+    /// this id.
     pub fn remove(&mut self, id: &MappingId) -> bool {
-        let Some((place, entry)) = self.inventory.remove(id) else { return false };
+        let Some((slot, running)) = self.inventory.remove(id) else { return false };
         let mut unwanted = Vec::new();
-        for (input, key) in (0..).zip(&entry.inputs) {
-            if self.routes.unsubscribe(*key, Subscriber { place: narrow(place), input }) {
+        for (input, key) in (0..).zip(&running.inputs) {
+            if self.routes.unsubscribe(*key, Subscriber { slot: narrow(slot), input }) {
                 unwanted.push(*key);
             }
         }
         if !unwanted.is_empty() {
             self.inputs.unmonitor(&unwanted);
         }
-        for script in &entry.scripts {
+        for script in &running.scripts {
             self.scripts.remove(&script.id);
-            if let Some(lane) = self.lanes.get_mut(script.lane) {
-                lane.unload(script.id);
+            if let Some(queue) = self.queues.get_mut(script.worker) {
+                queue.unload(script.id);
             }
         }
-        let mut places = self.pending_places.iter();
-        self.pending.retain(|_| places.next().is_none_or(|pending| *pending != narrow(place)));
-        self.pending_places.retain(|pending| *pending != narrow(place));
+        let mut slots = self.pending_slots.iter();
+        self.pending.retain(|_| slots.next().is_none_or(|pending| *pending != narrow(slot)));
+        self.pending_slots.retain(|pending| *pending != narrow(slot));
         metrics::gauge!("mapping_engine_mappings").set(count(self.inventory.len()));
         true
     }
 
-    /// The last values of a mapping's inputs, in the order they came, at most so many.
+    /// Returns the last values of a mapping's inputs, oldest first, at most `most`.
     pub fn recorded(&self, inputs: &[MappingInput], most: usize) -> Vec<DryRunSample> {
         let mut samples: Vec<DryRunSample> = Vec::new();
         for input in inputs {
@@ -195,31 +205,36 @@ impl Core {
         samples.split_off(samples.len().saturating_sub(most))
     }
 
+    /// Returns the status of one mapping.
     pub fn status(&self, id: &MappingId) -> Option<MappingStatus> {
-        self.inventory.get(self.inventory.place_of(id)?).map(MappingStatus::of)
+        self.inventory.get(self.inventory.slot_of(id)?).map(MappingStatus::of)
     }
 
+    /// Returns the numbers of mappings by health and the worst `most` of them.
     pub fn survey(&self, wanted: Option<MappingHealth>, most: usize) -> MappingSurvey {
         MappingSurvey::of(&self.inventory, wanted, most)
     }
 
+    /// Closes the circuit breakers of a mapping's scripts. Returns false if there is none with this
+    /// id.
     pub fn reset(&mut self, id: &MappingId) -> bool {
-        let Some(place) = self.inventory.place_of(id) else { return false };
-        let Some(entry) = self.inventory.get_mut(place) else { return false };
-        entry.scripts.iter_mut().for_each(|script| script.breaker.succeeded());
+        let Some(slot) = self.inventory.slot_of(id) else { return false };
+        let Some(running) = self.inventory.get_mut(slot) else { return false };
+        running.scripts.iter_mut().for_each(|script| script.breaker.succeeded());
         true
     }
 
+    /// Routes a batch of changes to the mappings that use them.
     pub fn changed(&mut self, changes: Vec<InputChange>, now: DateTime) {
         metrics::counter!("mapping_engine_changes_total").increment(changes.len() as u64);
         let mut begun = Instant::now();
         let share = self.config.history.share(self.routes.len());
         self.pending.reserve(changes.len());
-        self.pending_places.reserve(changes.len());
+        self.pending_slots.reserve(changes.len());
         for InputChange { input, value } in changes {
             self.change(input, value, share, now, &mut begun);
         }
-        self.lanes.iter_mut().for_each(Lane::feed);
+        self.queues.iter_mut().for_each(WorkerQueue::feed);
     }
 
     fn change(
@@ -240,8 +255,8 @@ impl Core {
         }
     }
 
-    /// What one subscriber has done is where the next begins: asking for the time costs as much as
-    /// a small function.
+    /// Runs one subscriber. `begun` is the end of the one before: reading the clock costs as much
+    /// as a small function.
     fn take(
         &mut self,
         subscriber: Subscriber,
@@ -249,89 +264,93 @@ impl Core {
         now: DateTime,
         begun: &mut Instant,
     ) {
-        let (place, input) = (subscriber.place as usize, subscriber.input as usize);
-        let Some(entry) = self.inventory.get_mut(place) else { return };
-        entry.received += 1;
-        let reaction = entry.transform.on(now, input, value, None);
+        let (slot, input) = (subscriber.slot as usize, subscriber.input as usize);
+        let Some(running) = self.inventory.get_mut(slot) else { return };
+        running.received += 1;
+        let reaction = running.transform.on(now, input, value, None);
         let ended = Instant::now();
-        entry.spent += ended - std::mem::replace(begun, ended);
-        self.react(place, reaction, now);
+        running.spent += ended - std::mem::replace(begun, ended);
+        self.react(slot, reaction, now);
     }
 
+    /// Returns the time of the next [`Self::wake`].
     pub fn next_timer(&self) -> Option<DateTime> {
         self.timers.next()
     }
 
+    /// Runs the timers that are due.
     pub fn wake(&mut self, now: DateTime) {
-        while let Some((place, due)) = self.timers.pop(now) {
-            let Some(entry) =
-                self.inventory.get_mut(place).filter(|entry| entry.scheduled == Some(due))
+        while let Some((slot, due)) = self.timers.pop(now) {
+            let Some(running) =
+                self.inventory.get_mut(slot).filter(|running| running.scheduled == Some(due))
             else {
                 continue;
             };
-            entry.scheduled = None;
-            let reaction = entry.transform.on_timer(now, None);
-            self.react(place, reaction, now);
+            running.scheduled = None;
+            let reaction = running.transform.on_timer(now, None);
+            self.react(slot, reaction, now);
         }
-        self.lanes.iter_mut().for_each(Lane::feed);
+        self.queues.iter_mut().for_each(WorkerQueue::feed);
     }
 
-    fn react(&mut self, place: usize, reaction: Reaction, now: DateTime) {
-        let Some(entry) = self.inventory.get_mut(place) else { return };
-        if let Some(due) = entry.transform.due() {
-            self.timers.schedule(&mut entry.scheduled, due, place);
+    fn react(&mut self, slot: usize, reaction: Reaction, now: DateTime) {
+        let Some(running) = self.inventory.get_mut(slot) else { return };
+        if let Some(due) = running.transform.due() {
+            self.timers.schedule(&mut running.scheduled, due, slot);
         }
         match reaction {
             Reaction::Quiet => {}
-            Reaction::Candidate(value) => self.yielded(place, value, now),
+            Reaction::Candidate(value) => self.yielded(slot, value, now),
             Reaction::Failed(value, failed) => {
-                entry.faults += 1;
-                entry.last_fault =
+                running.faults += 1;
+                running.last_fault =
                     Some(Box::new(FaultRecord::new(now, failed.step, &failed.fault)));
-                self.yielded(place, value, now);
+                self.yielded(slot, value, now);
             }
-            Reaction::Call(call) => self.call(place, call, now),
+            Reaction::Call(call) => self.call(slot, call, now),
         }
     }
 
-    fn yielded(&mut self, place: usize, value: DataValue, now: DateTime) {
-        let Some(entry) = self.inventory.get_mut(place) else { return };
-        entry.yielded += 1;
-        entry.last_yielded_at = Some(now);
-        if !entry.is_shadow {
-            self.pending.push(Candidate { target: entry.target, value, state: None });
-            self.pending_places.push(narrow(place));
+    fn yielded(&mut self, slot: usize, value: DataValue, now: DateTime) {
+        let Some(running) = self.inventory.get_mut(slot) else { return };
+        running.yielded += 1;
+        running.last_yielded_at = Some(now);
+        if !running.is_shadow {
+            self.pending.push(Candidate { target: running.target, value, state: None });
+            self.pending_slots.push(narrow(slot));
         }
     }
 
-    /// Whether changes are to be taken.
+    /// Returns true while changes may be taken.
     pub fn has_room(&self) -> bool {
         self.pending.len() < self.config.waiting_candidates_max
     }
 
+    /// Returns true while candidates wait for the consumer.
     pub fn has_candidates(&self) -> bool {
         !self.pending.is_empty()
     }
 
-    /// What waits for the consumer, each mapping's state with its last candidate.
+    /// Takes the candidates that wait, each mapping's state with its last one.
     pub fn candidates(&mut self) -> Vec<Candidate> {
         self.batches += 1;
         metrics::counter!("mapping_engine_candidates_total").increment(self.pending.len() as u64);
-        for (candidate, place) in self.pending.iter_mut().zip(self.pending_places.drain(..)).rev() {
-            let entry = self.inventory.get_mut(place as usize);
-            let Some(entry) = entry.filter(|entry| entry.state_carried_in != self.batches) else {
+        for (candidate, slot) in self.pending.iter_mut().zip(self.pending_slots.drain(..)).rev() {
+            let running = self.inventory.get_mut(slot as usize);
+            let Some(running) = running.filter(|running| running.state_carried_in != self.batches)
+            else {
                 continue;
             };
-            entry.state_carried_in = self.batches;
-            candidate.state = entry.transform.state();
+            running.state_carried_in = self.batches;
+            candidate.state = running.transform.state();
         }
         std::mem::take(&mut self.pending)
     }
 }
 
-/// A place as it is noted where there are many: mappings are limited far below 2^32.
-fn narrow(place: usize) -> u32 {
-    u32::try_from(place).unwrap_or(HELD)
+/// Returns a slot in the form that is stored per candidate: mappings are limited far below 2^32.
+fn narrow(slot: usize) -> u32 {
+    u32::try_from(slot).unwrap_or(HELD)
 }
 
 #[allow(clippy::cast_precision_loss)]

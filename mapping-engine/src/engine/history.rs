@@ -1,4 +1,4 @@
-//! The last values of each variable in use, to try mappings on.
+//! Last values of each variable in use, for dry runs.
 //!
 //! Kept in memory only and bounded twice: per variable, and over all of them. With many variables
 //! each has fewer.
@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 /// Longest array, in elements, and longest text, in bytes, of which more than the newest is kept.
 const ELEMENTS_MAX: usize = 64;
 const TEXT_BYTES_MAX: usize = 1024;
-/// Fewest values kept of each variable.
+/// Fewest recorded values of each variable, beyond the limit of all if need be.
 const SAMPLES_MIN: usize = 2;
 
-/// How much is kept of the variables in use.
+/// Limits of the recorded values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct HistoryConfig {
@@ -31,8 +31,8 @@ impl Default for HistoryConfig {
 }
 
 impl HistoryConfig {
-    /// How many values a variable may have when there are so many variables: a power of two, which
-    /// is how buffers grow.
+    /// Returns the most values per variable for this number of variables: a power of two, because
+    /// buffers grow by doubling.
     pub(super) fn share(&self, variables: usize) -> usize {
         let share =
             (self.values_max / variables.max(1)).min(self.values_per_variable_max).max(SAMPLES_MIN);
@@ -47,14 +47,17 @@ pub(super) struct History {
 }
 
 impl History {
+    /// Returns the newest value.
     pub fn newest(&self) -> Option<&DataValue> {
         self.values.back().map(|(_, value)| value)
     }
 
+    /// Iterates from the oldest to the newest value.
     pub fn iter(&self) -> impl Iterator<Item = &(DateTime, DataValue)> {
         self.values.iter()
     }
 
+    /// Records a value. Only the newest of long texts and arrays is stored.
     pub fn push(&mut self, at: DateTime, value: DataValue, values_max: usize) {
         if is_bulky(&value.value) {
             self.values.clear();

@@ -1,4 +1,4 @@
-//! The mappings at work, each at a place of its own.
+//! Running mappings by slot: an index that stays the same while a mapping runs.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -10,18 +10,18 @@ use smallvec::SmallVec;
 
 use crate::script::breaker::Breaker;
 
-/// A mapping at work.
+/// Running mapping with its counters.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(super) struct RunningMapping {
     pub mapping: Arc<Mapping>,
     pub transform: Transform,
-    /// Whose values it yields, in the consumer's words.
+    /// Consumer's key of its field.
     pub target: TargetKey,
     pub inputs: SmallVec<[InputKey; 2]>,
     pub scripts: Box<[Script]>,
-    /// It runs, and nothing of it leaves the engine.
+    /// A shadow mapping runs, and nothing of it leaves the engine.
     pub is_shadow: bool,
-    /// When it is woken next.
+    /// Time of its next timer, by the local clock.
     pub scheduled: Option<DateTime>,
     pub received: u64,
     pub yielded: u64,
@@ -39,11 +39,13 @@ pub(super) struct Entry {
 pub(super) struct Script {
     pub id: ScriptId,
     pub step: usize,
-    pub lane: usize,
+    /// Index of the worker that runs it.
+    pub worker: usize,
     pub breaker: Breaker,
 }
 
-impl Entry {
+impl RunningMapping {
+    /// Starts all counters at zero.
     pub fn new(
         mapping: Arc<Mapping>,
         transform: Transform,
@@ -72,61 +74,67 @@ impl Entry {
     }
 }
 
-/// All mappings. Places are used again.
+/// All mappings. Slots are used again.
 #[derive(Debug, Default)]
 pub(super) struct Inventory {
-    /// Each at an address of its own: what grows is a list of addresses.
-    entries: Vec<Option<Box<Entry>>>,
+    /// Boxed, so that growing moves pointers only.
+    entries: Vec<Option<Box<RunningMapping>>>,
     free: Vec<usize>,
-    places: HashMap<MappingId, usize>,
+    slots: HashMap<MappingId, usize>,
 }
 
 impl Inventory {
+    /// Returns the number of mappings.
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.slots.len()
     }
 
-    pub fn place_of(&self, id: &MappingId) -> Option<usize> {
-        self.places.get(id).copied()
+    /// Returns the slot of a mapping.
+    pub fn slot_of(&self, id: &MappingId) -> Option<usize> {
+        self.slots.get(id).copied()
     }
 
-    pub fn get(&self, place: usize) -> Option<&Entry> {
-        self.entries.get(place)?.as_deref()
+    /// Returns the mapping in a slot.
+    pub fn get(&self, slot: usize) -> Option<&RunningMapping> {
+        self.entries.get(slot)?.as_deref()
     }
 
-    pub fn get_mut(&mut self, place: usize) -> Option<&mut Entry> {
-        self.entries.get_mut(place)?.as_deref_mut()
+    /// Returns the mapping in a slot.
+    pub fn get_mut(&mut self, slot: usize) -> Option<&mut RunningMapping> {
+        self.entries.get_mut(slot)?.as_deref_mut()
     }
 
-    /// The place that the next entry gets.
-    pub fn next_place(&self) -> usize {
+    /// Returns the slot of the next [`Self::insert`].
+    pub fn next_slot(&self) -> usize {
         self.free.last().copied().unwrap_or(self.entries.len())
     }
 
-    /// Puts an entry at [`Self::next_place`].
-    pub fn insert(&mut self, id: MappingId, entry: Entry) {
-        let entry = Box::new(entry);
-        let place = match self.free.pop() {
-            Some(place) => {
-                self.entries[place] = Some(entry);
-                place
+    /// Stores a mapping at [`Self::next_slot`].
+    pub fn insert(&mut self, id: MappingId, running: RunningMapping) {
+        let running = Box::new(running);
+        let slot = match self.free.pop() {
+            Some(slot) => {
+                self.entries[slot] = Some(running);
+                slot
             }
             None => {
-                self.entries.push(Some(entry));
+                self.entries.push(Some(running));
                 self.entries.len() - 1
             }
         };
-        self.places.insert(id, place);
+        self.slots.insert(id, slot);
     }
 
-    pub fn remove(&mut self, id: &MappingId) -> Option<(usize, Box<Entry>)> {
-        let place = self.places.remove(id)?;
-        let entry = self.entries.get_mut(place)?.take()?;
-        self.free.push(place);
-        Some((place, entry))
+    /// Removes a mapping and frees its slot.
+    pub fn remove(&mut self, id: &MappingId) -> Option<(usize, Box<RunningMapping>)> {
+        let slot = self.slots.remove(id)?;
+        let running = self.entries.get_mut(slot)?.take()?;
+        self.free.push(slot);
+        Some((slot, running))
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Entry> {
+    /// Iterates over all mappings, in no particular order.
+    pub fn iter(&self) -> impl Iterator<Item = &RunningMapping> {
         self.entries.iter().filter_map(Option::as_deref)
     }
 }

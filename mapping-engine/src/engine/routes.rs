@@ -1,4 +1,4 @@
-//! Which mappings a change concerns.
+//! Routes from variables to the mappings that use them.
 //!
 //! A variable that several mappings use in the same way is monitored once.
 
@@ -16,8 +16,8 @@ use super::history::History;
 /// A mapping's input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Subscriber {
-    /// The mapping's place.
-    pub place: u32,
+    /// Slot of the mapping.
+    pub slot: u32,
     /// Position among its inputs.
     pub input: u32,
 }
@@ -28,7 +28,7 @@ pub(super) struct Route {
     pub subscribers: SmallVec<[Subscriber; 2]>,
     /// The newest is given to mappings that come later.
     pub history: History,
-    /// What the shop floor was asked.
+    /// Request under which the shop floor monitors it.
     request: Arc<MonitorRequest>,
 }
 
@@ -43,11 +43,12 @@ pub(super) struct Routes {
 }
 
 impl Routes {
+    /// Returns the route of a monitored variable.
     pub fn get_mut(&mut self, key: InputKey) -> Option<&mut Route> {
         self.routes.get_mut(&key)
     }
 
-    /// How many variables are monitored.
+    /// Returns the number of monitored variables.
     pub fn len(&self) -> usize {
         self.routes.len()
     }
@@ -78,7 +79,8 @@ impl Routes {
         self.routes.hasher().hash_one((source, node_id))
     }
 
-    /// Lets a mapping's input follow a variable. The request to monitor it, if nobody has so far.
+    /// Subscribes a mapping's input to a variable. Returns the request to monitor it where it is
+    /// not monitored yet.
     pub fn subscribe(
         &mut self,
         input: &MappingInput,
@@ -117,7 +119,7 @@ impl Routes {
         (key, Some(request))
     }
 
-    /// Ends what [`Self::subscribe`] began. True if nobody follows the variable any more.
+    /// Ends a subscription. Returns true if it was the variable's last.
     pub fn unsubscribe(&mut self, key: InputKey, subscriber: Subscriber) -> bool {
         let Some(route) = self.routes.get_mut(&key) else { return false };
         route.subscribers.retain(|other| *other != subscriber);

@@ -1,4 +1,4 @@
-//! The task around the engine's decisions.
+//! Task around the engine's decisions: channels, time and shutdown.
 
 use std::{sync::Arc, time::SystemTime};
 
@@ -13,63 +13,79 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use super::{
-    Command, MappingEngineConfig,
+    command::Command,
+    config::MappingEngineConfig,
     core::Core,
-    trial::{self, Trial},
+    dry_runner::{self, DryRunRequest},
+    handle::MappingEngineHandle,
 };
-use crate::{dry_run::SAMPLES_MAX, inputs::Inputs, script::lane::Lane};
+use crate::{
+    dry_run::SAMPLES_MAX,
+    inputs::Inputs,
+    script::{
+        config::ScriptConfig,
+        worker_queue::{Report, WorkerQueue},
+    },
+};
 
-/// How long the consumer may take for what is left at shutdown.
-const FAREWELL_BUDGET: Duration = Duration::from_secs(2);
+/// Time that the consumer has at shutdown to take the candidates that wait.
+const SHUTDOWN_DRAIN_TIMEOUT: Duration = Duration::from_secs(2);
+/// Most worker processes, whatever is configured.
+const WORKERS_MAX: usize = 64;
 
-/// The service: takes changes of inputs, runs the chains, yields candidates.
+/// The engine's task: takes changes of inputs, runs the chains, yields candidates.
 pub struct MappingEngine {
     config: MappingEngineConfig,
     inputs: Box<dyn Inputs>,
     changes: mpsc::Receiver<Vec<InputChange>>,
     commands: mpsc::Receiver<Command>,
-    trials: mpsc::Receiver<Trial>,
+    dry_runs: mpsc::Receiver<DryRunRequest>,
     candidates: mpsc::Sender<Vec<Candidate>>,
 }
 
 impl MappingEngine {
-    pub(super) fn assemble(
+    /// Returns an engine, its handle, and the receiver of its candidates.
+    ///
+    /// The engine monitors variables through `inputs`; their changes arrive through `changes`.
+    #[must_use]
+    pub fn new(
         config: MappingEngineConfig,
-        inputs: Box<dyn Inputs>,
+        inputs: impl Inputs,
         changes: mpsc::Receiver<Vec<InputChange>>,
-        commands: mpsc::Receiver<Command>,
-        trials: mpsc::Receiver<Trial>,
-        candidates: mpsc::Sender<Vec<Candidate>>,
-    ) -> Self {
-        Self { config, inputs, changes, commands, trials, candidates }
+    ) -> (Self, MappingEngineHandle, mpsc::Receiver<Vec<Candidate>>) {
+        let (commands, for_commands) = mpsc::channel(64);
+        let (dry_runs, for_dry_runs) = mpsc::channel(16);
+        let (candidates, consumer) = mpsc::channel(config.waiting_batches_max.max(1));
+        let handle = MappingEngineHandle { commands, dry_runs };
+        let engine = Self {
+            config,
+            inputs: Box::new(inputs),
+            changes,
+            commands: for_commands,
+            dry_runs: for_dry_runs,
+            candidates,
+        };
+        (engine, handle, consumer)
     }
 
-    /// Runs until told to stop, or until nobody takes candidates any more. Then what was made is
-    /// handed over and the workers are ended.
+    /// Runs until `shutdown`, or until the receiver of candidates is dropped. Then it sends the
+    /// candidates that wait and ends the workers.
     pub async fn run(self, shutdown: CancellationToken) {
-        let Self { config, inputs, mut changes, mut commands, trials, candidates } = self;
+        let Self { config, inputs, mut changes, mut commands, dry_runs, candidates } = self;
         let workers_stop = CancellationToken::new();
         let mut tasks = JoinSet::new();
         let script = Arc::new(config.script.clone());
-        let workers = config.script.workers.clamp(1, 64);
-        let (report, mut reports) = mpsc::channel(workers);
-        let mut lanes = Vec::with_capacity(workers);
-        for index in 0..workers {
-            let (lane, serving) =
-                Lane::new(index, Arc::clone(&script), report.clone(), workers_stop.clone());
-            lanes.push(lane);
-            tasks.spawn(serving);
-        }
-        tasks.spawn(trial::serve(script, trials, workers_stop.clone()));
-        let mut core = Core::new(config, inputs, lanes);
+        let (queues, mut reports) = start_workers(&script, &mut tasks, &workers_stop);
+        tasks.spawn(dry_runner::serve(script, dry_runs, workers_stop.clone()));
+        let mut core = Core::new(config, inputs, queues);
         let (mut has_changes, mut has_handles) = (true, true);
         loop {
             let timer = core.next_timer();
             tokio::select! {
                 () = shutdown.cancelled() => break,
                 command = commands.recv(), if has_handles => match command {
-                    Some(command) => obey(&mut core, command),
-                    // Handles may go; the mappings stay.
+                    Some(command) => handle_command(&mut core, command),
+                    // Without a handle the published mappings still run.
                     None => has_handles = false,
                 },
                 batch = changes.recv(), if has_changes && core.has_room() => match batch {
@@ -83,7 +99,7 @@ impl MappingEngine {
                 },
                 () = until(timer), if timer.is_some() => core.wake(now()),
             }
-            // Without a turn through the loop where there is room anyway.
+            // Saves a turn of the loop where the channel has room.
             if core.has_candidates()
                 && let Ok(permit) = candidates.try_reserve()
             {
@@ -92,24 +108,45 @@ impl MappingEngine {
         }
         if core.has_candidates() {
             let left = core.candidates();
-            if timeout(FAREWELL_BUDGET, candidates.send(left)).await.is_err() {
+            if timeout(SHUTDOWN_DRAIN_TIMEOUT, candidates.send(left)).await.is_err() {
                 tracing::warn!("The consumer did not take the last candidates.");
             }
         }
         workers_stop.cancel();
-        while let Some(ended) = tasks.join_next().await {
-            if let Err(error) = ended {
-                tracing::error!(
-                    error = &error as &dyn std::error::Error,
-                    "A task of the mapping engine failed."
-                );
-            }
+        join_all(tasks).await;
+    }
+}
+
+fn start_workers(
+    config: &Arc<ScriptConfig>,
+    tasks: &mut JoinSet<()>,
+    stop: &CancellationToken,
+) -> (Vec<WorkerQueue>, mpsc::Receiver<Report>) {
+    let workers = config.workers.clamp(1, WORKERS_MAX);
+    let (report, reports) = mpsc::channel(workers);
+    let mut queues = Vec::with_capacity(workers);
+    for index in 0..workers {
+        let (queue, serving) =
+            WorkerQueue::new(index, Arc::clone(config), report.clone(), stop.clone());
+        queues.push(queue);
+        tasks.spawn(serving);
+    }
+    (queues, reports)
+}
+
+async fn join_all(mut tasks: JoinSet<()>) {
+    while let Some(ended) = tasks.join_next().await {
+        if let Err(error) = ended {
+            tracing::error!(
+                error = &error as &dyn std::error::Error,
+                "A task of the mapping engine failed."
+            );
         }
     }
 }
 
-fn obey(core: &mut Core, command: Command) {
-    // Whoever asked may have gone; what was asked is done all the same.
+fn handle_command(core: &mut Core, command: Command) {
+    // The caller may have dropped its receiver; the command is carried out nevertheless.
     match command {
         Command::Put(compiled, reply) => drop(reply.send(core.put_many(compiled, now()))),
         Command::Remove(id, reply) => drop(reply.send(core.remove(&id))),

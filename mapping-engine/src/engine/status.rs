@@ -1,4 +1,4 @@
-//! How a mapping is doing.
+//! Status of a mapping and of its inputs.
 
 use std::time::Duration;
 
@@ -7,16 +7,15 @@ use mapping::{FaultRecord, FieldKeySchema, MappingId, TracedValue};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::inventory::Entry;
+use super::inventory::RunningMapping;
 
-/// How a mapping is doing, for its page.
+/// Status of a mapping, for its page.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingStatus {
-    /// The mapping.
     #[schema(value_type = String)]
     pub mapping_id: MappingId,
-    /// Its field.
+    /// Field that gets the candidates.
     #[schema(value_type = FieldKeySchema)]
     pub target: FieldKey,
     /// Values that came.
@@ -27,50 +26,50 @@ pub struct MappingStatus {
     pub late: u64,
     /// Values that were repeats.
     pub repeated: u64,
-    /// How often a source's clock was set back.
+    /// Number of times that a source's clock was set back.
     pub clock_steps: u64,
-    /// Values that a script could not keep up with, so that newer ones took their place.
+    /// Values that newer ones replaced because a script did not keep up.
     pub superseded: u64,
-    /// Faults.
+    /// Number of faults since the mapping was published.
     pub faults: u64,
     /// The last fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_fault: Option<FaultRecord>,
     /// Time spent on it, in microseconds.
     pub spent_us: u64,
-    /// When the last candidate went out, by the local clock.
+    /// Time of the last candidate by the local clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
     pub last_yielded_at: Option<DateTime>,
     /// The last candidate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_candidate: Option<TracedValue>,
-    /// Its inputs.
+    /// Last value of each input, in the mapping's order.
     pub inputs: Vec<InputStatus>,
-    /// Whether its scripts are run.
+    /// State of the circuit breakers of its scripts.
     pub circuit: CircuitState,
 }
 
-/// How an input is doing.
+/// Last value of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct InputStatus {
-    /// Its name.
+    /// Name of the input in the mapping.
     pub name: String,
     /// The last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<TracedValue>,
-    /// When it came, by the local clock.
+    /// Arrival time by the local clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
     pub received_at: Option<DateTime>,
-    /// How far the source's clock is ahead of ours, in milliseconds, as seen at that value
-    /// (transport included).
+    /// Difference of the source's clock to ours, in milliseconds, transport included; positive
+    /// where the source is ahead.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock_ahead_ms: Option<i64>,
 }
 
-/// Whether a mapping's scripts are run.
+/// State of the circuit breakers of a mapping's scripts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase", tag = "state")]
 pub enum CircuitState {
@@ -87,9 +86,9 @@ pub enum CircuitState {
 }
 
 impl MappingStatus {
-    pub(super) fn of(entry: &Entry) -> Self {
-        let transform = &entry.transform;
-        let mapping = &entry.mapping;
+    pub(super) fn of(running: &RunningMapping) -> Self {
+        let transform = &running.transform;
+        let mapping = &running.mapping;
         let inputs = mapping.inputs.iter().enumerate().map(|(index, input)| {
             let last = transform.input(index);
             InputStatus {
@@ -102,23 +101,23 @@ impl MappingStatus {
         Self {
             mapping_id: mapping.mapping_id.clone(),
             target: mapping.target.clone(),
-            received: entry.received,
-            yielded: entry.yielded,
+            received: running.received,
+            yielded: running.yielded,
             late: transform.counters.late,
             repeated: transform.counters.repeated,
             clock_steps: transform.counters.clock_steps,
-            superseded: entry.superseded,
-            faults: entry.faults,
-            last_fault: entry.last_fault.as_deref().cloned(),
-            spent_us: micros(entry.spent),
-            last_yielded_at: entry.last_yielded_at,
-            last_candidate: entry
+            superseded: running.superseded,
+            faults: running.faults,
+            last_fault: running.last_fault.as_deref().cloned(),
+            spent_us: micros(running.spent),
+            last_yielded_at: running.last_yielded_at,
+            last_candidate: running
                 .last_yielded_at
                 .and_then(|_| transform.shown())
                 .as_ref()
                 .map(TracedValue::of),
             inputs: inputs.collect(),
-            circuit: entry.circuit(),
+            circuit: running.circuit(),
         }
     }
 }
@@ -127,13 +126,13 @@ fn micros(duration: Duration) -> u64 {
     u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
-/// How far a source's clock is ahead of ours, as seen at a value that came then.
+/// Returns the difference of source time and arrival time, in milliseconds.
 pub(super) fn clock_ahead_ms(value: &DataValue, received_at: DateTime) -> Option<i64> {
     value.source_timestamp.map(|source| source.unix_millis() - received_at.unix_millis())
 }
 
-impl Entry {
-    /// Whether its scripts are run.
+impl RunningMapping {
+    /// State of the circuit breakers of its scripts.
     pub(super) fn circuit(&self) -> CircuitState {
         let resting = self.scripts.iter().filter_map(|script| script.breaker.resting_until()).max();
         match resting {

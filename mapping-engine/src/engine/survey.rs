@@ -1,4 +1,4 @@
-//! All mappings looked through: which of them need somebody, the worst first.
+//! Survey of all mappings: numbers by health, the worst first.
 
 use std::cmp::Reverse;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    inventory::{Entry, Inventory},
+    inventory::{Inventory, RunningMapping},
     status::{CircuitState, MappingStatus, clock_ahead_ms},
 };
 
@@ -15,7 +15,7 @@ use super::{
 /// has come.
 const CLOCK_AHEAD_MS_MAX: i64 = 60_000;
 
-/// How a mapping is doing, in a word; the worst first.
+/// Health of a mapping; the worst first.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema,
 )]
@@ -24,7 +24,7 @@ pub enum MappingHealth {
     /// A script of it did not keep to its budget: it rests, or was let run again and has yet to
     /// prove itself.
     Resting,
-    /// What came last of it was a fault.
+    /// Its last result was a fault.
     Failing,
     /// An input has had no value yet.
     Waiting,
@@ -32,11 +32,11 @@ pub enum MappingHealth {
     Doubtful,
     /// The clock of a source is more than a minute ahead.
     ClockAhead,
-    /// It does what it shall.
+    /// None of the other conditions holds.
     Well,
 }
 
-/// How many mappings are doing how.
+/// Number of mappings by health.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct HealthCounts {
@@ -58,17 +58,17 @@ pub struct HealthCounts {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SurveyedMapping {
-    /// How it is doing, in a word.
+    /// Health from which its rank follows.
     pub health: MappingHealth,
-    /// How it is doing.
+    /// Counters, inputs and last candidate.
     pub status: MappingStatus,
 }
 
-/// The published mappings at work; those on trial are not among them.
+/// Health of the published mappings, without shadow mappings.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingSurvey {
-    /// How many are doing how, of all.
+    /// Numbers of all published mappings.
     pub counts: HealthCounts,
     /// The worst of those that were asked for; of two that are doing alike, the one with more
     /// faults first.
@@ -76,19 +76,19 @@ pub struct MappingSurvey {
 }
 
 impl MappingHealth {
-    pub(super) fn of(entry: &Entry) -> Self {
-        let transform = &entry.transform;
-        let inputs = || (0..entry.mapping.inputs.len()).map(|index| transform.input(index));
-        if entry.circuit() != CircuitState::Closed {
+    pub(super) fn of(running: &RunningMapping) -> Self {
+        let transform = &running.transform;
+        let inputs = || (0..running.mapping.inputs.len()).map(|index| transform.input(index));
+        if running.circuit() != CircuitState::Closed {
             return Self::Resting;
         }
         // Values of one batch have one time: of a fault and a candidate at the same time the status
         // says which was last.
         let is_good = transform.shown_status().is_none_or(StatusCode::is_good);
         let has_come_last = |at: DateTime| {
-            entry.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good)
+            running.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good)
         };
-        if entry.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
+        if running.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
             return Self::Failing;
         }
         if inputs().any(|input| input.is_none()) {
@@ -117,18 +117,20 @@ impl HealthCounts {
 }
 
 impl MappingSurvey {
-    /// Looks at every mapping once, and copies only what is told.
+    /// Looks at every mapping once, and copies only those it returns.
     pub(super) fn of(inventory: &Inventory, wanted: Option<MappingHealth>, most: usize) -> Self {
         let mut counts = HealthCounts::default();
-        let mut found: Vec<(MappingHealth, &Entry)> = Vec::new();
-        for entry in inventory.iter().filter(|entry| !entry.is_shadow) {
-            let health = MappingHealth::of(entry);
+        let mut found: Vec<(MappingHealth, &RunningMapping)> = Vec::new();
+        for running in inventory.iter().filter(|running| !running.is_shadow) {
+            let health = MappingHealth::of(running);
             counts.add(health);
             if most > 0 && wanted.is_none_or(|wanted| wanted == health) {
-                found.push((health, entry));
+                found.push((health, running));
             }
         }
-        let rank = |(health, entry): &(MappingHealth, &Entry)| (*health, Reverse(entry.faults));
+        let rank = |(health, running): &(MappingHealth, &RunningMapping)| {
+            (*health, Reverse(running.faults))
+        };
         if found.len() > most {
             found.select_nth_unstable_by_key(most - 1, rank);
         }
@@ -137,7 +139,8 @@ impl MappingSurvey {
             let by_field = || one.1.mapping.target.cmp(&other.1.mapping.target);
             rank(one).cmp(&rank(other)).then_with(by_field)
         });
-        let told = |(health, entry)| SurveyedMapping { health, status: MappingStatus::of(entry) };
+        let told =
+            |(health, running)| SurveyedMapping { health, status: MappingStatus::of(running) };
         Self { counts, items: found.into_iter().map(told).collect() }
     }
 }

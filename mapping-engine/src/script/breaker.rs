@@ -1,4 +1,4 @@
-//! Lets a script rest that does not keep to its budget.
+//! Circuit breaker of a script that exceeds its budget.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ enum State {
     Trying,
 }
 
-/// Whether a call may be made.
+/// Answer to a request for a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Admission {
     Admitted,
@@ -34,6 +34,7 @@ pub(crate) enum Admission {
 }
 
 impl Breaker {
+    /// Admits a call, or one call to try again after a rest.
     pub fn admit(&mut self, now: DateTime) -> Admission {
         match self.state {
             State::Closed => Admission::Admitted,
@@ -45,11 +46,12 @@ impl Breaker {
         }
     }
 
+    /// Closes the breaker.
     pub fn succeeded(&mut self) {
         *self = Self::default();
     }
 
-    /// The call failed without using up anything: the script's own matter.
+    /// Records a call that failed within its budget: such faults do not open the breaker.
     pub fn failed(&mut self) {
         self.exhausted_in_a_row = 0;
         if self.state == State::Trying {
@@ -57,7 +59,7 @@ impl Breaker {
         }
     }
 
-    /// The call used up time or memory. True if the script rests from now on.
+    /// Records a call that used up time or memory. Returns true if the script rests from now on.
     pub fn exhausted(&mut self, now: DateTime, in_a_row_max: u32, rest: Duration) -> bool {
         self.exhausted_in_a_row += 1;
         let rests = self.state == State::Trying || self.exhausted_in_a_row >= in_a_row_max;
@@ -67,7 +69,7 @@ impl Breaker {
         rests
     }
 
-    /// The script rests from now on.
+    /// Opens the breaker: twice as long as the time before, at most [`REST_MAX`].
     pub fn open(&mut self, now: DateTime, rest: Duration) {
         let rest = rest.saturating_mul(2_u32.saturating_pow(self.rests)).min(REST_MAX);
         self.rests = self.rests.saturating_add(1);
@@ -75,7 +77,7 @@ impl Breaker {
         self.state = State::Open { until: now.after(rest) };
     }
 
-    /// Until when it rests.
+    /// Returns the end of the rest, by the local clock.
     pub const fn resting_until(&self) -> Option<DateTime> {
         match self.state {
             State::Open { until } => Some(until),
@@ -83,6 +85,7 @@ impl Breaker {
         }
     }
 
+    /// Returns true while calls are admitted without condition.
     pub const fn is_closed(&self) -> bool {
         matches!(self.state, State::Closed)
     }

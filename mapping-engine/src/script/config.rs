@@ -1,11 +1,11 @@
-//! What scripts may use, and where their workers are.
+//! Limits of scripts, and location of their workers.
 
 use std::{path::PathBuf, time::Duration};
 
 use script_protocol::Limits;
 use serde::{Deserialize, Serialize};
 
-/// Which engine runs the scripts. Each is a worker binary of its own.
+/// JavaScript engine. Each is a worker binary of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ScriptEngine {
@@ -35,15 +35,14 @@ impl ScriptEngine {
     }
 }
 
-/// What scripts may use.
+/// Limits of scripts and of their workers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct ScriptConfig {
-    /// Which engine.
     pub engine: ScriptEngine,
     /// The worker's binary; beside the running program where absent.
     pub worker_path: Option<PathBuf>,
-    /// How many worker processes share the scripts.
+    /// Number of worker processes that share the scripts.
     pub workers: usize,
     /// Most scripts per worker.
     pub scripts_per_worker_max: usize,
@@ -57,8 +56,7 @@ pub struct ScriptConfig {
     /// After so many calls in a row that used up time or memory a script rests. One that took its
     /// worker down rests at once.
     pub exhausted_in_a_row_max: u32,
-    /// How long a script rests at first, in seconds; each further rest is twice as long, up to an
-    /// hour.
+    /// First rest of a script, in seconds; each further rest is twice as long, up to an hour.
     pub rest_s: u64,
 }
 
@@ -105,7 +103,7 @@ impl ScriptConfig {
         Duration::from_secs(self.rest_s.max(1))
     }
 
-    /// Where the worker's binary is.
+    /// Finds the worker's binary.
     ///
     /// # Errors
     /// A sentence naming the places where it is not.

@@ -1,4 +1,4 @@
-//! One worker process: started, greeted, asked, ended.
+//! One worker process from its start to its end.
 
 use std::{io, process::Stdio, time::Duration};
 
@@ -15,10 +15,10 @@ use tokio::{
 
 use super::config::ScriptConfig;
 
-/// How long a worker may take to answer the greeting.
+/// Time that a worker has to answer the greeting.
 const GREETING_BUDGET: Duration = Duration::from_secs(10);
 
-/// Why a worker did not start or answer.
+/// Failure to start a worker or to get its answer.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ProcessError {
     #[error("{0}")]

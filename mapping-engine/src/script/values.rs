@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use asi_model::{
-    BuiltInType, DataValue, DateTime, Scalar, Variant,
+    BuiltInType, DataValue, DateTime, Scalar, StatusCode, Variant,
     values::{Array, ExtensionBody},
 };
 use mapping::{Fault, FaultKind, convert};
-use script_protocol::{ScriptValue, Spoken};
+use script_protocol::{ScriptValue, Spoken, Yielded};
 
 /// Deepest structure that a script sees; deeper members are `null`.
 const DEPTH_MAX: usize = 12;
@@ -71,7 +71,18 @@ fn scalar_to_script(scalar: &Scalar, depth: usize) -> ScriptValue {
     }
 }
 
-/// What a script returned as value.
+/// Returns value and status of a script's result; `None` where it returned `undefined`.
+///
+/// # Errors
+/// As [`from_script`].
+pub(crate) fn yielded(yielded: Yielded) -> Result<Option<(Variant, StatusCode)>, Fault> {
+    match yielded {
+        Yielded::Nothing => Ok(None),
+        Yielded::Value { value, status } => Ok(Some((from_script(value)?, StatusCode(status)))),
+    }
+}
+
+/// Returns a script's value as a built-in type.
 ///
 /// # Errors
 /// A [`Fault`] for what OPC UA has no built-in type for: objects, and arrays of mixed kinds.
@@ -107,7 +118,7 @@ pub(crate) fn from_script(value: ScriptValue) -> Result<Variant, Fault> {
 }
 
 fn wrong(message: &'static str) -> Fault {
-    Fault::new(FaultKind::ScriptResult, asi_model::StatusCode::BAD_TYPE_MISMATCH, message)
+    Fault::new(FaultKind::ScriptResult, StatusCode::BAD_TYPE_MISMATCH, message)
 }
 
 fn scalar_from_script(value: ScriptValue) -> Result<Option<Scalar>, Fault> {

@@ -1,5 +1,5 @@
-//! A worker that is always there: started when needed, started anew when lost, loaded with its
-//! scripts again.
+//! Worker that restarts itself: started when needed, restarted when lost, loaded with its scripts
+//! again.
 
 use std::{
     collections::HashMap,
@@ -22,18 +22,19 @@ use mapping::{Fault, FaultKind};
 /// After a start that failed, the next is tried no sooner.
 const RESTART_PAUSE: Duration = Duration::from_secs(1);
 
-/// A worker and what it is to hold.
+/// Worker process with the scripts that belong to it.
 #[derive(Debug)]
 pub(crate) struct ScriptWorker {
     config: Arc<ScriptConfig>,
     process: Option<Process>,
-    /// What the worker is loaded with again after a restart: state and inputs are kept up to date.
+    /// Scripts to load again after a restart, with their newest state and inputs.
     scripts: HashMap<ScriptId, Load>,
-    /// Why the worker does not start, and since when.
+    /// Time and error of the last failed start.
     broken: Option<(Instant, Arc<str>)>,
 }
 
 impl ScriptWorker {
+    /// Creates a worker without a process; the first script starts it.
     pub fn new(config: Arc<ScriptConfig>) -> Self {
         Self { config, process: None, scripts: HashMap::new(), broken: None }
     }
@@ -138,7 +139,7 @@ impl ScriptWorker {
         }
     }
 
-    /// Remembers what a script would need after a restart.
+    /// Records state and inputs for a restart.
     fn note(&mut self, call: &Call, state: Option<Arc<str>>) {
         let Some(load) = self.scripts.get_mut(&call.script) else { return };
         if state.is_some() {
@@ -147,7 +148,7 @@ impl ScriptWorker {
         load.set_values(&call.inputs);
     }
 
-    /// Sees to it that there is a process with all scripts.
+    /// Starts a process with all scripts where there is none.
     async fn ready(&mut self) -> Result<(), Fault> {
         while self.process.is_none() {
             if let Some((since, message)) = &self.broken

@@ -141,7 +141,7 @@ impl Bench {
             .expect("the input is monitored")
     }
 
-    /// Where changes go in.
+    /// Sender of changes, in place of the shop floor.
     pub fn changes(&self) -> mpsc::Sender<Vec<InputChange>> {
         self.changes.clone()
     }

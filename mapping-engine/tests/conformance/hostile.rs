@@ -23,7 +23,7 @@ const ATTEMPTS: u32 = 3;
 const TIME: &[K] = &[K::ScriptTimeout];
 const MEMORY: &[K] = &[K::ScriptOutOfMemory, K::ScriptTimeout];
 const ERROR: &[K] = &[K::ScriptError, K::ScriptOutOfMemory, K::ScriptTimeout];
-/// What ends the process as well as what the engine catches.
+/// Faults that end the process and faults that the engine catches.
 const ANY: &[K] = &[K::ScriptTimeout, K::ScriptOutOfMemory, K::ScriptError, K::ScriptCrash];
 
 /// Each with the kinds of fault it may end as.
@@ -136,8 +136,8 @@ pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
     bench.stop().await;
 }
 
-/// How much of a processor a thread gets while a script runs. Budgets are computing time, so on a
-/// machine with other work the clock on the wall is to be read with that.
+/// Share of a processor that a thread gets while a script runs. Budgets are computing time: on a
+/// busy machine wall clock times must be read with it.
 struct Share {
     stop: Arc<AtomicBool>,
     thread: thread::JoinHandle<f64>,

@@ -1,5 +1,5 @@
-//! What every script worker must do, whatever its engine: one suite, run against each worker binary
-//! through the whole mapping engine.
+//! Conformance suite of script workers: one suite, run against each worker binary through the whole
+//! mapping engine.
 
 mod bench;
 mod hostile;

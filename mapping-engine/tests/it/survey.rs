@@ -1,4 +1,4 @@
-//! All mappings looked through, those that need somebody first.
+//! Surveys of all mappings, the worst first.
 
 use asi_model::{DataValue, DateTime, StatusCode};
 use mapping_engine::{HealthCounts, MappingHealth, MappingId, PublishRequest};
@@ -86,7 +86,7 @@ async fn the_worst_come_first() {
 }
 
 #[tokio::test]
-async fn a_survey_tells_no_more_than_it_is_asked_for() {
+async fn a_survey_returns_at_most_as_many_as_asked_for() {
     let bench = seven().await;
     assert_eq!(bench.ids(None, 3).await, ["often", "failing", "waiting"]);
     assert_eq!(bench.ids(Some(MappingHealth::Well), 1).await, ["well-2"]);
@@ -97,7 +97,7 @@ async fn a_survey_tells_no_more_than_it_is_asked_for() {
 }
 
 #[tokio::test]
-async fn what_has_failed_and_works_again_is_well_and_trials_are_not_told() {
+async fn a_mapping_is_well_again_after_a_fault_and_shadow_mappings_are_left_out() {
     let mut bench = seven().await;
     assert_eq!(bench.ask("failing", "9").await.value, 9.0.into());
     assert_eq!(bench.health("failing").await, MappingHealth::Well);

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use crate::{fault::Fault, number::Number};
 
-/// How a fraction becomes an integer.
+/// Rounding of a fraction to an integer.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
 )]
@@ -18,9 +18,9 @@ pub enum Rounding {
     Nearest,
     /// To the nearest integer, halves to the even one.
     HalfEven,
-    /// Downwards.
+    /// To the next lower integer.
     Down,
-    /// Upwards.
+    /// To the next higher integer.
     Up,
     /// Digits after the point are cut off.
     TowardZero,
@@ -28,7 +28,7 @@ pub enum Rounding {
     Exact,
 }
 
-/// What happens to a number outside the wanted type's range.
+/// Treatment of a number outside the wanted type's range.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
 )]

@@ -1,4 +1,4 @@
-//! How types that the shared language owns look in our JSON and API description.
+//! JSON form and API description of types that `asi-model` owns.
 
 use std::{borrow::Cow, fmt};
 

@@ -1,13 +1,13 @@
 //! Comma-separated values as RFC 4180 has them, and as spreadsheets write them where the comma is
 //! the decimal sign.
 
-/// Why a text is not a table.
+/// Fault of a text that is not a table.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {message}")]
 pub struct CsvError {
     /// The line of the file, from 1.
     pub line: usize,
-    /// What is wrong there.
+    /// Sentence that names the fault.
     pub message: &'static str,
 }
 

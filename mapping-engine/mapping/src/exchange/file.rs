@@ -17,15 +17,15 @@ const VERSION: u32 = 1;
 pub struct MappingFile {
     /// The format's version: 1.
     pub version: u32,
-    /// Templates.
+    /// Templates for series of like machines.
     #[serde(default)]
     pub templates: Vec<MappingTemplate>,
-    /// Mappings.
+    /// Mappings without a template.
     #[serde(default)]
     pub mappings: Vec<Mapping>,
 }
 
-/// Why a text is not such a file.
+/// Fault of a text that is not a mapping file.
 #[derive(Debug, thiserror::Error)]
 pub enum ExchangeError {
     /// It is too long.
@@ -38,7 +38,7 @@ pub enum ExchangeError {
         line: usize,
         /// The column, from 1.
         column: usize,
-        /// What is wrong.
+        /// Sentence that names the fault.
         message: String,
     },
     /// It is of a version that we do not know.

@@ -31,12 +31,12 @@ const COLUMNS: [&str; 13] = [
 ];
 /// Columns that every table has.
 const NEEDED: usize = 6;
-/// What the one input of a plain line is called.
+/// Name of the one input of a plain line.
 const PLAIN_INPUT: &str = "input";
 /// Most lines.
 const ROWS_MAX: usize = 200_000;
 
-/// Why a line is not a mapping.
+/// Fault of a line that is not a mapping.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, ToSchema, thiserror::Error)]
 #[serde(rename_all = "camelCase")]
 #[error("line {line}, column {column}: {message}")]
@@ -45,7 +45,7 @@ pub struct RowFault {
     pub line: usize,
     /// The column by its name; empty where the whole line is meant.
     pub column: String,
-    /// What is wrong, in a sentence.
+    /// Sentence that names the fault.
     pub message: String,
 }
 
@@ -130,7 +130,7 @@ fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("mappings have text keys only")
 }
 
-/// Where each of [`COLUMNS`] stands.
+/// Returns the index of each of [`COLUMNS`].
 fn columns(line: usize, header: &[String]) -> Result<[Option<usize>; 13], Vec<RowFault>> {
     let mut faults = Vec::new();
     let mut wrong = |column: &str, message: &str| {

@@ -28,10 +28,10 @@ const SERIES_MAX: usize = 10_000;
 pub struct MappingTemplate {
     /// Its identity within the connector.
     pub template_id: String,
-    /// What people call it.
+    /// Name for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// What it is for.
+    /// Purpose, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// The parameters, for the form that asks for them.
@@ -47,15 +47,15 @@ pub struct MappingTemplate {
 pub struct TemplateParameter {
     /// Its name within `${...}`.
     pub name: String,
-    /// What it means.
+    /// Meaning, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// What stands there where nothing is given.
+    /// Value where none is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub default: Option<String>,
 }
 
-/// Why a template does not become a mapping.
+/// Fault of a template that does not become a mapping.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateFault {
     /// A placeholder names no parameter.
@@ -63,7 +63,7 @@ pub enum TemplateFault {
     UnknownParameter {
         /// JSON pointer into the template's mapping.
         pointer: String,
-        /// What the placeholder names.
+        /// Name in the placeholder.
         name: String,
     },
     /// A parameter has neither value nor default.
@@ -77,10 +77,10 @@ pub enum TemplateFault {
     Malformed {
         /// JSON pointer into the template's mapping.
         pointer: String,
-        /// What is wrong.
+        /// Sentence that names the fault.
         message: &'static str,
     },
-    /// What came out is not a mapping.
+    /// The filled template is not a mapping.
     #[error("what comes out is not a mapping: {0}")]
     NotAMapping(String),
 }

@@ -15,7 +15,7 @@ pub(super) enum Token {
 }
 
 impl Token {
-    /// How the token is called in an error.
+    /// Returns the token's name in errors.
     pub fn describe(&self) -> String {
         match self {
             Self::Number(number) => number.to_string(),

@@ -3,7 +3,7 @@
 use asi_model::{BuiltInType, NodeId, network::Semantic, units as unece};
 use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
 
-/// What a partner wants.
+/// Requested field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WantedField {
     /// The field's name.
@@ -12,11 +12,11 @@ pub struct WantedField {
     pub value_type: BuiltInType,
     /// Its ValueRank: -1 scalar.
     pub value_rank: i32,
-    /// Its unit.
+    /// UNECE code or alias.
     pub unit: Option<String>,
-    /// Its meaning.
+    /// Semantic id of the request, where it has one.
     pub semantic: Option<Semantic>,
-    /// What is said about field, request, operation and product, in words.
+    /// Descriptions of field, request, operation and product.
     pub descriptions: Vec<String>,
     /// The asset that the operation is done with, where the network names one.
     pub asset: Option<String>,
@@ -25,21 +25,21 @@ pub struct WantedField {
 /// A variable of a local server.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownVariable {
-    /// The server.
+    /// Source of the variable.
     pub source_id: SourceId,
-    /// The variable.
+    /// Node id with its namespace's URI.
     pub node_id: NodeId,
     /// Its own name.
     pub name: String,
     /// The names above it, outermost first.
     pub path: Vec<String>,
-    /// What the server says about it.
+    /// Description by the server.
     pub description: Option<String>,
     /// The built-in type of its value.
     pub value_type: Option<BuiltInType>,
-    /// Its ValueRank.
+    /// ValueRank: -1 scalar, 1 or more the number of dimensions.
     pub value_rank: Option<i32>,
-    /// Its unit.
+    /// UNECE code or alias.
     pub unit: Option<String>,
     /// The names of its type and of the types above it, as companion specifications call them.
     pub type_names: Vec<String>,
@@ -84,12 +84,12 @@ impl KnownVariable {
     }
 }
 
-/// What an engineer of this factory decided before.
+/// Earlier decision of an engineer of this factory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PastDecision {
     /// The field's name.
     pub field_name: String,
-    /// Its meaning.
+    /// Semantic id of the request, where it has one.
     pub semantic: Option<Semantic>,
     /// The server it was mapped to.
     pub source_id: SourceId,

@@ -1,4 +1,4 @@
-//! What speaks for and against a variable.
+//! Evidence for and against a variable.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ use crate::document::Step;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Reason {
-    /// What kind of evidence.
+    /// Kind of evidence, for programs.
     pub kind: ReasonKind,
     /// Its weight; negative where it speaks against.
     pub points: i8,
@@ -93,6 +93,7 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
+    /// Returns the sum of all points.
     pub fn score(&self) -> i32 {
         self.reasons.iter().map(|reason| i32::from(reason.points)).sum()
     }
@@ -109,6 +110,7 @@ impl Evidence {
         }
     }
 
+    /// Compares the names: up to 35 points.
     pub fn names(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let points = share(likeness(&words(&wanted.name), &words(&variable.name)), 35);
         self.add(
@@ -118,6 +120,7 @@ impl Evidence {
         );
     }
 
+    /// Looks for words of the field's meaning in the name: 15 or 25 points, or -20.
     pub fn meaning(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let Some(semantic) = &wanted.semantic else { return };
         let (likely, unlikely) = meaning_words(semantic);
@@ -141,6 +144,7 @@ impl Evidence {
         }
     }
 
+    /// Compares asset and names above the variable: up to 23 points.
     pub fn place(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         if let Some(asset) = &wanted.asset
             && (variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
@@ -153,6 +157,7 @@ impl Evidence {
         self.add(ReasonKind::Place, points, "the names above it are like the field's");
     }
 
+    /// Counts common words of the descriptions: up to 12 points.
     pub fn descriptions(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let of_wanted: BTreeSet<String> =
             wanted.descriptions.iter().flat_map(|text| words(text)).collect();
@@ -167,6 +172,7 @@ impl Evidence {
         );
     }
 
+    /// Compares the types: -10 to 12 points.
     pub fn types(&mut self, wanted: &WantedField, variable: &KnownVariable, steps: &[Step]) {
         let Some(have) = variable.value_type else { return };
         let needs_convert = steps.iter().any(|step| matches!(step, Step::Convert(_)));
@@ -189,6 +195,7 @@ impl Evidence {
         }
     }
 
+    /// Compares the units: -5 to 15 points.
     pub fn units(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         match (unit(variable.unit.as_deref()), unit(wanted.unit.as_deref())) {
             (Some(have), Some(want)) if have.code == want.code => {
@@ -209,6 +216,7 @@ impl Evidence {
         }
     }
 
+    /// Looks for the variable's type in companion specifications: 8 points.
     pub fn companion(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let mut of_wanted = words(&wanted.name);
         if let Some(semantic) = &wanted.semantic {
@@ -228,6 +236,7 @@ impl Evidence {
         }
     }
 
+    /// Compares the current value with the field's meaning: 5 or -25 points.
     pub fn value(&mut self, wanted: &WantedField, variable: &KnownVariable) {
         let (Some(value), Some(semantic)) = (variable.value, &wanted.semantic) else { return };
         let is_plausible = match semantic {
@@ -249,6 +258,7 @@ impl Evidence {
         }
     }
 
+    /// Looks for earlier decisions on the variable: up to 40 points.
     pub fn decisions(
         &mut self,
         wanted: &WantedField,

@@ -101,8 +101,8 @@ fn take(word: &mut String, words: &mut BTreeSet<String>) {
     words.insert(group.and_then(|group| group.first()).map_or(taken, |first| (*first).to_owned()));
 }
 
-/// How alike two sets of words are: 0 to 1. Each word of the smaller set counts for its best
-/// partner; what is left over in the larger weighs little.
+/// Returns the likeness of two sets of words, 0 to 1. Each word of the smaller set counts for its
+/// best partner; words left over in the larger one weigh little.
 pub(super) fn likeness(a: &BTreeSet<String>, b: &BTreeSet<String>) -> f64 {
     let (small, large) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     if small.is_empty() {

@@ -12,7 +12,7 @@ use crate::{
 /// The compiled form of `parse`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pattern {
-    /// What stands before and after the value; `None` between two texts is `*`.
+    /// Tokens before and after the value.
     before: Vec<Token>,
     after: Vec<Token>,
     to: BuiltInType,
@@ -112,7 +112,7 @@ fn tokens(text: &str) -> Vec<Token> {
     tokens
 }
 
-/// Where the text after these tokens begins; `*` takes as little as possible.
+/// Returns the offset after these tokens, in bytes; `*` takes as little as possible.
 fn match_prefix(tokens: &[Token], text: &str) -> Option<usize> {
     let mut at = 0;
     let mut any = false;

@@ -19,7 +19,7 @@ enum Piece {
     Placeholder { source: Source, zeros: bool, width: usize, decimals: Option<usize> },
 }
 
-/// What a placeholder stands for.
+/// Operand that a placeholder refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     Value,
@@ -69,7 +69,7 @@ impl Template {
         Ok(Self(pieces))
     }
 
-    /// Which placeholders there are.
+    /// Iterates over the operands of all placeholders.
     pub fn sources(&self) -> impl Iterator<Item = Source> + '_ {
         self.0.iter().filter_map(|piece| match piece {
             Piece::Placeholder { source, .. } => Some(*source),

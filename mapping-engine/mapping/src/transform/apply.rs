@@ -92,7 +92,7 @@ impl Function {
         }
     }
 
-    /// When time alone makes the function say something.
+    /// Returns the time at which the function yields without a new value.
     pub(super) fn due(&self, state: &StepState) -> Option<DateTime> {
         match (self, state) {
             (Self::Debounce(_), StepState::Debounce { pending: Some(pending), .. }) => {

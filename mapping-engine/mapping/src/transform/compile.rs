@@ -53,7 +53,7 @@ pub fn compile(mapping: &Arc<Mapping>) -> (Option<Plan>, Vec<MappingDiagnostic>)
     (plan, compiler.diagnostics)
 }
 
-/// What is known about the value at a place of the chain.
+/// Known properties of the value at a step of the chain.
 struct Chain {
     value: Option<BuiltInType>,
     unit: Option<String>,
@@ -126,7 +126,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// What leaves the chain must fit the field.
+    /// Checks that the chain's result fits the field.
     fn target(&mut self, chain: &Chain) {
         let target = self.mapping.target_type.0;
         if let Some(from) = chain.value {

@@ -1,4 +1,4 @@
-//! Counters that wrap, are reset, and are started anew; edges of Booleans.
+//! Counters that wrap and restart; edges of Booleans.
 
 use asi_model::{Scalar, Variant};
 
@@ -19,7 +19,7 @@ fn overflow() -> Fault {
 }
 
 impl CountRule {
-    /// How much the counter went on from one value to the next.
+    /// Returns the increment from one value to the next.
     ///
     /// A decrease is a wrap where the way over the top is the shorter one, that is less than half
     /// of the modulus.

@@ -18,7 +18,7 @@ use crate::{
     text::{Pattern, Source, Template},
 };
 
-/// What a mapping does with the values of its inputs, whosever they are.
+/// Compiled chain, independent of the variables and the field of its mapping.
 #[derive(Debug)]
 pub struct Plan {
     /// The mapping it was made for: the first of those that share it.
@@ -33,7 +33,7 @@ pub struct Plan {
     pub(crate) head_uses_value: bool,
 }
 
-/// How an input takes part.
+/// Role of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PlannedInput {
     /// The first function that uses it; `None`: nothing does.
@@ -116,7 +116,7 @@ pub(crate) struct Band {
     pub percent: Option<f64>,
 }
 
-/// How far a window reaches.
+/// Extent of a window.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Span {
     Samples(usize),
@@ -152,13 +152,14 @@ pub(crate) struct MergeOf {
 }
 
 impl MergeOf {
+    /// Returns true where the rule picks one of the inputs, so that the others do not count.
     pub const fn picks(&self) -> bool {
         matches!(self.rule, MergeRule::Newest | MergeRule::FirstGood)
     }
 }
 
 impl Plan {
-    /// What the functions remember before the first value; empty where none remembers anything.
+    /// Returns the state before the first value; empty where no function has state.
     pub(crate) fn fresh_state(&self) -> Vec<StepState> {
         if self.functions.iter().all(|function| function.fresh_state() == StepState::None) {
             return Vec::new();
@@ -204,7 +205,7 @@ impl Plan {
 }
 
 impl Function {
-    /// Whether the chain's value matters to it.
+    /// Returns true where the function reads the chain's value.
     pub fn uses_value(&self) -> bool {
         match self {
             Self::Constant(_) | Self::Merge(_) => false,

@@ -7,12 +7,12 @@ use asi_model::{DataValue, StatusCode, Variant};
 use super::flow::Flow;
 use crate::{fault::Fault, quality::Meta};
 
-/// What came of an event.
+/// Reaction to an event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reaction {
     /// Nothing to say.
     Quiet,
-    /// A candidate.
+    /// A new candidate for the field.
     Candidate(DataValue),
     /// A candidate without value because a function failed.
     Failed(DataValue, FailedStep),
@@ -20,7 +20,7 @@ pub enum Reaction {
     Call(ScriptCall),
 }
 
-/// Where a chain failed, and why. `step` is `None` at the end of the chain.
+/// Fault with its step; `None` is the end of the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailedStep {
     pub step: Option<usize>,
@@ -46,7 +46,7 @@ impl ScriptCall {
     }
 }
 
-/// What a script yielded.
+/// Result of a script.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScriptYield {
     /// `None`: the script returned `undefined`.

@@ -10,7 +10,7 @@ use crate::{
     quality::{Meta, is_source_away, severity},
 };
 
-/// What lies further back than this is not late: the source's clock was set back.
+/// Greatest delay of a late value; beyond it the source's clock was set back.
 const LATE_MAX: Duration = Duration::from_secs(10);
 /// So many late values in a row are a clock that was set back a little.
 const LATE_IN_A_ROW_MAX: u8 = 16;
@@ -31,14 +31,14 @@ pub struct Counters {
 pub(super) struct Slot {
     /// The last value that came from the source, whatever its status.
     pub value: Option<DataValue>,
-    /// When it came, by the local clock.
+    /// Arrival time by the local clock.
     pub received_at: DateTime,
     /// Set while the source cannot be asked.
     away: Option<StatusCode>,
     late_in_a_row: u8,
 }
 
-/// What the arrival of a value means.
+/// Meaning of a value's arrival.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrival {
     New,
@@ -48,6 +48,7 @@ pub(super) enum Arrival {
 }
 
 impl Slot {
+    /// Stores a value, unless it is a repeat, late, or reports that the source is away.
     pub fn take(
         &mut self,
         value: DataValue,
@@ -135,7 +136,7 @@ impl Slot {
         }
     }
 
-    /// What is said while the input is Bad: no value, its status and times.
+    /// Returns the candidate while the input is Bad: no value, its status and times.
     pub fn bad(&self, has_last: bool) -> Option<DataValue> {
         let status = self.status(has_last).filter(|status| severity(*status) == 2)?;
         let meta = self.value.as_ref().map(Meta::of).unwrap_or_default();

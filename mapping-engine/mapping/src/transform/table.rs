@@ -33,6 +33,7 @@ pub(crate) enum Key {
 }
 
 impl Key {
+    /// Returns the key of a scalar; `None` for nulls and structures.
     pub fn of(scalar: &Scalar) -> Option<Self> {
         Some(match scalar {
             Scalar::Boolean(v) => Self::Boolean(*v),
@@ -89,7 +90,7 @@ impl Table {
         Ok(Self::Interpolated(points.into_iter().map(|(from, to, _)| (from, to)).collect()))
     }
 
-    /// What a value leads to.
+    /// Returns the table's value for a value.
     ///
     /// # Errors
     /// A [`Fault`] where the table has nothing for it.

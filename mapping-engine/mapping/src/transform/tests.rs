@@ -35,7 +35,7 @@ fn literal(json: &Json) -> Variant {
     Literal::from_json(json).expect("a literal").to_variant()
 }
 
-/// What a reaction says: the value in JSON with 64-bit integers as text, `null` for silence,
+/// Returns a reaction as JSON: the value with 64-bit integers as text, `null` for silence,
 /// `!Status` for Bad.
 fn said(reaction: Reaction) -> Json {
     match reaction {

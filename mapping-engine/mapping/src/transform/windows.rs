@@ -70,7 +70,7 @@ pub(super) fn push(
     yielded(aggregate, window, meta)
 }
 
-/// When the oldest sample leaves, by the local clock.
+/// Returns the time at which the oldest sample leaves, by the local clock.
 pub(super) fn due(aggregate: Aggregate, span: Span, window: &WindowState) -> Option<DateTime> {
     let Span::Time(duration) = span else { return None };
     let (oldest, newest) = (window.samples.front()?, window.samples.back()?);

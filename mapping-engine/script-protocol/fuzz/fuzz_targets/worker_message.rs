@@ -1,4 +1,4 @@
-//! What a worker says is a message or refused, and a message reads back as it was.
+//! Bytes of a worker are a message or refused, and a message reads back as it was.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,18 +1,18 @@
-//! What the host says.
+//! Messages of the host.
 
 use std::sync::Arc;
 
 use super::{Limits, ScriptId, Spoken};
 use crate::codec::{DecodeError, Decoder, Encoder};
 
-/// What the host says.
+/// Messages of the host.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HostMessage {
     /// The first message: the protocol's version and what scripts may use. Answered by `Welcome`.
     Hello {
-        /// [`crate::PROTOCOL_VERSION`].
+        /// The host's [`crate::PROTOCOL_VERSION`].
         version: u16,
-        /// What scripts may use.
+        /// Limits of scripts and of the worker.
         limits: Limits,
     },
     /// Loads a script, in place of the one with the same id. Answered by `Loaded`.
@@ -26,9 +26,9 @@ pub enum HostMessage {
 /// A script.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
-    /// Its id.
+    /// Id that the host chose.
     pub script: ScriptId,
-    /// What errors call it, as `frame-4711.js`.
+    /// Name in errors, as `frame-4711.js`.
     pub name: Arc<str>,
     /// Its source text.
     pub source: Arc<str>,
@@ -45,22 +45,22 @@ pub struct Load {
 pub struct InputValue {
     /// Position among the script's inputs.
     pub input: u16,
-    /// The value.
+    /// Value with status and time.
     pub spoken: Spoken,
 }
 
 /// One call of a script.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Call {
-    /// Which script.
+    /// Script to call.
     pub script: ScriptId,
-    /// What it is called with.
+    /// Argument of the call.
     pub value: CallValue,
     /// Inputs that changed since its last call.
     pub inputs: Vec<InputValue>,
 }
 
-/// What a script is called with.
+/// Argument of a call.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CallValue {
     /// The value of the input at this position, as it is after the call's changes.

@@ -1,4 +1,4 @@
-//! What the worker says.
+//! Messages of the worker.
 
 use std::{sync::Arc, time::Duration};
 
@@ -8,23 +8,22 @@ use crate::{
     value::ScriptValue,
 };
 
-/// What the worker says.
+/// Messages of the worker.
 #[derive(Debug, Clone, PartialEq)]
 pub enum WorkerMessage {
     /// Ready. Answers `Hello`.
     Welcome {
-        /// [`crate::PROTOCOL_VERSION`].
+        /// The worker's [`crate::PROTOCOL_VERSION`].
         version: u16,
         /// Name and version of the engine.
         engine: Arc<str>,
-        /// Whether the kernel filters the worker's system calls.
+        /// True where the kernel filters the worker's system calls.
         is_filtered: bool,
     },
-    /// Answers `Load`.
+    /// Answers `Load` after the script was compiled and run once.
     Loaded {
-        /// Which script.
         script: ScriptId,
-        /// Why it did not load.
+        /// Fault, where it did not load.
         fault: Option<ScriptFault>,
     },
     /// Answers `Batch`: a result for each call, in order. Fewer than calls when the batch took too
@@ -41,33 +40,33 @@ pub enum WorkerMessage {
 /// A value with its status and time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spoken {
-    /// The value.
+    /// Value of a script's types.
     pub value: ScriptValue,
     /// OPC UA status code; 0 is Good.
     pub status: u32,
-    /// When the source measured it, in milliseconds since 1970.
+    /// Source time, in milliseconds since 1970.
     pub source_time_ms: Option<f64>,
 }
 
-/// What a call came to.
+/// Result of a call.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CallResult {
-    /// What it yielded.
+    /// Yielded value or fault.
     pub outcome: Result<Yielded, ScriptFault>,
     /// `ctx.state` as JSON, where it changed.
     pub state: Option<Arc<str>>,
-    /// How long it took.
+    /// Time by the wall clock.
     pub spent: Duration,
 }
 
-/// What a script yielded.
+/// Value of a call that did not fail.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Yielded {
     /// `undefined`: nothing to say.
     Nothing,
     /// A value, with a status worse than that of its inputs if the script said so.
     Value {
-        /// The value.
+        /// Value of a script's types.
         value: ScriptValue,
         /// OPC UA status code; 0 where the script said nothing.
         status: u32,

@@ -1,4 +1,4 @@
-//! What the operating system takes away from a worker before it sees the first script.
+//! Rights that a worker gives up before it gets the first script.
 //!
 //! The engine is C and has had memory errors; the process is the wall. It keeps its memory, its two
 //! streams and the clock. There is no parent-death signal: it is bound to the *thread* that started
@@ -36,9 +36,9 @@ pub(super) fn enter(limits: &Limits) -> io::Result<bool> {
 mod filter {
     use seccompiler::{BpfMap, TargetArch, apply_filter_all_threads, compile_from_json};
 
-    /// What an engine without I/O needs: memory, its streams, the clock, its watchdog, and to end.
-    /// Anything else fails with EPERM, which libraries that look for a file or a time zone take for
-    /// an answer.
+    /// System calls of an engine without I/O: memory, its streams, the clock, its watchdog, and
+    /// exit. Anything else fails with EPERM, which libraries that look for a file or a time zone
+    /// take for an answer.
     const ALLOWED: &[&str] = &[
         "brk",
         "clock_getres",

@@ -44,6 +44,7 @@ struct State {
 }
 
 impl Watchdog {
+    /// Starts the watching thread; `output` carries all messages of the worker.
     pub fn start(output: File, limits: &Limits) -> io::Result<Self> {
         let state = State { output, results: Vec::new(), loading: None, is_busy: false };
         let shared = Arc::new(Shared {

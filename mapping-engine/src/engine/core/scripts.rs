@@ -1,50 +1,51 @@
-//! Scripts of mappings: where they run, what they are asked, and what comes back.
+//! Scripts of mappings: assignment to workers, calls and their results.
 
 use asi_model::DateTime;
 use mapping::{
     Fault, FaultKind, Mapping, Step,
     transform::{ScriptCall, ScriptYield, Transform},
 };
-use script_protocol::{Call, CallValue, Load, ScriptId, Yielded};
+use script_protocol::{Call, CallValue, Load, ScriptId};
 
 use super::{
-    super::{EngineError, inventory::Script},
+    super::{error::EngineError, inventory::Script},
     Core,
 };
 use crate::script::{
     CallOutcome,
     breaker::Admission,
-    lane::{Done, Lane, Report, Waiting},
     values,
+    worker_queue::{Done, Report, Waiting, WorkerQueue},
 };
 
 impl Core {
     /// Loads the scripts of a mapping into the worker that has the fewest.
-    pub(super) fn place_scripts(
+    pub(super) fn assign_scripts(
         &mut self,
         mapping: &Mapping,
         transform: &Transform,
-        place: usize,
+        slot: usize,
     ) -> Result<Box<[Script]>, EngineError> {
         let steps: Vec<usize> = transform.plan().script_steps().collect();
-        let Some((lane, _)) = self.lanes.iter().enumerate().min_by_key(|(_, lane)| lane.scripts)
+        let Some((worker, _)) =
+            self.queues.iter().enumerate().min_by_key(|(_, queue)| queue.scripts)
         else {
             return Ok(Box::default());
         };
         let most = self.config.script.scripts_per_worker_max;
         if !steps.is_empty()
-            && self.lanes.get(lane).is_some_and(|lane| lane.scripts + steps.len() > most)
+            && self.queues.get(worker).is_some_and(|queue| queue.scripts + steps.len() > most)
         {
-            return Err(EngineError::TooManyScripts(most * self.lanes.len()));
+            return Err(EngineError::TooManyScripts(most * self.queues.len()));
         }
         let mut scripts = Vec::with_capacity(steps.len());
         for (index, step) in steps.into_iter().enumerate() {
             let Some(Step::Script(script)) = mapping.steps.get(step) else { continue };
             self.last_script = self.last_script.wrapping_add(1);
             let id = ScriptId(self.last_script);
-            self.scripts.insert(id, (place, index));
-            if let Some(lane) = self.lanes.get_mut(lane) {
-                lane.load(Load {
+            self.scripts.insert(id, (slot, index));
+            if let Some(queue) = self.queues.get_mut(worker) {
+                queue.load(Load {
                     script: id,
                     name: mapping.mapping_id.as_str().into(),
                     source: script.source.as_str().into(),
@@ -53,23 +54,24 @@ impl Core {
                     values: Vec::new(),
                 });
             }
-            scripts.push(Script { id, step, lane, breaker: Default::default() });
+            scripts.push(Script { id, step, worker, breaker: Default::default() });
         }
         Ok(scripts.into())
     }
 
-    /// Asks a worker to run a script.
-    pub(super) fn call(&mut self, place: usize, call: ScriptCall, now: DateTime) {
-        let Some(entry) = self.inventory.get_mut(place) else { return };
-        let Some(script) = entry.scripts.iter_mut().find(|script| script.step == call.step) else {
+    /// Queues a call at the script's worker.
+    pub(super) fn call(&mut self, slot: usize, call: ScriptCall, now: DateTime) {
+        let Some(running) = self.inventory.get_mut(slot) else { return };
+        let Some(script) = running.scripts.iter_mut().find(|script| script.step == call.step)
+        else {
             return;
         };
-        // That it rests was said when it began to.
+        // The fault that opened the breaker has been yielded already.
         if script.breaker.admit(now) == Admission::Resting {
-            entry.superseded += 1;
+            running.superseded += 1;
             return;
         }
-        let is_input = call.step == 0 && !entry.inputs.is_empty();
+        let is_input = call.step == 0 && !running.inputs.is_empty();
         let value = if is_input {
             CallValue::Input(0)
         } else {
@@ -85,18 +87,18 @@ impl Core {
             call: Call { script: script.id, value, inputs: inputs.collect() },
             resume: ScriptCall { inputs: Vec::new(), ..call },
         };
-        if let Some(lane) = self.lanes.get_mut(script.lane)
-            && lane.call(waiting)
+        if let Some(queue) = self.queues.get_mut(script.worker)
+            && queue.call(waiting)
         {
-            entry.superseded += 1;
+            running.superseded += 1;
         }
     }
 
-    /// A worker is done with its job.
+    /// Takes a worker's report, resumes the transforms and gives the worker its next job.
     pub fn reported(&mut self, report: Report, now: DateTime) {
-        let Report { lane: index, done } = report;
-        let Some(lane) = self.lanes.get_mut(index) else { return };
-        let under_way = lane.done();
+        let Report { worker: index, done } = report;
+        let Some(queue) = self.queues.get_mut(index) else { return };
+        let under_way = queue.done();
         match done {
             Done::Unloaded | Done::Loaded(_, Ok(())) => {}
             Done::Loaded(script, Err(fault)) => self.not_loaded(script, &fault, now),
@@ -106,28 +108,28 @@ impl Core {
                 }
             }
         }
-        self.lanes.iter_mut().for_each(Lane::feed);
+        self.queues.iter_mut().for_each(WorkerQueue::feed);
     }
 
     fn not_loaded(&mut self, script: ScriptId, fault: &Fault, now: DateTime) {
-        let Some(&(place, index)) = self.scripts.get(&script) else { return };
-        let Some(entry) = self.inventory.get_mut(place) else { return };
-        let Some(script) = entry.scripts.get_mut(index) else { return };
+        let Some(&(slot, index)) = self.scripts.get(&script) else { return };
+        let Some(running) = self.inventory.get_mut(slot) else { return };
+        let Some(script) = running.scripts.get_mut(index) else { return };
         let call = ScriptCall::without_value(script.step);
-        if let Some(lane) = self.lanes.get_mut(script.lane) {
-            lane.forget(script.id);
+        if let Some(queue) = self.queues.get_mut(script.worker) {
+            queue.drop_waiting(script.id);
         }
-        let reaction = entry.transform.resume(now, call, Err(fault.clone()), None);
-        self.react(place, reaction, now);
+        let reaction = running.transform.resume(now, call, Err(fault.clone()), None);
+        self.react(slot, reaction, now);
     }
 
     fn called(&mut self, script: ScriptId, call: ScriptCall, outcome: CallOutcome, now: DateTime) {
-        let Some(&(place, index)) = self.scripts.get(&script) else { return };
+        let Some(&(slot, index)) = self.scripts.get(&script) else { return };
         let config = &self.config.script;
-        let Some(entry) = self.inventory.get_mut(place) else { return };
+        let Some(running) = self.inventory.get_mut(slot) else { return };
         let CallOutcome { result, state, spent, is_fatal } = outcome;
-        entry.spent += spent;
-        let Some(script) = entry.scripts.get_mut(index) else { return };
+        running.spent += spent;
+        let Some(script) = running.scripts.get_mut(index) else { return };
         let rests = match &result {
             Ok(_) => {
                 script.breaker.succeeded();
@@ -153,27 +155,15 @@ impl Core {
         if rests {
             metrics::counter!("mapping_engine_scripts_rested_total").increment(1);
             tracing::warn!(
-                mapping.id = entry.mapping.mapping_id.as_str(),
+                mapping.id = running.mapping.mapping_id.as_str(),
                 "A script rests because it did not keep to its budget."
             );
-            if let Some(lane) = self.lanes.get_mut(script.lane) {
-                entry.superseded += lane.forget(script.id) as u64;
+            if let Some(queue) = self.queues.get_mut(script.worker) {
+                running.superseded += queue.drop_waiting(script.id) as u64;
             }
         }
-        let result = result.and_then(yielded_of).map(|value| ScriptYield { value, state });
-        let reaction = entry.transform.resume(now, call, result, None);
-        self.react(place, reaction, now);
+        let result = result.and_then(values::yielded).map(|value| ScriptYield { value, state });
+        let reaction = running.transform.resume(now, call, result, None);
+        self.react(slot, reaction, now);
     }
-}
-
-/// A script's result in the engine's words.
-pub(in crate::engine) fn yielded_of(
-    yielded: Yielded,
-) -> Result<Option<(asi_model::Variant, asi_model::StatusCode)>, Fault> {
-    Ok(match yielded {
-        Yielded::Nothing => None,
-        Yielded::Value { value, status } => {
-            Some((values::from_script(value)?, asi_model::StatusCode(status)))
-        }
-    })
 }

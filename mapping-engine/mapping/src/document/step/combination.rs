@@ -11,14 +11,14 @@ pub struct Merge {
     /// The names of the inputs, in their order of precedence; all where empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<String>,
-    /// How.
+    /// Rule by which the inputs become one value.
     pub rule: MergeRule,
-    /// What stands between the texts of `join`.
+    /// Separator between the texts of `join`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub separator: Option<String>,
 }
 
-/// How several inputs become one value.
+/// Rule by which several inputs become one value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum MergeRule {
@@ -26,17 +26,17 @@ pub enum MergeRule {
     Newest,
     /// The first whose status is Good; else the first that is Uncertain.
     FirstGood,
-    /// The smallest.
+    /// The smallest number.
     Minimum,
-    /// The greatest.
+    /// The greatest number.
     Maximum,
-    /// The sum.
+    /// The sum; exact for integers.
     Sum,
     /// The arithmetic mean, as Double.
     Mean,
-    /// Whether all are true.
+    /// True where all are true.
     All,
-    /// Whether any is true.
+    /// True where any is true.
     Any,
     /// Their texts one after the other.
     Join,

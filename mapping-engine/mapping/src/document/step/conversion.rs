@@ -23,7 +23,7 @@ pub struct Select {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Constant {
-    /// The value.
+    /// Value that the step yields.
     pub value: Literal,
 }
 
@@ -34,10 +34,10 @@ pub struct Constant {
 pub struct Convert {
     /// The wanted type.
     pub to: TypeName,
-    /// How a fraction becomes an integer.
+    /// Rounding of a fraction to an integer.
     #[serde(default)]
     pub rounding: Rounding,
-    /// What happens outside the wanted type's range.
+    /// Treatment of a number outside the wanted type's range.
     #[serde(default)]
     pub overflow: Overflow,
 }
@@ -47,13 +47,13 @@ pub struct Convert {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Scale {
-    /// What the value is multiplied by.
+    /// Factor of the value.
     #[serde(default = "one")]
     pub factor: Number,
-    /// What the product is divided by; not zero.
+    /// Divisor of the product; not zero.
     #[serde(default = "one")]
     pub divisor: Number,
-    /// What is added at the end.
+    /// Summand added at the end.
     #[serde(default = "zero")]
     pub offset: Number,
 }
@@ -79,7 +79,7 @@ pub struct UnitConversion {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Expression {
-    /// The expression.
+    /// Text of the expression.
     #[schema(max_length = 4096)]
     pub expression: String,
 }

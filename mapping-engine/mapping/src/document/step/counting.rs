@@ -6,20 +6,20 @@ use utoipa::ToSchema;
 
 use crate::number::Number;
 
-/// How much a counter went on since its last value. The first value yields nothing.
+/// Increment of a counter since its last value. The first value yields nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Increment {
-    /// How many values the counter has before it starts again at zero (65536 for a UInt16); it does
-    /// not wrap where absent.
+    /// Number of values that the counter has before it starts again at zero (65536 for a UInt16);
+    /// it does not wrap where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modulus: Option<Number>,
-    /// What a decrease means that is no wrap.
+    /// Meaning of a decrease that is no wrap.
     #[serde(default)]
     pub on_decrease: OnDecrease,
 }
 
-/// What it means when a counter's value gets smaller and that is no wrap.
+/// Meaning of a counter's decrease that is no wrap.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema, ToSchema,
 )]
@@ -38,11 +38,11 @@ pub enum OnDecrease {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Counter {
-    /// What is counted; by the type of the value where absent: increments of numbers, rising edges
+    /// Kind of counting; by the type of the value where absent: increments of numbers, rising edges
     /// of Booleans.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<CounterInput>,
-    /// Where it starts.
+    /// Sum before the first value.
     #[serde(default = "zero")]
     pub start: Number,
     /// As in `increment`.
@@ -56,15 +56,15 @@ pub struct Counter {
     pub reset_by: Option<String>,
 }
 
-/// What a `counter` counts.
+/// Kind of counting of a `counter`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum CounterInput {
-    /// How much the number went on.
+    /// The increments of a number.
     Increments,
-    /// How often the value became true (or not zero).
+    /// Changes of the value to true (or not zero).
     RisingEdges,
-    /// How many values came.
+    /// Every value that arrives.
     Values,
 }
 

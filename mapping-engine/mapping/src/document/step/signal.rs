@@ -10,7 +10,7 @@ use crate::{document::Literal, number::Number};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Edge {
-    /// Which change passes.
+    /// Change that passes.
     pub direction: EdgeDirection,
 }
 
@@ -22,11 +22,11 @@ pub enum EdgeDirection {
     Rising,
     /// From true to false.
     Falling,
-    /// Either.
+    /// From either to the other.
     Both,
 }
 
-/// Whether a number is above a limit, with hysteresis.
+/// Comparison of a number with a limit, with hysteresis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Threshold {
@@ -35,10 +35,10 @@ pub struct Threshold {
     /// Once above, it stays so until the number falls below this; the limit itself where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<Number>,
-    /// What is yielded above; `true` where absent.
+    /// Value yielded above; `true` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<Literal>,
-    /// What is yielded below; `false` where absent.
+    /// Value yielded below; `false` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below: Option<Literal>,
 }
@@ -47,7 +47,7 @@ pub struct Threshold {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Debounce {
-    /// How long it must stay the same, in milliseconds.
+    /// Time that it must stay the same, in milliseconds.
     #[schema(minimum = 1)]
     pub quiet_ms: u64,
 }
@@ -70,7 +70,7 @@ pub struct Deadband {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Rate {
-    /// Per what.
+    /// Time that the rate refers to.
     #[serde(default)]
     pub per: RatePeriod,
 }
@@ -95,19 +95,19 @@ pub enum RatePeriod {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Window {
-    /// What is computed.
+    /// Function over the values in the window.
     pub aggregate: Aggregate,
-    /// How many values.
+    /// Number of values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1, maximum = 4096)]
     pub samples: Option<u32>,
-    /// How long back from the newest value, in milliseconds.
+    /// Span back from the newest value, in milliseconds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1)]
     pub duration_ms: Option<u64>,
 }
 
-/// What a window computes.
+/// Function over the values in a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Aggregate {
@@ -119,7 +119,7 @@ pub enum Aggregate {
     Mean,
     /// The sum; exact for integers.
     Sum,
-    /// How many values.
+    /// Number of values.
     Count,
     /// The newest value.
     Last,

@@ -13,7 +13,7 @@ pub struct Lookup {
     /// The table. Numbers match by value whatever their types, texts exactly.
     #[schema(max_items = 1024)]
     pub entries: Vec<LookupEntry>,
-    /// What is yielded for a value that is not in the table; a fault where absent.
+    /// Value yielded for a value that is not in the table; a fault where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub otherwise: Option<Literal>,
     /// Between two numeric entries, interpolate linearly; outside, the nearest entry.
@@ -47,9 +47,9 @@ pub struct Enumeration {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct EnumerationText {
-    /// The number.
+    /// Number of the enumeration.
     pub value: i64,
-    /// Its text.
+    /// Text that is yielded.
     pub text: String,
 }
 
@@ -66,10 +66,10 @@ pub struct Bit {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct BitTexts {
-    /// What the bits mean; others are left out.
+    /// Texts of bits; bits without one are left out.
     #[schema(max_items = 64)]
     pub bits: Vec<BitText>,
-    /// What stands between two texts.
+    /// Separator between two texts.
     #[serde(default = "comma")]
     pub separator: String,
     /// The text when none of the bits is set.
@@ -77,14 +77,14 @@ pub struct BitTexts {
     pub none: String,
 }
 
-/// What a bit means.
+/// Text of one bit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct BitText {
     /// 0 is the lowest.
     #[schema(maximum = 63)]
     pub bit: u8,
-    /// Its text.
+    /// Text that is yielded.
     pub text: String,
 }
 

@@ -24,8 +24,8 @@ pub struct Format {
 pub struct Parse {
     /// The type of the value.
     pub to: TypeName,
-    /// Where it stands: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The whole
-    /// text where absent.
+    /// Position of the value: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The
+    /// whole text where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 1024)]
     pub pattern: Option<String>,

@@ -52,7 +52,7 @@ impl Compiler<'_> {
     }
 }
 
-/// Whether two units go together, and whether integers can stay integers between them.
+/// Returns the conversion between two units, exact for integers where the factor is a ratio.
 fn factor(from: &EngineeringUnit, to: &EngineeringUnit) -> Result<UnitFactor, String> {
     let at = |value: f64| unece::convert(value, from, to).map_err(|error| error.to_string());
     let exact = match (at(0.0)?, at(1.0)?) {

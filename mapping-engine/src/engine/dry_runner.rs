@@ -1,5 +1,4 @@
-//! Checks and dry runs, in a worker of their own: a script that is only tried cannot disturb one
-//! that is published.
+//! Dry runs, in a worker of their own: a script that is only tried cannot disturb a published one.
 
 use std::{sync::Arc, time::Duration};
 
@@ -16,47 +15,46 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-use super::core::yielded_of;
 use crate::{
     dry_run::{DryRunSample, Trace, TraceRun},
     script::{config::ScriptConfig, values, worker::ScriptWorker},
 };
 
-/// A worker for trials ends after so much time without any.
+/// Idle time after which the worker process ends.
 const IDLE_MAX: Duration = Duration::from_secs(60);
-/// Most runs of one trial that timers cause.
+/// Most runs of one dry run that timers cause.
 const TIMER_RUNS_MAX: usize = 10_000;
 
-/// A mapping to try.
+/// Mapping to run on samples.
 #[derive(Debug)]
-pub(super) struct Trial {
+pub(super) struct DryRunRequest {
     pub plan: Arc<Plan>,
     pub diagnostics: Vec<MappingDiagnostic>,
     pub samples: Vec<DryRunSample>,
-    /// What the functions remember at the start.
+    /// State of the functions before the first sample.
     pub state: Option<TransformState>,
     pub reply: oneshot::Sender<Trace>,
 }
 
-/// Serves trials, one after the other.
+/// Serves dry runs, one after the other, until `shutdown`.
 pub(super) async fn serve(
     config: Arc<ScriptConfig>,
-    mut trials: mpsc::Receiver<Trial>,
+    mut requests: mpsc::Receiver<DryRunRequest>,
     shutdown: CancellationToken,
 ) {
     let mut worker = ScriptWorker::new(config);
     loop {
         let next = tokio::select! {
             () = shutdown.cancelled() => break,
-            next = timeout(IDLE_MAX, trials.recv()) => next,
+            next = timeout(IDLE_MAX, requests.recv()) => next,
         };
-        let Trial { plan, diagnostics, samples, state, mut reply } = match next {
+        let DryRunRequest { plan, diagnostics, samples, state, mut reply } = match next {
             Err(_) => {
                 worker.take_down().await;
                 continue;
             }
             Ok(None) => break,
-            Ok(Some(trial)) => trial,
+            Ok(Some(request)) => request,
         };
         let mut transform = Transform::new(Arc::clone(&plan), state, None);
         let mut running =
@@ -66,7 +64,7 @@ pub(super) async fn serve(
             () = reply.closed() => {}
             () = running.run(&mut transform, &samples) => {
                 let trace = running.trace;
-                // Nobody waits any more: nothing is lost.
+                // The caller may have dropped its receiver.
                 drop(reply.send(trace));
             }
         }
@@ -122,7 +120,7 @@ impl Running<'_> {
         if let Some(at) = samples.first().map(|sample| sample.at) {
             let reaction = transform.start(at, Some(&mut steps));
             if reaction != Reaction::Quiet {
-                self.follow(transform, reaction, at, None, steps).await;
+                self.finish_run(transform, reaction, at, None, steps).await;
             }
         }
         let mut timer_runs = 0;
@@ -140,12 +138,12 @@ impl Running<'_> {
             self.pass_time(transform, Some(sample.at), &mut timer_runs).await;
             let mut steps = Vec::new();
             let reaction = transform.on(sample.at, input, sample.value.clone(), Some(&mut steps));
-            self.follow(transform, reaction, sample.at, Some(sample), steps).await;
+            self.finish_run(transform, reaction, sample.at, Some(sample), steps).await;
         }
         self.pass_time(transform, None, &mut timer_runs).await;
     }
 
-    /// Runs the timers that are due until a time; all there are where there is none.
+    /// Runs the timers that are due until a time, all of them for `None`.
     async fn pass_time(
         &mut self,
         transform: &mut Transform,
@@ -160,12 +158,12 @@ impl Running<'_> {
             }
             let mut steps = Vec::new();
             let reaction = transform.on_timer(due, Some(&mut steps));
-            self.follow(transform, reaction, due, None, steps).await;
+            self.finish_run(transform, reaction, due, None, steps).await;
         }
     }
 
-    /// Follows a run through its scripts to its end.
-    async fn follow(
+    /// Makes the script calls of a run, and records it.
+    async fn finish_run(
         &mut self,
         transform: &mut Transform,
         mut reaction: Reaction,
@@ -179,7 +177,7 @@ impl Running<'_> {
             let result = match outcome {
                 Some(outcome) => outcome
                     .result
-                    .and_then(yielded_of)
+                    .and_then(values::yielded)
                     .map(|value| ScriptYield { value, state: outcome.state }),
                 None => return,
             };
@@ -203,7 +201,7 @@ impl Running<'_> {
     }
 }
 
-/// Trials are one at a time, so the step is id enough.
+/// Returns the script id of a step. Dry runs run one at a time, so steps identify scripts.
 fn id_of(step: usize) -> ScriptId {
     ScriptId(u32::try_from(step).unwrap_or(u32::MAX))
 }

@@ -1,15 +1,15 @@
-//! The way from the engine to one worker: a fair, bounded queue, and one batch at a time.
+//! Queue of one worker: fair among scripts, bounded, and sent in one batch at a time.
 //!
-//! The worker asks for the next job when it is done with the last, so neither side ever waits for
-//! the other while the other waits for it. While a batch is under way calls gather; so batches grow
-//! with the load and an idle worker answers at once.
+//! The worker gets its next job when it has reported the last one, so the two sides never wait for
+//! each other. Calls collect while a batch is under way: batches grow with the load, and an idle
+//! worker answers at once.
 
-use mapping::{Fault, transform::ScriptCall};
 use std::{
     collections::{HashMap, VecDeque},
     sync::Arc,
 };
 
+use mapping::{Fault, transform::ScriptCall};
 use script_protocol::{Call, Load, ScriptId};
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
@@ -18,18 +18,17 @@ use super::{CallOutcome, config::ScriptConfig, worker::ScriptWorker};
 
 /// Most calls of a batch.
 const BATCH_CALLS_MAX: usize = 256;
-/// About how long a batch may get, in bytes. A single call may exceed it.
+/// Approximate size of the largest batch, in bytes. A single call may exceed it.
 const BATCH_BYTES_MAX: usize = 1 << 20;
-/// Room for so many calls stays reserved for a script.
-const QUEUE_KEPT_MAX: usize = 8;
-/// Most calls of one script that wait; further ones supersede the newest.
+/// Largest capacity, in calls, that an empty queue of a script keeps.
+const RESERVED_CALLS_MAX: usize = 8;
+/// Most waiting calls of one script; further ones supersede the newest.
 const WAITING_PER_SCRIPT_MAX: usize = 64;
-/// Once so many calls of all scripts wait, none gets more waiting than its share: what is asked of
-/// a worker beyond its power costs values, not memory. Of cheap calls a worker does as many in
-/// about half a second.
+/// Most waiting calls of all scripts before each is held to its share. Above this, new calls replace
+/// waiting ones instead of queueing. About half a second of work for cheap calls.
 const WAITING_MAX: usize = 32_768;
 
-/// What a worker is to do.
+/// Job for a worker.
 #[derive(Debug)]
 pub(crate) enum Job {
     Load(Load),
@@ -37,13 +36,15 @@ pub(crate) enum Job {
     Batch(Vec<Call>),
 }
 
-/// What became of it.
+/// Report of a worker after a job.
 #[derive(Debug)]
 pub(crate) struct Report {
-    pub lane: usize,
+    /// Index of the worker.
+    pub worker: usize,
     pub done: Done,
 }
 
+/// Result of a job.
 #[derive(Debug)]
 pub(crate) enum Done {
     Loaded(ScriptId, Result<(), Fault>),
@@ -51,22 +52,22 @@ pub(crate) enum Done {
     Called(Vec<CallOutcome>),
 }
 
-/// A call that waits, with what the transform needs to go on.
+/// Waiting call, with the data from which the transform resumes.
 #[derive(Debug)]
 pub(crate) struct Waiting {
     pub call: Call,
     pub resume: ScriptCall,
 }
 
-/// The engine's side of a worker.
+/// Engine's side of a worker.
 #[derive(Debug)]
-pub(crate) struct Lane {
+pub(crate) struct WorkerQueue {
     jobs: mpsc::Sender<Job>,
     is_busy: bool,
     /// Loads and unloads, before any call.
     urgent: VecDeque<Job>,
     waiting: HashMap<ScriptId, VecDeque<Waiting>>,
-    /// How many calls wait, of all scripts.
+    /// Number of waiting calls of all scripts.
     waiting_calls: usize,
     /// Scripts with waiting calls, in turn.
     turn: VecDeque<ScriptId>,
@@ -74,17 +75,17 @@ pub(crate) struct Lane {
     pub scripts: usize,
 }
 
-impl Lane {
-    /// A lane and the future that serves it.
+impl WorkerQueue {
+    /// Returns a queue and the future that serves it; `worker` is the index in its reports.
     pub fn new(
-        lane: usize,
+        worker: usize,
         config: Arc<ScriptConfig>,
         reports: mpsc::Sender<Report>,
         shutdown: CancellationToken,
     ) -> (Self, impl Future<Output = ()> + Send) {
         let (jobs, receiver) = mpsc::channel(1);
-        let serving = serve(lane, ScriptWorker::new(config), receiver, reports, shutdown);
-        let lane = Self {
+        let serving = serve(worker, ScriptWorker::new(config), receiver, reports, shutdown);
+        let queue = Self {
             jobs,
             is_busy: false,
             urgent: VecDeque::new(),
@@ -94,31 +95,33 @@ impl Lane {
             under_way: Vec::new(),
             scripts: 0,
         };
-        (lane, serving)
+        (queue, serving)
     }
 
+    /// Queues the loading of a script, before all calls.
     pub fn load(&mut self, load: Load) {
         self.scripts += 1;
         self.urgent.push_back(Job::Load(load));
         self.feed();
     }
 
+    /// Queues the unloading of a script and drops its waiting calls.
     pub fn unload(&mut self, script: ScriptId) {
         self.scripts = self.scripts.saturating_sub(1);
-        self.forget(script);
+        self.drop_waiting(script);
         self.urgent.push_back(Job::Unload(script));
         self.feed();
     }
 
-    /// Drops the waiting calls of a script; how many there were.
-    pub fn forget(&mut self, script: ScriptId) -> usize {
+    /// Drops the waiting calls of a script and returns their number.
+    pub fn drop_waiting(&mut self, script: ScriptId) -> usize {
         self.turn.retain(|other| *other != script);
         let forgotten = self.waiting.remove(&script).map_or(0, |calls| calls.len());
         self.waiting_calls -= forgotten;
         forgotten
     }
 
-    /// Queues a call. True if it superseded one that waited.
+    /// Queues a call. Returns true if it superseded a waiting one.
     pub fn call(&mut self, mut waiting: Waiting) -> bool {
         let script = waiting.call.script;
         let most = self.waiting_per_script_max();
@@ -128,7 +131,7 @@ impl Lane {
         }
         let superseded = if queue.len() >= most { queue.pop_back() } else { None };
         if let Some(Waiting { call, .. }) = &superseded {
-            // What the superseded call would have told of other inputs is told by this one.
+            // Changes of other inputs that the superseded call carried go with this one.
             for input in &call.inputs {
                 if !waiting.call.inputs.iter().any(|newer| newer.input == input.input) {
                     waiting.call.inputs.push(input.clone());
@@ -164,7 +167,7 @@ impl Lane {
         self.is_busy = self.jobs.try_send(job).is_ok();
     }
 
-    /// The worker is idle again. The calls that were under way, in the order of the outcomes.
+    /// Marks the worker idle and returns the calls that were under way, in the order of the outcomes.
     pub fn done(&mut self) -> Vec<(ScriptId, ScriptCall)> {
         self.is_busy = false;
         std::mem::take(&mut self.under_way)
@@ -181,7 +184,7 @@ impl Lane {
             self.waiting_calls -= 1;
             if !queue.is_empty() {
                 self.turn.push_back(script);
-            } else if queue.capacity() > QUEUE_KEPT_MAX {
+            } else if queue.capacity() > RESERVED_CALLS_MAX {
                 // A short queue is kept, since the next call comes soon.
                 self.waiting.remove(&script);
             }
@@ -214,7 +217,7 @@ fn size(call: &Call) -> usize {
 }
 
 async fn serve(
-    lane: usize,
+    index: usize,
     mut worker: ScriptWorker,
     mut jobs: mpsc::Receiver<Job>,
     reports: mpsc::Sender<Report>,
@@ -243,7 +246,7 @@ async fn serve(
             () = shutdown.cancelled() => break,
             done = working => done,
         };
-        if reports.send(Report { lane, done }).await.is_err() {
+        if reports.send(Report { worker: index, done }).await.is_err() {
             break;
         }
     }
@@ -264,28 +267,28 @@ mod tests {
         Waiting { call, resume: ScriptCall::without_value(0) }
     }
 
-    /// A lane whose worker takes nothing, with so many scripts.
-    fn lane(scripts: u32) -> Lane {
+    /// A queue whose worker takes nothing, with so many scripts.
+    fn queue(scripts: u32) -> WorkerQueue {
         let (reports, _) = mpsc::channel(1);
-        let (mut lane, _) = Lane::new(0, Arc::default(), reports, CancellationToken::new());
-        lane.is_busy = true;
-        lane.scripts = scripts as usize;
-        lane
+        let (mut queue, _) = WorkerQueue::new(0, Arc::default(), reports, CancellationToken::new());
+        queue.is_busy = true;
+        queue.scripts = scripts as usize;
+        queue
     }
 
     /// Offers each script so many calls, in turn; how many superseded another.
-    fn offer(lane: &mut Lane, scripts: u32, calls: usize) -> usize {
+    fn offer(queue: &mut WorkerQueue, scripts: u32, calls: usize) -> usize {
         let in_turn = repeat_n((), calls).flat_map(|()| 0..scripts);
-        in_turn.filter(|script| lane.call(waiting(*script))).count()
+        in_turn.filter(|script| queue.call(waiting(*script))).count()
     }
 
     #[test]
     fn a_script_has_so_many_calls_waiting_and_what_waits_is_bounded_for_all_together() {
-        let mut few = lane(2);
+        let mut few = queue(2);
         assert_eq!(offer(&mut few, 2, 65), 2, "one each beyond sixty-four");
         assert_eq!(few.waiting_calls, 128);
 
-        let mut many = lane(2000);
+        let mut many = queue(2000);
         assert_eq!(offer(&mut many, 2000, 16), 0, "a burst of each finds room");
         assert_eq!(
             offer(&mut many, 2000, 48),
@@ -301,11 +304,11 @@ mod tests {
 
     #[test]
     fn what_waits_is_counted_whatever_becomes_of_it() {
-        let mut lane = lane(3);
-        offer(&mut lane, 3, 20);
-        assert_eq!(lane.forget(ScriptId(1)), 20);
-        assert_eq!(lane.waiting_calls, 40);
-        let Job::Batch(calls) = lane.batch() else { panic!("calls wait") };
-        assert_eq!((calls.len(), lane.waiting_calls), (40, 0));
+        let mut queue = queue(3);
+        offer(&mut queue, 3, 20);
+        assert_eq!(queue.drop_waiting(ScriptId(1)), 20);
+        assert_eq!(queue.waiting_calls, 40);
+        let Job::Batch(calls) = queue.batch() else { panic!("calls wait") };
+        assert_eq!((calls.len(), queue.waiting_calls), (40, 0));
     }
 }

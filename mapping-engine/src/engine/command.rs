@@ -1,0 +1,36 @@
+//! Commands that handles send to the engine's task.
+
+use std::sync::Arc;
+
+use asi_model::DataValue;
+use mapping::{Mapping, MappingId, MappingInput, TargetKey, TransformState, transform::Plan};
+use tokio::sync::oneshot;
+
+use super::{
+    error::EngineError,
+    status::MappingStatus,
+    survey::{MappingHealth, MappingSurvey},
+};
+use crate::dry_run::DryRunSample;
+
+/// Command with the sender of its reply.
+#[derive(Debug)]
+pub(super) enum Command {
+    Put(Vec<Compiled>, oneshot::Sender<Vec<Result<(), EngineError>>>),
+    Remove(MappingId, oneshot::Sender<bool>),
+    Status(MappingId, oneshot::Sender<Option<MappingStatus>>),
+    Survey(Option<MappingHealth>, usize, oneshot::Sender<MappingSurvey>),
+    Reset(MappingId, oneshot::Sender<bool>),
+    Recorded(Vec<MappingInput>, oneshot::Sender<Vec<DryRunSample>>),
+}
+
+/// [`mapping::PublishRequest`] whose mapping has no errors, with its plan.
+#[derive(Debug)]
+pub(super) struct Compiled {
+    pub mapping: Arc<Mapping>,
+    pub plan: Arc<Plan>,
+    pub target: TargetKey,
+    pub state: Option<TransformState>,
+    pub last: Option<DataValue>,
+    pub is_shadow: bool,
+}

@@ -1,0 +1,168 @@
+//! Handle through which callers publish, withdraw, watch and try mappings.
+
+use std::sync::Arc;
+
+use mapping::{
+    Mapping, MappingDiagnostic, MappingId, MappingInput, PublishRequest, TransformState,
+    transform::compile,
+};
+use tokio::sync::{mpsc, oneshot};
+
+use super::{
+    command::{Command, Compiled},
+    dry_runner::DryRunRequest,
+    error::EngineError,
+    status::MappingStatus,
+    survey::{MappingHealth, MappingSurvey},
+};
+use crate::dry_run::{DryRunSample, SAMPLES_MAX, Trace};
+
+/// Cloneable handle to the engine's task.
+#[derive(Debug, Clone)]
+pub struct MappingEngineHandle {
+    pub(super) commands: mpsc::Sender<Command>,
+    pub(super) dry_runs: mpsc::Sender<DryRunRequest>,
+}
+
+impl MappingEngineHandle {
+    /// Publishes mappings, each in place of the one with the same id and with the state of a former
+    /// run. Returns for each its warnings, or the reason it is not published:
+    /// [`EngineError::Rejected`] with all diagnostics, or a limit.
+    ///
+    /// A script is checked by loading it in the background; a fault there shows in the status and
+    /// as a candidate. Use [`Self::check`] to see it before.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn put_many(
+        &self,
+        requests: Vec<PublishRequest>,
+    ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
+        let mut results = Vec::with_capacity(requests.len());
+        let mut compiled = Vec::with_capacity(requests.len());
+        for PublishRequest { mapping, target, state, last, is_shadow } in requests {
+            let (plan, diagnostics) = compile(&mapping);
+            results.push(match plan {
+                Some(plan) => {
+                    compiled.push(Compiled {
+                        mapping,
+                        plan: Arc::new(plan),
+                        target,
+                        state,
+                        last,
+                        is_shadow,
+                    });
+                    Ok(diagnostics)
+                }
+                None => Err(EngineError::Rejected(diagnostics)),
+            });
+        }
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Put(compiled, reply)).await?;
+        let mut put = answer.await.map_err(|_| EngineError::Stopped)?.into_iter();
+        for result in results.iter_mut().filter(|result| result.is_ok()) {
+            if let Some(Err(error)) = put.next() {
+                *result = Err(error);
+            }
+        }
+        Ok(results)
+    }
+
+    /// Withdraws a mapping. Returns false if there is none with this id.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn remove(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Remove(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Returns the numbers of published mappings by health, and the worst of those with this
+    /// health, of all where it is `None`; at most `most`.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn survey(
+        &self,
+        wanted: Option<MappingHealth>,
+        most: usize,
+    ) -> Result<MappingSurvey, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Survey(wanted, most, reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Returns the counters, inputs and last candidate of one mapping.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn status(
+        &self,
+        mapping_id: &MappingId,
+    ) -> Result<Option<MappingStatus>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Status(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Closes the circuit breakers of a mapping's scripts, so that they run again at once. Returns
+    /// false if there is no such mapping.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn reset(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Reset(mapping_id.clone(), reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Returns all diagnostics of a mapping; its scripts are loaded in the worker for dry runs.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn check(&self, mapping: Mapping) -> Result<Vec<MappingDiagnostic>, EngineError> {
+        self.dry_run(mapping, Vec::new(), None).await.map(|trace| trace.diagnostics)
+    }
+
+    /// Returns the recorded values of these inputs, oldest first. Variables are recorded while a
+    /// published mapping uses them.
+    ///
+    /// # Errors
+    /// [`EngineError::Stopped`].
+    pub async fn recorded(
+        &self,
+        inputs: Vec<MappingInput>,
+    ) -> Result<Vec<DryRunSample>, EngineError> {
+        let (reply, answer) = oneshot::channel();
+        self.send(Command::Recorded(inputs, reply)).await?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Runs a mapping on samples and returns every intermediate value. Nothing is published; scripts
+    /// run in a worker of their own. The functions start with `state`, where there is one, as if
+    /// the mapping had run before.
+    ///
+    /// # Errors
+    /// [`EngineError::TooManySamples`], [`EngineError::Stopped`].
+    pub async fn dry_run(
+        &self,
+        mapping: Mapping,
+        samples: Vec<DryRunSample>,
+        state: Option<TransformState>,
+    ) -> Result<Trace, EngineError> {
+        if samples.len() > SAMPLES_MAX {
+            return Err(EngineError::TooManySamples);
+        }
+        let (plan, diagnostics) = compile(&Arc::new(mapping));
+        let Some(plan) = plan else { return Ok(Trace { diagnostics, runs: Vec::new() }) };
+        let (reply, answer) = oneshot::channel();
+        let request = DryRunRequest { plan: Arc::new(plan), diagnostics, samples, state, reply };
+        self.dry_runs.send(request).await.map_err(|_| EngineError::Stopped)?;
+        answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    async fn send(&self, command: Command) -> Result<(), EngineError> {
+        self.commands.send(command).await.map_err(|_| EngineError::Stopped)
+    }
+}
