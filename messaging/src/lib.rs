@@ -16,6 +16,7 @@
 //! transaction of their effect.
 
 pub mod address;
+mod config;
 pub mod definitions;
 pub mod envelope;
 pub mod inbox;
@@ -27,12 +28,13 @@ pub mod test_support;
 mod transport;
 
 pub use address::{InvalidAddress, LogicalAddress};
+pub use config::{
+    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, LinkConfig, LinkError, LinkLimits,
+    Login, Roots, TlsConfig,
+};
 pub use envelope::{BodyError, ContentEncoding, Envelope};
 pub use inbox::{Delivery, Inbox, Settlement};
-pub use link::{
-    BrokerUrl, ClientIdentity, HttpProxy, InvalidBrokerUrl, Link, LinkConfig, LinkError,
-    LinkHandle, LinkLimits, LinkPhase, LinkState, Login, Roots, TlsConfig,
-};
+pub use link::{Link, LinkHandle, LinkPhase, LinkState};
 pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
 pub use spool::{
     Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,

@@ -2,8 +2,6 @@
 //! how it stands.
 
 mod backoff;
-mod broker_url;
-mod config;
 mod cursor;
 mod incoming;
 mod outgoing;
@@ -18,31 +16,17 @@ use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    address::LogicalAddress, envelope::Envelope, inbox::Inbox, spool::SpoolStore, transport,
+    address::LogicalAddress,
+    config::{LinkConfig, LinkError},
+    envelope::Envelope,
+    inbox::Inbox,
+    spool::SpoolStore,
+    transport,
 };
 use shared::Shared;
 use supervisor::Supervisor;
 
-pub use broker_url::{BrokerUrl, HttpProxy, InvalidBrokerUrl};
-pub use config::{ClientIdentity, LinkConfig, LinkLimits, Login, Roots, TlsConfig};
 pub use state::{LinkPhase, LinkState};
-
-/// Why a link cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum LinkError {
-    /// There is nobody to connect to.
-    #[error("no broker address is configured")]
-    NoBroker,
-    /// Some addresses are AMQP, some MQTT.
-    #[error("the broker addresses must all be of one protocol")]
-    MixedProtocols,
-    /// The trusted roots or the client certificate cannot be used.
-    #[error("the TLS settings of the link cannot be used: {reason}")]
-    Tls {
-        /// What is wrong.
-        reason: String,
-    },
-}
 
 /// The link; [`run`](Self::run) it.
 pub struct Link {

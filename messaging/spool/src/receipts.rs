@@ -65,7 +65,7 @@ pub fn apply_receipt(
 pub struct OverduePolicy {
     /// Wait after the first sending; doubles with each further one.
     pub receipt_timeout: Duration,
-    /// Longest wait.
+    /// Limit of the doubled wait.
     pub receipt_timeout_max: Duration,
 }
 

@@ -6,9 +6,10 @@ use tokio::{sync::mpsc, task::JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
-use super::{LinkLimits, backoff::Backoff, shared::Shared};
+use super::{backoff::Backoff, shared::Shared};
 use crate::{
     address::LogicalAddress,
+    config::LinkLimits,
     inbox::{Delivery, Inbox, Settlement},
     profile::BrokerProfile,
     transport::{Connection, Incoming, LaneFault, Token},
@@ -65,7 +66,7 @@ impl Consumers {
     async fn consume(self: Arc<Self>, address: LogicalAddress, stop: CancellationToken) {
         let terminus = self.profile.consume(&address);
         let what = format!("receiving from {address}");
-        let rest = self.limits.address_rest;
+        let rest = self.limits.address_backoff;
         let mut backoff =
             Backoff::new(rest, self.limits.backoff_permanent, self.limits.backoff_permanent);
         while !stop.is_cancelled() {

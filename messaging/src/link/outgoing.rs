@@ -21,12 +21,12 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, error, warn};
 
 use super::{
-    LinkLimits,
     cursor::Cursor,
     shared::{POSTED_MAX, Shared},
 };
 use crate::{
     address::LogicalAddress,
+    config::LinkLimits,
     profile::BrokerProfile,
     spool::{
         RejectionAction, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore, StoreError,
@@ -333,7 +333,7 @@ impl Pump {
                     RejectionAction::Retry => {
                         warn!(%address, row = %id, code = rejection.code, reason = rejection.reason, "the broker rejected a message; it is tried again");
                         record(SendOutcome::Rejected(rejection));
-                        self.retries.push(Instant::now() + self.limits.address_rest);
+                        self.retries.push(Instant::now() + self.limits.address_backoff);
                     }
                     RejectionAction::BackOffAddress => {
                         self.cursor.close(id);

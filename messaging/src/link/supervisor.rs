@@ -7,10 +7,10 @@ use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
 use super::{
-    LinkConfig, backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared,
-    state::LinkPhase,
+    backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase,
 };
 use crate::{
+    config::LinkConfig,
     inbox::Inbox,
     spool::SpoolStore,
     transport::{Connection, ConnectionFault, Transport},

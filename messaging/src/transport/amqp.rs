@@ -6,18 +6,15 @@
 //! default (set); and it has no reconnection (ours is the supervisor).
 
 mod codec;
+mod error;
 mod lanes;
 
 use async_trait::async_trait;
 use fe2o3_amqp::{
     Session,
-    connection::{Connection as AmqpConnection, ConnectionHandle, OpenError},
+    connection::{Connection as AmqpConnection, ConnectionHandle},
     sasl_profile::SaslProfile,
     session::SessionHandle,
-    types::{
-        definitions::{self, AmqpError, ConnectionError, ErrorCondition},
-        sasl::SaslCode,
-    },
 };
 use tokio::{
     sync::{mpsc, oneshot, watch},
@@ -25,14 +22,14 @@ use tokio::{
 };
 
 use super::{
-    Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport,
+    connection::{Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport},
     dial::{Dialler, Stream},
 };
 use crate::{
-    link::{BrokerUrl, LinkConfig, LinkLimits, Login},
+    config::{BrokerUrl, LinkConfig, LinkLimits, Login},
     profile::Terminus,
-    spool::Rejection,
 };
+use error::{end_fault, open_fault};
 
 /// Frames are cut to this size, so that one large message does not block the others.
 const FRAME_BYTES_MAX: u32 = 64 * 1024;
@@ -178,49 +175,4 @@ async fn keep(
         }
     };
     lost.send_replace(Some(fault));
-}
-
-fn open_fault(error: OpenError) -> ConnectionFault {
-    match error {
-        OpenError::SaslError { code: SaslCode::Auth, .. } => {
-            ConnectionFault::permanent("the broker refused the user or password")
-        }
-        OpenError::SaslError { code, .. } => ConnectionFault::passing(format!(
-            "the broker could not check the credentials: {code:?}"
-        )),
-        OpenError::RemoteClosedWithError(error) => closed_fault(&error),
-        OpenError::ProtocolHeaderMismatch(_) => ConnectionFault::permanent(
-            "the peer does not speak AMQP 1.0 with SASL; is the port right?",
-        ),
-        other => ConnectionFault::passing(format!("the connection could not be opened: {other}")),
-    }
-}
-
-fn end_fault(ended: Result<(), fe2o3_amqp::connection::Error>) -> ConnectionFault {
-    match ended {
-        Ok(()) => ConnectionFault::passing("the broker closed the connection"),
-        Err(fe2o3_amqp::connection::Error::RemoteClosedWithError(error)) => closed_fault(&error),
-        Err(error) => ConnectionFault::passing(format!("the connection was lost: {error}")),
-    }
-}
-
-fn closed_fault(error: &definitions::Error) -> ConnectionFault {
-    let reason = format!("the broker closed the connection: {}", rejection(error));
-    match error.condition {
-        ErrorCondition::AmqpError(AmqpError::UnauthorizedAccess | AmqpError::NotAllowed) => {
-            ConnectionFault::permanent(reason)
-        }
-        ErrorCondition::ConnectionError(ConnectionError::Redirect) => {
-            ConnectionFault::permanent(reason)
-        }
-        _ => ConnectionFault::passing(reason),
-    }
-}
-
-/// An AMQP error in our words.
-fn rejection(error: &definitions::Error) -> Rejection {
-    Rejection {
-        code: codec::condition_text(&error.condition),
-        reason: error.description.clone().unwrap_or_else(|| "the broker gave no reason".to_owned()),
-    }
 }

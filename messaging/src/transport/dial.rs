@@ -2,28 +2,20 @@
 //! while we are busy sending, TLS, and a WebSocket where the broker is reached in one.
 
 mod proxy;
+mod stream;
 mod websocket;
 
 use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
 use rustls::ClientConfig;
 use socket2::{SockRef, TcpKeepalive};
-use tokio::{
-    io::{AsyncRead, AsyncWrite},
-    net::{TcpStream, lookup_host},
-};
+use tokio::net::{TcpStream, lookup_host};
 use tokio_rustls::TlsConnector;
 
-use super::{ConnectionFault, tls};
-use crate::link::{BrokerUrl, HttpProxy, TlsConfig};
+use super::{connection::ConnectionFault, tls};
+use crate::config::{BrokerUrl, HttpProxy, TlsConfig};
 
-/// A stream to a broker, plain or encrypted.
-pub(super) trait Stream:
-    AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static
-{
-}
-
-impl<S: AsyncRead + AsyncWrite + std::fmt::Debug + Send + Unpin + 'static> Stream for S {}
+pub(super) use stream::Stream;
 
 /// What dialling needs to know.
 #[derive(Debug, Clone)]

@@ -8,11 +8,12 @@
 //! other out; a broker may say so (Mosquitto 2.0 does not).
 
 mod codec;
+mod config;
 mod framing;
 mod lanes;
 mod wire;
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use async_trait::async_trait;
 use futures::{SinkExt, StreamExt};
@@ -23,19 +24,15 @@ use tokio::time::timeout;
 use tokio_util::codec::Framed;
 
 use super::{
-    Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport,
+    connection::{Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport},
     dial::{Dialler, Stream},
 };
 use crate::{
-    link::{BrokerUrl, LinkConfig, LinkLimits, Login},
+    config::{BrokerUrl, LinkConfig, LinkLimits, Login},
     profile::Terminus,
 };
+use config::{CLOSE_TIMEOUT, SESSION_EXPIRY, no_properties};
 use wire::Wire;
-
-/// How long a broker keeps the session of a client that is away.
-const SESSION_EXPIRY: Duration = Duration::from_secs(7 * 24 * 3600);
-/// How long a close may take.
-const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Connects to MQTT 5 brokers.
 pub(crate) struct MqttTransport {
@@ -133,29 +130,6 @@ impl Transport for MqttTransport {
         timeout(self.limits.connect_timeout, connecting)
             .await
             .map_err(|_| ConnectionFault::passing(format!("{broker} did not answer in time")))?
-    }
-}
-
-/// A broker that grants nothing in particular.
-fn no_properties() -> rumqttc::v5::mqttbytes::v5::ConnAckProperties {
-    rumqttc::v5::mqttbytes::v5::ConnAckProperties {
-        session_expiry_interval: None,
-        receive_max: None,
-        max_qos: None,
-        retain_available: None,
-        max_packet_size: None,
-        assigned_client_identifier: None,
-        topic_alias_max: None,
-        reason_string: None,
-        user_properties: Vec::new(),
-        wildcard_subscription_available: None,
-        subscription_identifiers_available: None,
-        shared_subscription_available: None,
-        server_keep_alive: None,
-        response_information: None,
-        server_reference: None,
-        authentication_method: None,
-        authentication_data: None,
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rustls::{ClientConfig, RootCertStore};
 use rustls_pki_types::{CertificateDer, PrivateKeyDer, ServerName, pem::PemObject};
 
-use crate::link::{LinkError, Roots, TlsConfig};
+use crate::config::{LinkError, Roots, TlsConfig};
 
 /// Builds the client side of TLS from the settings.
 pub(super) fn client_config(config: &TlsConfig) -> Result<Arc<ClientConfig>, LinkError> {

@@ -51,7 +51,7 @@ impl TestLink {
         config.consumed = consumed.iter().map(|a| address(a)).collect();
         config.limits.backoff_min = Duration::from_millis(100);
         config.limits.backoff_max = Duration::from_secs(1);
-        config.limits.address_rest = Duration::from_millis(300);
+        config.limits.address_backoff = Duration::from_millis(300);
         let spool = Arc::new(MemorySpool::new(AcceptedReports::Leave));
         let inbox = Arc::new(RecordingInbox::default());
         let (store, receiver): (Arc<MemorySpool>, Arc<RecordingInbox>) =

@@ -84,11 +84,11 @@ impl Pump {
             return;
         }
         let times = 1_u32.checked_shl(state.failures).unwrap_or(RESTS_MAX).min(RESTS_MAX);
-        let until = Instant::now() + self.limits.address_rest * times;
+        let until = Instant::now() + self.limits.address_backoff * times;
         state.failures = state.failures.saturating_add(1);
         state.resting_until = Some(until);
         self.retries.push(until);
-        warn!(%address, reason, rest_ms = (self.limits.address_rest * times).as_millis(), "an address rests");
+        warn!(%address, reason, rest_ms = (self.limits.address_backoff * times).as_millis(), "an address rests");
         self.shared.hinder(&format!("sending to {address}"), Some(reason));
     }
 

@@ -5,10 +5,7 @@ use std::collections::HashMap;
 use async_trait::async_trait;
 use fe2o3_amqp::{
     Receiver, Sendable, Sender,
-    link::{
-        LinkStateError, ReceiverAttachError, RecvError, SendError, SenderAttachError,
-        SessionStopReason, delivery::DeliveryInfo, receiver::CreditMode,
-    },
+    link::{RecvError, SendError, delivery::DeliveryInfo, receiver::CreditMode},
     session::SessionHandle,
     types::{
         definitions::{self, ReceiverSettleMode, SenderSettleMode},
@@ -21,13 +18,16 @@ use time::OffsetDateTime;
 use tokio::time::timeout;
 
 use super::{
-    super::{Incoming, LaneFault, Outcome, OutcomeFuture, Outgoing, Token},
-    codec, rejection,
+    super::connection::{Incoming, LaneFault, Outcome, OutcomeFuture, Outgoing, Token},
+    codec,
+    error::{
+        receiver_attach_fault, recv_fault, rejection, send_fault, sender_attach_fault, settle_fault,
+    },
 };
 use crate::{
+    config::LinkLimits,
     envelope::Envelope,
     inbox::{Delivery, Settlement},
-    link::LinkLimits,
     profile::Terminus,
     spool::Rejection,
 };
@@ -269,54 +269,4 @@ fn capabilities(terminus: &Terminus) -> Option<Array<Symbol>> {
         .capability
         .as_ref()
         .map(|capability| Array::from(vec![Symbol::from(capability.as_str())]))
-}
-
-fn sender_attach_fault(error: SenderAttachError) -> LaneFault {
-    match error {
-        SenderAttachError::RemoteClosedWithError(error)
-        | SenderAttachError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
-        }
-        other => LaneFault::Broken(format!("the broker did not attach a sender: {other}")),
-    }
-}
-
-fn receiver_attach_fault(error: ReceiverAttachError) -> LaneFault {
-    match error {
-        ReceiverAttachError::RemoteClosedWithError(error)
-        | ReceiverAttachError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
-        }
-        other => LaneFault::Broken(format!("the broker did not attach a receiver: {other}")),
-    }
-}
-
-fn send_fault(error: SendError) -> LaneFault {
-    match error {
-        SendError::LinkStateError(state) => state_fault(state),
-        other => LaneFault::Broken(format!("a message could not be sent: {other}")),
-    }
-}
-
-fn recv_fault(error: RecvError) -> LaneFault {
-    match error {
-        RecvError::LinkStateError(state) => state_fault(state),
-        other => LaneFault::Broken(format!("a message could not be received: {other}")),
-    }
-}
-
-fn state_fault(state: LinkStateError) -> LaneFault {
-    match state {
-        LinkStateError::RemoteClosedWithError(error)
-        | LinkStateError::RemoteDetachedWithError(error) => LaneFault::Refused(rejection(&error)),
-        // Some brokers end the whole session where one link is refused.
-        LinkStateError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
-        }
-        other => LaneFault::Broken(format!("the link has ended: {other}")),
-    }
-}
-
-fn settle_fault(error: impl std::fmt::Debug) -> LaneFault {
-    LaneFault::Broken(format!("a settlement could not be sent: {error:?}"))
 }

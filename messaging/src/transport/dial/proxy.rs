@@ -7,8 +7,8 @@ use tokio::{
 };
 use zeroize::Zeroizing;
 
-use super::super::ConnectionFault;
-use crate::link::HttpProxy;
+use super::super::connection::ConnectionFault;
+use crate::config::HttpProxy;
 
 /// Longest answer of a proxy, in bytes.
 const ANSWER_BYTES_MAX: usize = 16 * 1024;
@@ -76,7 +76,7 @@ fn status(answer: &[u8]) -> Option<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::Login;
+    use crate::config::Login;
 
     #[test]
     fn the_request_names_target_and_user() {

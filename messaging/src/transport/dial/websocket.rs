@@ -2,8 +2,8 @@
 
 use websocket::{ConnectError, Endpoint, Subprotocol};
 
-use super::{super::ConnectionFault, Stream};
-use crate::link::BrokerUrl;
+use super::{super::connection::ConnectionFault, stream::Stream};
+use crate::config::BrokerUrl;
 
 /// So many messages of the largest size may a broker put into one message of the WebSocket.
 const MESSAGES_TOGETHER_MAX: u64 = 4;

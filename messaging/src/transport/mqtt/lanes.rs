@@ -15,14 +15,14 @@ use time::OffsetDateTime;
 use tokio::{sync::mpsc, time::timeout};
 
 use super::{
-    super::{Incoming, LaneFault, Outcome, OutcomeFuture, Outgoing, Token},
+    super::connection::{Incoming, LaneFault, Outcome, OutcomeFuture, Outgoing, Token},
     codec,
     wire::{Wire, broken},
 };
 use crate::{
+    config::LinkLimits,
     envelope::Envelope,
     inbox::{Delivery, Settlement},
-    link::LinkLimits,
     spool::Rejection,
 };
 

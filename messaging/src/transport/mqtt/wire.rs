@@ -24,10 +24,14 @@ use tokio::{
 use tokio_util::{codec::Framed, sync::CancellationToken};
 
 use super::{
-    super::{ConnectionFault, LaneFault, dial::Stream},
+    super::{
+        connection::{ConnectionFault, LaneFault},
+        dial::Stream,
+    },
+    config::CLOSE_TIMEOUT,
     framing::PacketCodec,
 };
-use crate::link::LinkLimits;
+use crate::config::LinkLimits;
 
 /// Packets that may wait to be written.
 const PACKETS_BUFFERED: usize = 256;
@@ -235,7 +239,7 @@ async fn write(
         let packet = tokio::select! {
             () = stop.cancelled() => {
                 let goodbye = Packet::Disconnect(Disconnect::new(DisconnectReasonCode::NormalDisconnection));
-                let _ = timeout(super::CLOSE_TIMEOUT, sink.send(goodbye)).await;
+                let _ = timeout(CLOSE_TIMEOUT, sink.send(goodbye)).await;
                 return ConnectionFault::passing("closed by this side");
             }
             packet = waiting.recv() => match packet {
@@ -346,69 +350,4 @@ fn disconnected(reason: DisconnectReasonCode) -> ConnectionFault {
 }
 
 #[cfg(test)]
-mod tests {
-    use rumqttc::v5::mqttbytes::{
-        QoS,
-        v5::{Codec, Subscribe},
-    };
-    use tokio::io::DuplexStream;
-
-    use super::{super::no_properties, *};
-
-    const RECEIVE_MAX: u32 = 4;
-
-    fn codec() -> PacketCodec {
-        PacketCodec(Codec { max_incoming_size: None, max_outgoing_size: None })
-    }
-
-    /// A connection, and a broker that sends five times what it may.
-    async fn flooded(keep_alive_seconds: u16) -> (Arc<Wire>, Framed<DuplexStream, PacketCodec>) {
-        let (ours, theirs) = tokio::io::duplex(1 << 20);
-        let granted =
-            ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
-        let limits = LinkLimits { credit: RECEIVE_MAX, ..LinkLimits::default() };
-        let ours: Box<dyn Stream> = Box::new(ours);
-        let wire = Wire::start(Framed::new(ours, codec()), &granted, &limits);
-        let mut broker = Framed::new(theirs, codec());
-        for id in 1..=5 * u16::try_from(RECEIVE_MAX).expect("small") {
-            let mut publish = Publish::new("t", QoS::AtLeastOnce, id.to_string(), None);
-            publish.pkid = id;
-            broker.feed(Packet::Publish(publish)).await.expect("there is room");
-        }
-        broker.flush().await.expect("there is room");
-        (wire, broker)
-    }
-
-    #[tokio::test]
-    async fn what_a_broker_sends_beyond_its_grant_waits_and_none_is_lost() {
-        let (wire, _broker) = flooded(30).await;
-        tokio::time::sleep(Duration::from_millis(50)).await;
-        assert_eq!(
-            wire.state.lock().unclaimed.len(),
-            wire.receive_max,
-            "no more is held than was granted"
-        );
-        let (lane, mut arrived) = mpsc::channel(wire.receive_max);
-        let subscribe =
-            |pkid| Packet::Subscribe(Subscribe { pkid, filters: Vec::new(), properties: None });
-        let answer = wire.subscribe(&["t".to_owned()], &lane, subscribe).await;
-        assert!(answer.is_ok(), "it is asked for");
-        for id in 1..=20 {
-            assert_eq!(arrived.recv().await.map(|publish| publish.pkid), Some(id));
-        }
-    }
-
-    #[tokio::test]
-    async fn a_broker_that_does_not_watch_is_watched() {
-        let (wire, mut broker) = flooded(0).await;
-        let ping = timeout(LinkLimits::default().idle_timeout, broker.next()).await;
-        assert!(matches!(ping, Ok(Some(Ok(Packet::PingReq(_))))), "{ping:?}");
-        assert!(wire.loss.borrow().is_none(), "it is not given up");
-    }
-
-    #[tokio::test]
-    async fn a_flood_that_nobody_takes_ends_the_connection() {
-        let (wire, _broker) = flooded(1).await;
-        assert!(wire.lost().await.reason.contains("more than it may"));
-    }
-}
+mod tests;

@@ -158,7 +158,7 @@ impl TestLink {
             backoff_min: Duration::from_millis(50),
             backoff_max: Duration::from_millis(500),
             backoff_permanent: Duration::from_secs(5),
-            address_rest: Duration::from_millis(100),
+            address_backoff: Duration::from_millis(100),
             ..LinkLimits::default()
         };
         change(&mut config);

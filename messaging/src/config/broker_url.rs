@@ -1,26 +1,25 @@
-//! Addresses of brokers, and of the proxy on the way.
+//! Addresses of brokers.
 
 use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Login;
-
-/// Where a broker listens: `amqps://host[:port]` or `mqtts://host[:port]`, and where nothing but
-/// HTTPS gets out `amqp+wss://host[:port][/path]` or `mqtt+wss://host[:port][/path]`, inside a
-/// WebSocket. Each without its last `s`: no TLS.
+/// Address of a broker: `amqps://host[:port]` or `mqtts://host[:port]`, or inside a WebSocket
+/// `amqp+wss://host[:port][/path]` or `mqtt+wss://host[:port][/path]`, where a firewall passes
+/// nothing but HTTPS. Each scheme without its last `s` is the same without TLS.
 ///
-/// OPC 10000-14 writes `wss://` for both protocols, which a single address could not tell apart.
+/// OPC 10000-14 writes `wss://` for both protocols; with that scheme alone the protocol of an
+/// address would be unknown.
 ///
-/// Without a path a WebSocket is asked for at `/` for AMQP, as ActiveMQ, Artemis, Qpid and the
-/// embedded broker take it, and at `/mqtt` for MQTT, as EMQX, HiveMQ and VerneMQ do; Mosquitto
-/// takes any. RabbitMQ wants `/ws` for both.
+/// The default path of a WebSocket is `/` for AMQP, as ActiveMQ, Artemis, Qpid and the embedded
+/// broker expect it, and `/mqtt` for MQTT, as EMQX, HiveMQ and VerneMQ do. Mosquitto accepts any
+/// path; RabbitMQ needs `/ws` for both.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct BrokerUrl {
     scheme: Scheme,
     host: String,
     port: u16,
-    /// Empty where there is no WebSocket.
+    /// Path and query of the WebSocket; empty without one.
     path: String,
 }
 
@@ -93,77 +92,63 @@ impl Scheme {
     }
 }
 
-/// Why a text is not a broker's address.
+/// Fault of a text that is no address of a broker or proxy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidBrokerUrl {
-    /// Only some schemes are spoken.
     #[error(
-        "a broker's address begins with amqps:// or mqtts://, in a WebSocket with amqp+wss:// or mqtt+wss://, each without \
-         its last s where there is no TLS, but this is {found:?}"
+        "a broker's address begins with amqps:// or mqtts://, in a WebSocket with amqp+wss:// or \
+         mqtt+wss://, each without its last s where there is no TLS, but this is {found:?}"
     )]
-    Scheme {
-        /// The text.
-        found: String,
-    },
-    /// A proxy is spoken to in plain HTTP; the tunnel through it is encrypted where the broker's
+    Scheme { found: String },
+    /// A proxy is addressed in plain HTTP; the tunnel through it is encrypted where the broker's
     /// address says so.
     #[error("a proxy's address begins with http://, but this is {found:?}")]
-    ProxyScheme {
-        /// The text.
-        found: String,
-    },
-    /// Nobody to call.
+    ProxyScheme { found: String },
     #[error(
         "the broker's address {found:?} has no host, or a port that is not a number up to 65535"
     )]
-    Authority {
-        /// The text.
-        found: String,
-    },
+    Authority { found: String },
     /// Only a WebSocket has a path.
     #[error(
-        "the broker's address {found:?} has a path, but only amqp+wss:// and mqtt+wss:// have one; remove it"
+        "the broker's address {found:?} has a path, but only amqp+wss:// and mqtt+wss:// have \
+         one; remove it"
     )]
-    Path {
-        /// The text.
-        found: String,
-    },
-    /// No HTTP server could be asked for this.
+    Path { found: String },
+    /// The path contains characters that no HTTP request line may contain.
     #[error(
-        "the path of {found:?} must be written as in a URL, without blanks and #; write %20 for a blank"
+        "the path of {found:?} must be written as in a URL, without blanks and #; write %20 for \
+         a blank"
     )]
-    PathCharacters {
-        /// The text.
-        found: String,
-    },
-    /// Credentials belong into their own settings, where they are not logged.
+    PathCharacters { found: String },
+    /// Credentials have settings of their own, which are not logged. The text is not repeated.
     #[error(
-        "the address of a broker or proxy must not contain a user or password; they have settings of their own"
+        "the address of a broker or proxy must not contain a user or password; they have \
+         settings of their own"
     )]
     Credentials,
 }
 
 impl BrokerUrl {
-    /// Whether the connection is encrypted.
+    /// Returns whether the connection uses TLS.
     #[must_use]
     pub const fn is_encrypted(&self) -> bool {
         self.scheme.is_encrypted()
     }
 
-    /// Whether the broker is spoken to in MQTT 5, not in AMQP 1.0.
+    /// Returns whether the protocol is MQTT 5; AMQP 1.0 otherwise.
     #[must_use]
     pub const fn is_mqtt(&self) -> bool {
         self.scheme.is_mqtt()
     }
 
-    /// Path and query of the WebSocket that the broker is spoken to in, where it is.
+    /// Path and query of the WebSocket; none where the protocol runs directly on TCP or TLS.
     #[must_use]
     pub fn websocket_path(&self) -> Option<&str> {
         self.scheme.is_websocket().then_some(self.path.as_str())
     }
 
-    /// Host and port as HTTP names them: the port only where it is not the usual one, IPv6
-    /// addresses in brackets.
+    /// Host and port as in an HTTP Host header: the port only where it is not the scheme's default,
+    /// IPv6 addresses in brackets.
     pub(crate) fn http_authority(&self) -> String {
         let host = Bracketed(&self.host);
         if self.port == self.scheme.default_port() {
@@ -179,13 +164,13 @@ impl BrokerUrl {
         &self.host
     }
 
-    /// The port.
+    /// The TCP port, explicit or the scheme's default.
     #[must_use]
     pub const fn port(&self) -> u16 {
         self.port
     }
 
-    /// Whether the host can only be this machine.
+    /// Returns whether the host is this machine by its name or address alone.
     #[must_use]
     pub fn is_loopback(&self) -> bool {
         self.host == "localhost"
@@ -225,8 +210,8 @@ impl FromStr for BrokerUrl {
     }
 }
 
-/// Host and port of `host[:port][/]`; none when there is no host or the port is no number.
-fn authority(text: &str) -> Option<(String, Option<u16>)> {
+/// Parses `host[:port][/]`; none when the host is missing or the port is not a number.
+pub(super) fn authority(text: &str) -> Option<(String, Option<u16>)> {
     let text = text.strip_suffix('/').unwrap_or(text);
     let (host, port) = match text.strip_prefix('[') {
         Some(rest) => rest.split_once(']')?,
@@ -241,34 +226,6 @@ fn authority(text: &str) -> Option<(String, Option<u16>)> {
     is_host.then(|| (host.to_owned(), port))
 }
 
-/// An HTTP proxy that connects through (RFC 9110 §9.3.6): `http://host[:port]`.
-#[derive(Debug, Clone)]
-pub struct HttpProxy {
-    pub(crate) host: String,
-    pub(crate) port: u16,
-    /// Who we are to the proxy, where it asks.
-    pub login: Option<Login>,
-}
-
-impl HttpProxy {
-    /// A proxy, with the credentials it asks for.
-    ///
-    /// # Errors
-    /// [`InvalidBrokerUrl::ProxyScheme`], [`InvalidBrokerUrl::Credentials`] or
-    /// [`InvalidBrokerUrl::Authority`] when the text is no such address.
-    pub fn new(url: &str, login: Option<Login>) -> Result<Self, InvalidBrokerUrl> {
-        let rest = url
-            .strip_prefix("http://")
-            .ok_or_else(|| InvalidBrokerUrl::ProxyScheme { found: url.to_owned() })?;
-        if rest.contains('@') {
-            return Err(InvalidBrokerUrl::Credentials);
-        }
-        let (host, port) =
-            authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: url.to_owned() })?;
-        Ok(Self { host, port: port.unwrap_or(8080), login })
-    }
-}
-
 impl fmt::Display for BrokerUrl {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scheme, host, port, path } = self;
@@ -276,7 +233,7 @@ impl fmt::Display for BrokerUrl {
     }
 }
 
-/// A host as it stands in a URL.
+/// A host as written in a URL: IPv6 addresses in brackets.
 struct Bracketed<'a>(&'a str);
 
 impl fmt::Display for Bracketed<'_> {
@@ -304,7 +261,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn urls_are_read() {
+    fn default_ports_and_paths_are_filled_in() {
         for (text, expected) in [
             ("amqps://broker.example", "amqps://broker.example:5671"),
             ("amqp://localhost/", "amqp://localhost:5672"),
@@ -319,6 +276,10 @@ mod tests {
         ] {
             assert_eq!(text.parse::<BrokerUrl>().expect(text).to_string(), expected);
         }
+    }
+
+    #[test]
+    fn texts_without_scheme_host_or_port_number_are_refused() {
         for text in [
             "",
             "broker",
@@ -345,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scheme_says_protocol_encryption_and_websocket() {
+    fn the_scheme_determines_protocol_encryption_and_websocket() {
         for (scheme, is_mqtt, is_encrypted, path) in [
             ("amqp", false, false, None),
             ("amqps", false, true, None),
@@ -369,19 +330,20 @@ mod tests {
     }
 
     #[test]
-    fn a_password_in_an_address_is_not_repeated() {
-        let broker =
-            "amqp+wss://user:canary@h".parse::<BrokerUrl>().expect_err("credentials").to_string();
-        let proxy =
-            HttpProxy::new("http://user:canary@h:3128", None).expect_err("credentials").to_string();
-        assert!(!broker.contains("canary") && !proxy.contains("canary"), "{broker} {proxy}");
+    fn a_password_in_an_address_is_not_repeated_in_the_error() {
+        let error = "amqp+wss://user:canary@h".parse::<BrokerUrl>().expect_err("credentials");
+        assert!(!error.to_string().contains("canary"), "{error}");
     }
 
     #[test]
-    fn what_is_wrong_with_a_path_is_told() {
-        let told = |text: &str| text.parse::<BrokerUrl>().expect_err(text).to_string();
-        assert!(told("amqps://h/path").contains("only amqp+wss:// and mqtt+wss:// have one"));
-        assert!(told("amqp+wss://h/a b").contains("%20"));
-        assert!(told("wss://h").contains("amqp+wss:// or mqtt+wss://"));
+    fn an_error_says_how_to_write_the_address() {
+        for (text, advice) in [
+            ("amqps://h/path", "only amqp+wss:// and mqtt+wss:// have one"),
+            ("amqp+wss://h/a b", "%20"),
+            ("wss://h", "amqp+wss:// or mqtt+wss://"),
+        ] {
+            let error = text.parse::<BrokerUrl>().expect_err(text).to_string();
+            assert!(error.contains(advice), "{error}");
+        }
     }
 }
