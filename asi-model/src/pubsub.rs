@@ -1,10 +1,11 @@
-//! OPC UA PubSub messages (OPC 10000-14): what they mean, apart from how they are encoded.
+//! OPC UA PubSub messages (OPC 10000-14), independent of their encoding.
 //!
-//! [`json`] is one encoding; another (UADP) would stand beside it and share these types.
+//! [`json`] is one encoding; another (UADP) would be a module beside it and share these types.
 
 pub mod json;
 mod message;
 mod meta_data;
+mod report;
 
 pub use message::{
     DataSetMessage, DataSetMessageKind, FieldRepresentation, MetaDataMessage, MetaDataVersion,
@@ -14,3 +15,4 @@ pub use meta_data::{
     DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE,
     PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
 };
+pub use report::{ReportHeader, is_report_field, measured_field, unit_member};

@@ -4,7 +4,7 @@ mod departures;
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use asi_model::{FactoryId, MessageId};
+use asi_model::{FactoryId, MessageId, pubsub::json::NetworkMessageHeader};
 use async_trait::async_trait;
 use messaging::{
     Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement,
@@ -102,17 +102,12 @@ impl Outbox {
                 let message_id = self.message_id(id, &reports);
                 self.departures
                     .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
-                let mut body = format!(
-                    "{{\"MessageId\":\"{message_id}\",\"MessageType\":\"ua-data\",\"PublisherId\":\"{}\",\"Messages\":[",
-                    self.factory_id
-                );
-                for (place, (_, report)) in reports.iter().enumerate() {
-                    if place > 0 {
-                        body.push(',');
-                    }
-                    body.push_str(report);
-                }
-                body.push_str("]}");
+                let header = NetworkMessageHeader {
+                    message_id: Some(&message_id),
+                    publisher_id: Some(self.factory_id.as_str()),
+                    ..NetworkMessageHeader::default()
+                };
+                let body = header.wrap(reports.iter().map(|(_, report)| report));
                 let mut envelope = Envelope::new(message_id, "ua-data", body);
                 envelope.creation_time = Some(created_at.into());
                 SpoolRow { id: RowId(id), address, envelope, attempts }

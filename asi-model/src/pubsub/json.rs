@@ -5,11 +5,12 @@ mod decode;
 mod decode_message;
 mod decode_meta_data;
 mod encode;
-mod encode_meta_data;
 
 pub use decode::{Decoded, PubSubError, decode, decode_described};
-pub use encode::{encode, encode_described, encode_message, encode_status};
-pub use encode_meta_data::encode_meta_data;
+pub use encode::{
+    NetworkMessageHeader, encode, encode_data_set_message, encode_described, encode_message,
+    encode_meta_data, encode_status,
+};
 
 use std::{fmt, str::FromStr};
 

@@ -14,18 +14,11 @@ use crate::{
         DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic,
         UpdateFrequencyUnit, VALUE_RANK_SCALAR,
     },
+    pubsub::{ReportHeader, measured_field},
     units,
     values::BuiltInType,
 };
 
-/// Payload members that every report has beside its fields.
-pub(super) const RESERVED_NAMES: [&str; 5] = [
-    "reportName",
-    "dynamicDataRequestId",
-    "operationId",
-    "operationNetworkId",
-    "shopfloorTimestamp",
-];
 /// Most dimensions of a field.
 const DIMENSIONS_MAX: i32 = 8;
 
@@ -166,14 +159,12 @@ fn check_fields(fields: &[ReportField], pointer: &str, reader: &mut Reader) {
             let message = format!("The report already has a field {name}.");
             reader.faults.push(place("name"), FaultCode::DuplicateField, message);
         }
-        if RESERVED_NAMES.contains(&name) {
+        if ReportHeader::is_member(name) {
             let message =
                 format!("Every report has a member {name} of its own; choose another name.");
             reader.faults.push(place("name"), FaultCode::ReservedFieldName, message);
         }
-        if let Some(measured) =
-            name.strip_suffix("Unit").filter(|measured| names.contains(measured))
-        {
+        if let Some(measured) = measured_field(name).filter(|measured| names.contains(measured)) {
             let message =
                 format!("{name} is the unit member of the field {measured}; choose another name.");
             reader.faults.push(place("name"), FaultCode::UnitFieldCollision, message);

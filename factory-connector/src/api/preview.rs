@@ -5,7 +5,11 @@ use std::sync::Arc;
 use asi_model::{
     DataValue, DateTime, FieldKey, StatusCode,
     messages::ValueSource,
-    pubsub::{NetworkMessage, PayloadField, json::encode},
+    pubsub::{
+        PayloadField,
+        json::{NetworkMessageHeader, encode_data_set_message},
+        unit_member,
+    },
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
@@ -312,15 +316,15 @@ fn message(
             if let Some(unit) =
                 books.field(field).and_then(|field| field.definition.unit.as_deref())
             {
-                frame.fields.push(PayloadField::new(format!("{}Unit", field.field_name), unit));
+                frame.fields.push(PayloadField::new(unit_member(field.field_name.as_str()), unit));
             }
         }
     }
-    let message = NetworkMessage {
-        message_id: Some(new_message_id()),
-        publisher_id: Some(books.config.factory_id.as_str().into()),
-        messages: vec![frame],
-        ..NetworkMessage::default()
+    let message_id = new_message_id();
+    let header = NetworkMessageHeader {
+        message_id: Some(&message_id),
+        publisher_id: Some(books.config.factory_id.as_str()),
+        ..NetworkMessageHeader::default()
     };
-    String::from_utf8(encode(&message, books.config.encoding)).ok()
+    String::from_utf8(header.wrap([encode_data_set_message(&frame, books.config.encoding)])).ok()
 }

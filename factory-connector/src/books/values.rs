@@ -8,7 +8,9 @@ use std::{
 use asi_model::{
     DataValue, DateTime, FieldKey, FieldName,
     messages::ValueSource,
-    pubsub::{DataSetMessage, NetworkMessage, PayloadField, json::encode},
+    pubsub::{
+        DataSetMessage, PayloadField, ReportHeader, json::encode_data_set_message, unit_member,
+    },
 };
 use mapping_engine::TransformState;
 
@@ -164,7 +166,7 @@ impl Books {
         let mut shared_bytes = 0;
         for id in writers {
             let Some((frame, consents)) = self.key_frame(id, now) else { continue };
-            let Some(body) = self.body_of(&frame) else { continue };
+            let body = encode_data_set_message(&frame, self.config.encoding);
             let Some(writer) = self.writers.get_mut(&id) else { continue };
             let (epoch, sequence, request) =
                 (writer.epoch, writer.next_sequence, writer.request.clone());
@@ -239,7 +241,7 @@ impl Books {
         now: DateTime,
     ) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
         let writer = self.writers.get(&id).filter(|writer| !writer.fields.is_empty())?;
-        let (message, request) = self.request(&writer.request)?;
+        let (_, request) = self.request(&writer.request)?;
         let mut values = Vec::with_capacity(writer.fields.len() * 2);
         let mut consents = BTreeMap::new();
         let mut newest: Option<DateTime> = None;
@@ -254,7 +256,7 @@ impl Books {
                 DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
             values.push(PayloadField::with(Arc::from(name.as_str()), shown));
             if let Some(unit) = &field.definition.unit {
-                values.push(PayloadField::new(format!("{name}Unit"), unit.as_str()));
+                values.push(PayloadField::new(unit_member(name.as_str()), unit.as_str()));
             }
         }
         if consents.is_empty() {
@@ -267,19 +269,12 @@ impl Books {
             .map(|field| field.gate.policy().time_step())
             .max()
             .unwrap_or_default();
-        let mut fields = vec![
-            PayloadField::new("reportName", request.report_data_format.report_name.as_str()),
-            PayloadField::new(
-                "dynamicDataRequestId",
-                writer.request.dynamic_data_request_id.as_str(),
-            ),
-            PayloadField::new("operationId", writer.request.operation_id.as_str()),
-            PayloadField::new(
-                "operationNetworkId",
-                message.operation_network.operation_network_id.as_str(),
-            ),
-            PayloadField::new("shopfloorTimestamp", newest.unwrap_or(now).floor_to(step)),
-        ];
+        let header = ReportHeader {
+            report_name: &request.report_data_format.report_name,
+            request: &writer.request,
+            shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
+        };
+        let mut fields = Vec::from(header.payload_fields());
         fields.append(&mut values);
         let frame = DataSetMessage {
             data_set_writer_id: Some(id),
@@ -302,14 +297,12 @@ impl Books {
         if let Some(writer) = self.writers.get(&id)
             && let Some((_, request)) = self.request(&writer.request)
         {
-            let key = &writer.request;
-            fields = vec![
-                PayloadField::new("reportName", request.report_data_format.report_name.as_str()),
-                PayloadField::new("dynamicDataRequestId", key.dynamic_data_request_id.as_str()),
-                PayloadField::new("operationId", key.operation_id.as_str()),
-                PayloadField::new("operationNetworkId", key.operation_network_id.as_str()),
-                PayloadField::new("shopfloorTimestamp", now),
-            ];
+            let header = ReportHeader {
+                report_name: &request.report_data_format.report_name,
+                request: &writer.request,
+                shopfloor_timestamp: now,
+            };
+            fields = Vec::from(header.payload_fields());
         }
         let writer = self.writers.get(&id);
         let frame = DataSetMessage {
@@ -322,17 +315,4 @@ impl Books {
         };
         (frame, BTreeMap::new())
     }
-
-    /// A DataSetMessage as JSON text: the envelope is put around it when it is sent.
-    fn body_of(&self, frame: &DataSetMessage) -> Option<String> {
-        let message = NetworkMessage { messages: vec![frame.clone()], ..NetworkMessage::default() };
-        let text = String::from_utf8(encode(&message, self.config.encoding)).ok()?;
-        inner_message(&text).map(str::to_owned)
-    }
-}
-
-/// The single DataSetMessage within an encoded NetworkMessage.
-pub(crate) fn inner_message(network_message: &str) -> Option<&str> {
-    let start = network_message.find("\"Messages\":[")? + "\"Messages\":[".len();
-    network_message.strip_suffix("]}").and_then(|text| text.get(start..))
 }

@@ -3,9 +3,10 @@
 use std::{collections::BTreeSet, sync::Arc, time::Duration};
 
 use asi_model::{
-    DateTime, FieldName, OrganisationId, RequestKey,
+    BuiltInType, DateTime, FieldName, OrganisationId, RequestKey,
     pubsub::{
-        DataSetMetaData, FieldMetaData, MetaDataMessage, MetaDataVersion, json::encode_meta_data,
+        DataSetMetaData, FieldMetaData, MetaDataMessage, MetaDataVersion, ReportHeader,
+        json::encode_meta_data, unit_member,
     },
 };
 use uuid::Uuid;
@@ -220,20 +221,8 @@ impl Books {
     pub(crate) fn meta_data(&self, id: u16) -> Option<DataSetMetaData> {
         let writer = self.writers.get(&id)?;
         let (_, document) = self.request(&writer.request)?;
-        let text = asi_model::BuiltInType::String;
-        let header = [
-            ("reportName", text),
-            ("dynamicDataRequestId", text),
-            ("operationId", text),
-            ("operationNetworkId", text),
-            ("shopfloorTimestamp", asi_model::BuiltInType::DateTime),
-        ];
-        let mut fields: Vec<FieldMetaData> = header
-            .into_iter()
-            .map(|(name, field_type)| {
-                FieldMetaData::new(name, field_type, field_id(&writer.request, name))
-            })
-            .collect();
+        let field_id = |name: &str| field_id(&writer.request, name);
+        let mut fields = Vec::from(ReportHeader::meta_data(field_id));
         for name in &writer.fields {
             let Some(field) = self.fields.get(&writer.request.field(name.clone())) else {
                 continue;
@@ -242,15 +231,12 @@ impl Books {
             fields.push(FieldMetaData::of_report_field(
                 &field.definition,
                 statement.as_ref(),
-                field_id(&writer.request, name.as_str()),
+                field_id(name.as_str()),
             ));
             if field.definition.unit.is_some() {
-                let unit = format!("{name}Unit");
-                fields.push(FieldMetaData::new(
-                    unit.as_str(),
-                    text,
-                    field_id(&writer.request, &unit),
-                ));
+                let unit = unit_member(name.as_str());
+                let unit_id = field_id(&unit);
+                fields.push(FieldMetaData::new(unit, BuiltInType::String, unit_id));
             }
         }
         Some(DataSetMetaData {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use asi_model::pubsub::unit_member;
 use serde::Deserialize as _;
 use serde_json::Value;
 
@@ -180,7 +181,7 @@ fn rows(
             .map(|(name, ..)| match (*name, field) {
                 ("field", Some(field)) => field.to_owned(),
                 ("value", Some(field)) => plain(&payload[field]),
-                ("unit", Some(field)) => plain(&payload[format!("{field}Unit")]),
+                ("unit", Some(field)) => plain(&payload[unit_member(field)]),
                 ("consent", Some(field)) => plain(&entry["consents"][field]),
                 ("precision", Some(field)) => precision(exported.precision.get(field)),
                 ("operationNetworkId" | "operationId" | "dynamicDataRequestId", Some(_)) => {

@@ -7,7 +7,7 @@ use asi_model::{
     opcua_json::Leniency,
     pubsub::{
         DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage,
-        PubSubMessage, PubSubState, json::decode_described,
+        PubSubMessage, PubSubState, ReportHeader, is_report_field, json::decode_described,
     },
 };
 use messaging::{Delivery, LogicalAddress};
@@ -83,15 +83,6 @@ pub struct IncomingReport {
     /// Its place in the NetworkMessage.
     pub position: usize,
 }
-
-/// Members of a payload that are no fields (wire contract, "Reports").
-const RESERVED: [&str; 5] = [
-    "reportName",
-    "dynamicDataRequestId",
-    "operationId",
-    "operationNetworkId",
-    "shopfloorTimestamp",
-];
 
 /// Code and reason of a dead letter.
 type Refusal = (&'static str, String);
@@ -287,23 +278,19 @@ fn report(
         ("NO_REQUEST", format!("DataSetMessage {position}: {error}."))
     };
     let request = RequestKey {
-        operation_network_id: OperationNetworkId::new(text("operationNetworkId")?)
+        operation_network_id: OperationNetworkId::new(text(ReportHeader::OPERATION_NETWORK_ID)?)
             .map_err(invalid)?,
-        operation_id: OperationId::new(text("operationId")?).map_err(invalid)?,
-        dynamic_data_request_id: DynamicDataRequestId::new(text("dynamicDataRequestId")?)
-            .map_err(invalid)?,
+        operation_id: OperationId::new(text(ReportHeader::OPERATION_ID)?).map_err(invalid)?,
+        dynamic_data_request_id: DynamicDataRequestId::new(text(
+            ReportHeader::DYNAMIC_DATA_REQUEST_ID,
+        )?)
+        .map_err(invalid)?,
     };
-    let shopfloor_timestamp = part.field("shopfloorTimestamp").and_then(time_of);
-    let is_field = |name: &str| {
-        !RESERVED.contains(&name)
-            && !name
-                .strip_suffix("Unit")
-                .is_some_and(|base| part.fields.iter().any(|field| *field.name == *base))
-    };
+    let shopfloor_timestamp = part.field(ReportHeader::SHOPFLOOR_TIMESTAMP).and_then(time_of);
     let fields = part
         .fields
         .iter()
-        .filter(|field| is_field(&field.name))
+        .filter(|field| is_report_field(part, &field.name))
         .map(|field| {
             let mut value = field.value.clone();
             // A variant travels without its own time; the data set's is the best that is known.
@@ -316,7 +303,7 @@ fn report(
         epoch,
         sequence,
         request,
-        report_name: part.text("reportName").unwrap_or_default().to_owned(),
+        report_name: part.text(ReportHeader::REPORT_NAME).unwrap_or_default().to_owned(),
         shopfloor_timestamp,
         report_timestamp: part.timestamp,
         fields,

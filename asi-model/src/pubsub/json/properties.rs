@@ -251,6 +251,15 @@ proptest! {
     }
 
     #[test]
+    fn wrapped_parts_equal_the_whole_message(message in network_message()) {
+        for encoding in Encoding::ALL {
+            let parts = message.messages.iter().map(|part| encode_data_set_message(part, encoding));
+            let wrapped = NetworkMessageHeader::from(&message).wrap(parts);
+            prop_assert_eq!(wrapped, encode(&message, encoding), "{}", encoding);
+        }
+    }
+
+    #[test]
     fn metadata_reads_back(id in message_id(), texts in (some_text(), some_text(), some_text()), writer: u16,
         time in option::of(date_time()), known in meta_data()) {
         let message = MetaDataMessage {

@@ -1,10 +1,10 @@
-//! Writing `ua-metadata`.
+//! Encoding of `ua-metadata` (OPC 10000-14 §7.2.5.5.2).
 
 use std::sync::Arc;
 
 use super::{
-    Encoding,
-    encode::{header, version},
+    super::Encoding,
+    header::{message_header, version},
 };
 use crate::{
     json::write,
@@ -15,7 +15,7 @@ use crate::{
     },
 };
 
-/// Writes a metadata message: in 1.04 reversible for `digicor`, else in 1.05 Compact.
+/// Encodes a metadata message: in 1.04 reversible for `digicor`, else in 1.05 Compact.
 #[must_use]
 pub fn encode_meta_data(message: &MetaDataMessage, encoding: Encoding) -> Vec<u8> {
     let meta_data = &message.meta_data;
@@ -26,9 +26,9 @@ pub fn encode_meta_data(message: &MetaDataMessage, encoding: Encoding) -> Vec<u8
     );
     let mut out = Vec::with_capacity(512 + 256 * meta_data.fields.len());
     out.push(b'{');
-    header(
+    message_header(
         &mut out,
-        message.message_id.as_ref().map(AsRef::as_ref),
+        message.message_id.as_ref(),
         "ua-metadata",
         message.publisher_id.as_deref(),
     );
