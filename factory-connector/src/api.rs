@@ -185,81 +185,94 @@ fn operations() -> Operations<Api> {
 
 fn guarded() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
-        .routes(routes!(session::show, session::sign_out))
-        .routes(routes!(status::show))
-        .routes(routes!(configuration::show))
-        .routes(routes!(users::list))
-        .routes(routes!(users::put, users::remove))
-        .routes(routes!(inbox::list))
-        .routes(routes!(inbox::request))
-        .routes(routes!(networks::list))
-        .routes(routes!(networks::show))
-        .routes(routes!(networks::news))
-        .routes(routes!(fields::read))
-        .routes(routes!(fields::decide))
-        .routes(routes!(fields::enter))
-        .routes(routes!(operator::operations))
-        .routes(routes!(operator::entries, operator::deliver))
-        .routes(routes!(preview::preview))
-        .routes(routes!(suggestions::list))
-        .routes(routes!(versions::list))
-        .routes(routes!(versions::difference))
-        .routes(routes!(versions::rollback))
-        .routes(routes!(shadow::start, shadow::status, shadow::end))
-        .routes(routes!(shadow::publish))
-        .routes(routes!(trials::run))
-        .routes(routes!(mapping_status::status))
-        .routes(routes!(mapping_status::restart))
-        .routes(routes!(mapping_status::survey))
-        .routes(routes!(exchange::export))
-        .routes(routes!(exchange::import).layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
-        .routes(routes!(templates::list))
-        .routes(routes!(templates::put, templates::remove))
-        .routes(routes!(templates::from_field))
-        .routes(routes!(templates::fill))
-        .routes(routes!(sources::list, sources::add))
-        .routes(routes!(sources::change, sources::remove))
-        .routes(routes!(sources::nodes))
-        .routes(routes!(sources::value))
-        .routes(routes!(search::search))
-        .routes(routes!(sources::certificates))
-        .routes(routes!(sources::trust))
-        .routes(routes!(application_certificate::show, application_certificate::install))
-        .routes(routes!(application_certificate::request))
-        .routes(routes!(client_certificates::list, client_certificates::add))
-        .routes(routes!(client_certificates::trust))
-        .routes(routes!(client_authorities::list))
-        .routes(routes!(client_authorities::remove))
-        .routes(routes!(client_authorities::revocation_lists))
-        .routes(routes!(client_authorities::remove_revocation_list))
-        .routes(routes!(comments::list, comments::add))
-        .routes(routes!(ledger::list))
-        .routes(routes!(ledger::fields::search))
-        .routes(routes!(ledger::checkpoints::list))
-        .routes(routes!(ledger::verification::verify))
-        .routes(routes!(ledger::export::export))
-        .routes(routes!(revocations::list, revocations::revoke))
-        .routes(routes!(revocations::show))
-        .routes(routes!(revocations::print))
-        .routes(routes!(spool::show))
-        .routes(routes!(spool::dead_letters))
-        .routes(routes!(leaks::list))
-        .routes(routes!(leaks::summary))
-        .routes(routes!(leaks::offer))
-        .routes(routes!(policies::list))
-        .routes(routes!(policies::put))
-        .routes(routes!(policies::versions))
-        .routes(routes!(policies::preview))
-        .routes(routes!(policies::recipients))
-        .routes(routes!(policies::set_recipient))
-        .routes(routes!(rules::list))
-        .routes(routes!(rules::put))
-        .routes(routes!(rules::versions))
-        .routes(routes!(rules::preview))
-        .routes(routes!(rules::apply))
-        .routes(routes!(rules::decisions))
-        .routes(routes!(rules::undo))
-        .routes(routes!(events::stream))
+        .routes(routes!(session::show_session, session::sign_out))
+        .routes(routes!(status::show_status))
+        .routes(routes!(configuration::show_configuration))
+        .routes(routes!(users::list_users))
+        .routes(routes!(users::put_user, users::remove_user))
+        .routes(routes!(inbox::list_inbox))
+        .routes(routes!(inbox::show_request))
+        .routes(routes!(networks::list_operation_networks))
+        .routes(routes!(networks::show_operation_network))
+        .routes(routes!(networks::show_revision_difference))
+        .routes(routes!(fields::show_field))
+        .routes(routes!(fields::decide_field))
+        .routes(routes!(fields::enter_value))
+        .routes(routes!(operator::list_operator_operations))
+        .routes(routes!(operator::list_operator_entries, operator::deliver_operator_entries))
+        .routes(routes!(preview::preview_decision))
+        .routes(routes!(suggestions::list_suggestions))
+        .routes(routes!(versions::list_mapping_versions))
+        .routes(routes!(versions::compare_mapping_versions))
+        .routes(routes!(versions::roll_mapping_back))
+        .routes(routes!(
+            shadow::start_shadow_mapping,
+            shadow::show_shadow_mapping,
+            shadow::end_shadow_mapping
+        ))
+        .routes(routes!(shadow::publish_shadow_mapping))
+        .routes(routes!(trials::dry_run_mapping))
+        .routes(routes!(mapping_status::show_mapping_status))
+        .routes(routes!(mapping_status::restart_mapping))
+        .routes(routes!(mapping_status::survey_mappings))
+        .routes(routes!(exchange::export_mappings))
+        .routes(
+            routes!(exchange::import_mappings)
+                .layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)),
+        )
+        .routes(routes!(templates::list_mapping_templates))
+        .routes(routes!(templates::put_mapping_template, templates::remove_mapping_template))
+        .routes(routes!(templates::make_mapping_template))
+        .routes(routes!(templates::fill_mapping_template))
+        .routes(routes!(sources::list_sources, sources::add_source))
+        .routes(routes!(sources::change_source, sources::remove_source))
+        .routes(routes!(sources::browse_source))
+        .routes(routes!(sources::read_source_value))
+        .routes(routes!(search::search_source))
+        .routes(routes!(sources::list_source_certificates))
+        .routes(routes!(sources::trust_source_certificate))
+        .routes(routes!(
+            application_certificate::show_application_certificate,
+            application_certificate::install_application_certificate
+        ))
+        .routes(routes!(application_certificate::request_application_certificate))
+        .routes(routes!(
+            client_certificates::list_client_certificates,
+            client_certificates::add_client_certificate
+        ))
+        .routes(routes!(client_certificates::trust_client_certificate))
+        .routes(routes!(client_authorities::list_client_authorities))
+        .routes(routes!(client_authorities::remove_client_authority))
+        .routes(routes!(client_authorities::list_client_revocation_lists))
+        .routes(routes!(client_authorities::remove_client_revocation_list))
+        .routes(routes!(comments::list_comments, comments::add_comment))
+        .routes(routes!(ledger::list_ledger_entries))
+        .routes(routes!(ledger::fields::search_ledger_fields))
+        .routes(routes!(ledger::checkpoints::list_checkpoints))
+        .routes(routes!(ledger::verification::verify_ledger))
+        .routes(routes!(ledger::export::export_ledger))
+        .routes(routes!(revocations::list_revocations, revocations::revoke_consents))
+        .routes(routes!(revocations::show_revocation))
+        .routes(routes!(revocations::print_revocation))
+        .routes(routes!(spool::show_spool))
+        .routes(routes!(spool::list_dead_letters))
+        .routes(routes!(leaks::list_leak_budgets))
+        .routes(routes!(leaks::summarise_leak_budgets))
+        .routes(routes!(leaks::show_consent_offer))
+        .routes(routes!(policies::list_policies))
+        .routes(routes!(policies::put_policy))
+        .routes(routes!(policies::list_policy_versions))
+        .routes(routes!(policies::preview_policy))
+        .routes(routes!(policies::list_recipients))
+        .routes(routes!(policies::put_recipient_policy))
+        .routes(routes!(rules::list_rules))
+        .routes(routes!(rules::put_rule))
+        .routes(routes!(rules::list_rule_versions))
+        .routes(routes!(rules::preview_rule))
+        .routes(routes!(rules::apply_rules))
+        .routes(routes!(rules::list_rule_decisions))
+        .routes(routes!(rules::undo_rule_decision))
+        .routes(routes!(events::stream_events))
 }
 
 fn open() -> OpenApiRouter<Api> {
@@ -268,6 +281,20 @@ fn open() -> OpenApiRouter<Api> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn operation_ids_are_unique() {
+        let mut ids = BTreeSet::new();
+        for (path, item) in super::openapi().paths.paths {
+            let operations = [item.get, item.put, item.post, item.delete, item.patch];
+            for operation in operations.into_iter().flatten() {
+                let id = operation.operation_id.expect("an operation has an id");
+                assert!(ids.insert(id.clone()), "{path}: another operation is also named {id}");
+            }
+        }
+    }
+
     #[test]
     fn the_committed_description_is_fresh() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");

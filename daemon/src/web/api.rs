@@ -13,6 +13,7 @@ use rust_embed::RustEmbed;
 use tower_http::{catch_panic::CatchPanicLayer, compression::CompressionLayer, trace::TraceLayer};
 use utoipa::openapi::{
     OpenApi,
+    path::{Operation, PathItem},
     security::{ApiKey, ApiKeyValue, SecurityScheme},
 };
 use utoipa_axum::router::OpenApiRouter;
@@ -84,8 +85,8 @@ where
         .layer(TraceLayer::new_for_http())
 }
 
-/// The description of all operations, beside what `description` says of the API as a whole;
-/// `cookie` is the session's.
+/// Adds all operations to what `description` says of the API as a whole; `cookie` is the name of
+/// the session's cookie. The id of an operation is its handler's name in camel case.
 #[must_use]
 pub fn described<S>(
     mut description: OpenApi,
@@ -98,12 +99,30 @@ where
 {
     let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(cookie)));
     description.components.get_or_insert_default().add_security_scheme("session", scheme);
-    for router in [operations.guarded, operations.open] {
-        let (_, part): (Router<S>, OpenApi) = router.split_for_parts();
-        description = description.nest(API, part);
+    // Merged first: `nest` would replace a path that both parts have, as `/session`.
+    let (_, mut all) = operations.guarded.merge(operations.open).split_for_parts();
+    for operation in all.paths.paths.values_mut().flat_map(operations_of) {
+        operation.operation_id = operation.operation_id.as_deref().map(camel_case);
     }
+    description = description.nest(API, all);
     version.clone_into(&mut description.info.version);
     description
+}
+
+/// The operations of one path.
+fn operations_of(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
+    let PathItem { get, put, post, delete, patch, .. } = item;
+    [get, put, post, delete, patch].into_iter().filter_map(Option::as_mut)
+}
+
+/// `list_policies` as `listPolicies`, the case of everything in the API's JSON.
+fn camel_case(name: &str) -> String {
+    let mut words = name.split('_');
+    let first = words.next().unwrap_or_default().to_owned();
+    words.fold(first, |name, word| {
+        let (initial, rest) = word.split_at(word.len().min(1));
+        name + &initial.to_ascii_uppercase() + rest
+    })
 }
 
 fn panicked(_: Box<dyn std::any::Any + Send>) -> Response {

@@ -75,7 +75,9 @@ impl From<OwnCertificate> for ApplicationCertificateView {
 /// Shows the OPC UA server's own certificate.
 #[utoipa::path(get, path = "/application-certificate", tag = "twin", security(("session" = [])),
     responses((status = 200, body = ApplicationCertificateView), Problems))]
-pub async fn show(State(api): State<Api>) -> Result<Json<ApplicationCertificateView>, Problem> {
+pub async fn show_application_certificate(
+    State(api): State<Api>,
+) -> Result<Json<ApplicationCertificateView>, Problem> {
     let own = api.twin.application_certificate().clone();
     Ok(Json(blocking(move || own.show()).await?.into()))
 }
@@ -105,7 +107,7 @@ pub struct CertificateRequestView {
 /// stays here.
 #[utoipa::path(post, path = "/application-certificate/request", tag = "twin", security(("session" = [])),
     request_body = CertificateRequestBody, responses((status = 200, body = CertificateRequestView), Problems))]
-pub async fn request(
+pub async fn request_application_certificate(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(body): ApiJson<CertificateRequestBody>,
@@ -140,7 +142,7 @@ pub struct IssuedCertificateBody {
 /// Installs an issued certificate; the server shows it from the next connection on.
 #[utoipa::path(put, path = "/application-certificate", tag = "twin", security(("session" = [])),
     request_body = IssuedCertificateBody, responses((status = 200, body = ApplicationCertificateView), Problems))]
-pub async fn install(
+pub async fn install_application_certificate(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(body): ApiJson<IssuedCertificateBody>,

@@ -88,7 +88,9 @@ impl From<Authority> for ClientAuthorityView {
 /// clients' certificates.
 #[utoipa::path(get, path = "/client-authorities", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientAuthorityView>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientAuthorityView>>, Problem> {
+pub async fn list_client_authorities(
+    State(api): State<Api>,
+) -> Result<Json<Page<ClientAuthorityView>>, Problem> {
     let list = api.twin.trust_list().clone();
     let known = blocking(move || list.authorities()).await?;
     Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
@@ -97,7 +99,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientAuthorityVie
 /// Removes an authority: its clients stay outside from the next connection on.
 #[utoipa::path(delete, path = "/client-authorities/{thumbprint}", tag = "twin", security(("session" = [])),
     params(("thumbprint" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
-pub async fn remove(
+pub async fn remove_client_authority(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,
@@ -154,7 +156,7 @@ impl From<RevocationList> for ClientRevocationListView {
 /// Lists the authorities' lists of revoked certificates.
 #[utoipa::path(get, path = "/client-revocation-lists", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientRevocationListView>), Problems))]
-pub async fn revocation_lists(
+pub async fn list_client_revocation_lists(
     State(api): State<Api>,
 ) -> Result<Json<Page<ClientRevocationListView>>, Problem> {
     let list = api.twin.trust_list().clone();
@@ -166,7 +168,7 @@ pub async fn revocation_lists(
 /// new one.
 #[utoipa::path(delete, path = "/client-revocation-lists/{revocationListId}", tag = "twin", security(("session" = [])),
     params(("revocationListId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
-pub async fn remove_revocation_list(
+pub async fn remove_client_revocation_list(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<String>,

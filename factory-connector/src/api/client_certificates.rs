@@ -121,7 +121,9 @@ impl From<ClientCertificate> for ClientCertificateView {
 /// discovery server's is among them.
 #[utoipa::path(get, path = "/client-certificates", tag = "twin", security(("session" = [])),
     responses((status = 200, body = Page<ClientCertificateView>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<ClientCertificateView>>, Problem> {
+pub async fn list_client_certificates(
+    State(api): State<Api>,
+) -> Result<Json<Page<ClientCertificateView>>, Problem> {
     let list = api.twin.trust_list().clone();
     let known = blocking(move || list.list()).await?;
     Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
@@ -140,7 +142,7 @@ pub struct ClientTrustBody {
 #[utoipa::path(put, path = "/client-certificates/{thumbprint}", tag = "twin", security(("session" = [])),
     params(("thumbprint" = String, Path)), request_body = ClientTrustBody,
     responses((status = 200, body = ClientCertificateView), Problems))]
-pub async fn trust(
+pub async fn trust_client_certificate(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,
@@ -197,7 +199,7 @@ pub struct TrustFileBody {
 /// Adds a certificate or a revocation list to the trust list.
 #[utoipa::path(post, path = "/client-certificates", tag = "twin", security(("session" = [])),
     request_body = TrustFileBody, responses((status = 201, description = "Added"), Problems))]
-pub async fn add(
+pub async fn add_client_certificate(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(body): ApiJson<TrustFileBody>,

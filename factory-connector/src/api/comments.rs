@@ -19,7 +19,7 @@ const TEXT_CHARS_MAX: usize = 4000;
 #[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
     security(("session" = [])), params(("operationNetworkId" = String, Path)),
     responses((status = 200, body = Page<StoredComment>), Problems))]
-pub async fn list(
+pub async fn list_comments(
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<Page<StoredComment>>, Problem> {
@@ -41,7 +41,7 @@ pub struct NewComment {
 #[utoipa::path(post, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
     security(("session" = [])), params(("operationNetworkId" = String, Path)), request_body = NewComment,
     responses((status = 204, description = "Said"), Problems))]
-pub async fn add(
+pub async fn add_comment(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OperationNetworkId>,

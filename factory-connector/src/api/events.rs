@@ -43,7 +43,7 @@ impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
 /// must load afresh.
 #[utoipa::path(get, path = "/events", tag = "events", security(("session" = [])),
     responses((status = 200, content_type = "text/event-stream", body = String), Problems))]
-pub async fn stream(State(api): State<Api>, headers: HeaderMap) -> Response {
+pub async fn stream_events(State(api): State<Api>, headers: HeaderMap) -> Response {
     api.events.stream(last_event_id(&headers), api.shutdown.clone(), |event| {
         Some(match event {
             ConnectorEvent::Field(news) => {

@@ -56,7 +56,7 @@ pub struct ExportQuery {
 /// templates too.
 #[utoipa::path(get, path = "/mappings/export", tag = "mappings", security(("session" = [])), params(ExportQuery),
     responses((status = 200, content((MappingFile = "application/json"), (String = "text/csv"))), Problems))]
-pub async fn export(
+pub async fn export_mappings(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiQuery(query): ApiQuery<ExportQuery>,
@@ -130,7 +130,7 @@ pub struct PlacedMapping {
 #[utoipa::path(post, path = "/mappings/import", tag = "mappings", security(("session" = [])), params(ImportQuery),
     request_body(content((MappingFile = "application/json"), (String = "text/csv"))),
     responses((status = 200, body = ImportOutcome), Problems))]
-pub async fn import(
+pub async fn import_mappings(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiQuery(query): ApiQuery<ImportQuery>,

@@ -137,7 +137,7 @@ async fn learn_paths(api: &Api, mapping: &mut Mapping) {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = DecisionBody, responses((status = 200, body = FieldView), Problems))]
-pub async fn decide(
+pub async fn decide_field(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
@@ -166,7 +166,7 @@ pub async fn decide(
         .change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now))
         .await?;
     decided.map_err(DeskError::from)?;
-    show(&api, field).await
+    field_view(&api, field).await
 }
 
 /// Shows a field as it stands.
@@ -174,14 +174,14 @@ pub async fn decide(
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = FieldView), Problems))]
-pub async fn read(
+pub async fn show_field(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
-    show(&api, key(path)).await
+    field_view(&api, key(path)).await
 }
 
-pub(super) async fn show(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
+pub(super) async fn field_view(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
     let view = api
         .desk
         .read(move |books| books.field(&field).map(|f| FieldView::new(books, field.clone(), f)))
@@ -229,7 +229,7 @@ pub struct Entered {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = EnteredValue, responses((status = 200, body = Entered), Problems))]
-pub async fn enter(
+pub async fn enter_value(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,

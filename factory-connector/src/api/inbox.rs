@@ -84,7 +84,7 @@ pub struct InboxTotals {
 /// their addresses.
 #[utoipa::path(get, path = "/inbox", tag = "inbox", security(("session" = [])), params(InboxQuery),
     responses((status = 200, body = InboxPage), Problems))]
-pub async fn list(
+pub async fn list_inbox(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<InboxQuery>,
 ) -> Result<Json<InboxPage>, Problem> {
@@ -243,7 +243,7 @@ type RequestPath = (OperationNetworkId, OperationId, DynamicDataRequestId);
 #[utoipa::path(get, path = "/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}", tag = "inbox",
     security(("session" = [])), params(("operationNetworkId" = String, Path), ("operationId" = String, Path),
     ("dynamicDataRequestId" = String, Path)), responses((status = 200, body = RequestView), Problems))]
-pub async fn request(
+pub async fn show_request(
     State(api): State<Api>,
     ApiPath((operation_network_id, operation_id, dynamic_data_request_id)): ApiPath<RequestPath>,
 ) -> Result<Json<RequestView>, Problem> {

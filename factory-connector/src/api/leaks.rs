@@ -50,7 +50,7 @@ impl LeakQuery {
 /// together.
 #[utoipa::path(get, path = "/leak-budgets", tag = "policies", security(("session" = [])), params(LeakQuery),
     responses((status = 200, body = Page<PartnerLeaks>), Problems))]
-pub async fn list(
+pub async fn list_leak_budgets(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerLeaks>>, Problem> {
@@ -89,7 +89,7 @@ pub struct PartnerSummary {
 /// conclusions.
 #[utoipa::path(get, path = "/leak-budgets/summary", tag = "policies", security(("session" = [])), params(LeakQuery),
     responses((status = 200, body = Page<PartnerSummary>), Problems))]
-pub async fn summary(
+pub async fn summarise_leak_budgets(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerSummary>>, Problem> {
@@ -124,7 +124,7 @@ pub struct ConsentOffer {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = ConsentOffer), Problems))]
-pub async fn offer(
+pub async fn show_consent_offer(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ConsentOffer>, Problem> {

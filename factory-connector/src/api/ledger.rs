@@ -184,7 +184,7 @@ impl From<LedgerRow> for EntryView {
 /// by name where none is named.
 #[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerSelection, LedgerPlace),
     responses((status = 200, body = LedgerView), Problems))]
-pub async fn list(
+pub async fn list_ledger_entries(
     State(api): State<Api>,
     ApiQuery(wanted): ApiQuery<LedgerSelection>,
     ApiQuery(place): ApiQuery<LedgerPlace>,

@@ -31,7 +31,7 @@ pub struct SurveyQuery {
 /// How all published mappings are doing: how many do how, and the worst of them.
 #[utoipa::path(get, path = "/mappings/survey", tag = "mappings", security(("session" = [])), params(SurveyQuery),
     responses((status = 200, body = MappingSurvey), Problems))]
-pub async fn survey(
+pub async fn survey_mappings(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<SurveyQuery>,
 ) -> Result<Json<MappingSurvey>, Problem> {
@@ -45,7 +45,7 @@ pub async fn survey(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = MappingStatus), Problems))]
-pub async fn status(
+pub async fn show_mapping_status(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
@@ -61,7 +61,7 @@ pub async fn status(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = MappingStatus), Problems))]
-pub async fn restart(
+pub async fn restart_mapping(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,

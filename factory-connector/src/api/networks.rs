@@ -37,7 +37,9 @@ pub struct NetworkSummary {
 /// Lists all networks, withdrawn ones included.
 #[utoipa::path(get, path = "/operation-networks", tag = "inbox", security(("session" = [])),
     responses((status = 200, body = Page<NetworkSummary>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<NetworkSummary>>, Problem> {
+pub async fn list_operation_networks(
+    State(api): State<Api>,
+) -> Result<Json<Page<NetworkSummary>>, Problem> {
     let items = api
         .desk
         .read(|books| {
@@ -89,7 +91,7 @@ pub struct NetworkView {
 /// Shows a network as received, and how its fields stand.
 #[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "inbox", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), Problems))]
-pub async fn show(
+pub async fn show_operation_network(
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkView>, Problem> {
@@ -127,7 +129,7 @@ pub struct NetworkNews {
 /// What is new in a network against the revision before.
 #[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/news", tag = "inbox", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkNews), Problems))]
-pub async fn news(
+pub async fn show_revision_difference(
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkNews>, Problem> {

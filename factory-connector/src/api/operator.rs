@@ -106,7 +106,7 @@ pub struct OperatorField {
 /// interrupted.
 #[utoipa::path(get, path = "/operator/operations", tag = "operator", security(("session" = [])),
     params(OperationsQuery), responses((status = 200, body = Page<OperatorOperation>), Problems))]
-pub async fn operations(
+pub async fn list_operator_operations(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<OperationsQuery>,
 ) -> Result<Json<Page<OperatorOperation>>, Problem> {
@@ -248,7 +248,7 @@ pub struct EntriesQuery {
 /// Lists what was entered about an operation, newest first: the last 200 entries.
 #[utoipa::path(get, path = "/operator/entries", tag = "operator", security(("session" = [])), params(EntriesQuery),
     responses((status = 200, body = Page<OperatorEntry>), Problems))]
-pub async fn entries(
+pub async fn list_operator_entries(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<EntriesQuery>,
 ) -> Result<Json<Page<OperatorEntry>>, Problem> {
@@ -328,7 +328,7 @@ pub struct FieldResult {
 /// delivers them again.
 #[utoipa::path(post, path = "/operator/entries", tag = "operator", security(("session" = [])), request_body = Delivery,
     responses((status = 200, body = Page<EntryResult>), Problems))]
-pub async fn deliver(
+pub async fn deliver_operator_entries(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(delivery): ApiJson<Delivery>,

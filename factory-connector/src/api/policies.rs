@@ -57,7 +57,7 @@ fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
 /// Lists the named policies in their newest version, retired ones included.
 #[utoipa::path(get, path = "/policies", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Page<PolicyView>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Problem> {
+pub async fn list_policies(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Problem> {
     let items = api
         .desk
         .read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect())
@@ -71,7 +71,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Prob
 #[utoipa::path(put, path = "/policies/{policyId}", tag = "policies", security(("session" = [])),
     params(("policyId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = NamedPolicy,
     responses((status = 200, body = DocumentVersion), Problems))]
-pub async fn put(
+pub async fn put_policy(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
@@ -87,7 +87,7 @@ pub async fn put(
 /// Every version of a named policy, newest first.
 #[utoipa::path(get, path = "/policies/{policyId}/versions", tag = "policies", security(("session" = [])),
     params(("policyId" = String, Path)), responses((status = 200, body = Page<Versioned<NamedPolicy>>), Problems))]
-pub async fn versions(
+pub async fn list_policy_versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<NamedPolicy>>>, Problem> {
@@ -114,7 +114,7 @@ pub struct PolicyUse {
 #[utoipa::path(post, path = "/policies/{policyId}/preview", tag = "policies", security(("session" = [])),
     params(("policyId" = String, Path)), request_body = NamedPolicy,
     responses((status = 200, body = Page<PolicyUse>), Problems))]
-pub async fn preview(
+pub async fn preview_policy(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
@@ -161,7 +161,7 @@ pub struct RecipientView {
 /// Lists every organisation that may get anything, with the policy set for it.
 #[utoipa::path(get, path = "/recipients", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Page<RecipientView>), Problems))]
-pub async fn recipients(State(api): State<Api>) -> Result<Json<Page<RecipientView>>, Problem> {
+pub async fn list_recipients(State(api): State<Api>) -> Result<Json<Page<RecipientView>>, Problem> {
     let items = api
         .desk
         .read(|books| {
@@ -218,7 +218,7 @@ pub struct RecipientVersion {
 #[utoipa::path(put, path = "/recipients/{recipient}/policy", tag = "policies", security(("session" = [])),
     params(("recipient" = String, Path), ("If-Match" = Option<String>, Header)), request_body = RecipientBody,
     responses((status = 200, body = RecipientVersion), Problems))]
-pub async fn set_recipient(
+pub async fn put_recipient_policy(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(recipient): ApiPath<OrganisationId>,

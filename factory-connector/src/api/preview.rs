@@ -110,7 +110,7 @@ pub struct Preview {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = Draft, responses((status = 200, body = Preview), Problems))]
-pub async fn preview(
+pub async fn preview_decision(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,

@@ -59,7 +59,7 @@ pub struct RevocationBody {
 /// receipt says what had left.
 #[utoipa::path(post, path = "/revocations", tag = "revocations", security(("session" = [])),
     request_body = RevocationBody, responses((status = 201, body = StoredRevocation), Problems))]
-pub async fn revoke(
+pub async fn revoke_consents(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(body): ApiJson<RevocationBody>,
@@ -130,7 +130,7 @@ pub struct RevocationsQuery {
 /// Lists the receipts of ended consents, newest first.
 #[utoipa::path(get, path = "/revocations", tag = "revocations", security(("session" = [])), params(RevocationsQuery),
     responses((status = 200, body = Page<StoredRevocation>), Problems))]
-pub async fn list(
+pub async fn list_revocations(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<RevocationsQuery>,
 ) -> Result<Json<Page<StoredRevocation>>, Problem> {
@@ -142,7 +142,7 @@ pub async fn list(
 /// Shows one receipt.
 #[utoipa::path(get, path = "/revocations/{revocationId}", tag = "revocations", security(("session" = [])),
     params(("revocationId" = String, Path)), responses((status = 200, body = StoredRevocation), Problems))]
-pub async fn show(
+pub async fn show_revocation(
     State(api): State<Api>,
     ApiPath(id): ApiPath<String>,
 ) -> Result<Json<StoredRevocation>, Problem> {
@@ -166,7 +166,7 @@ pub struct PrintQuery {
 #[utoipa::path(get, path = "/revocations/{revocationId}/print", tag = "revocations", security(("session" = [])),
     params(("revocationId" = String, Path), PrintQuery),
     responses((status = 200, content_type = "text/html", body = String), Problems))]
-pub async fn print(
+pub async fn print_revocation(
     State(api): State<Api>,
     ApiPath(id): ApiPath<String>,
     ApiQuery(query): ApiQuery<PrintQuery>,

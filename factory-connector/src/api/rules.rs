@@ -27,7 +27,7 @@ const PAGE: u32 = 100;
 /// Lists the standing rules in their newest version.
 #[utoipa::path(get, path = "/rules", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
+pub async fn list_rules(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
     Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
 }
 
@@ -36,7 +36,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>,
 #[utoipa::path(put, path = "/rules/{ruleId}", tag = "policies", security(("session" = [])),
     params(("ruleId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = Rule,
     responses((status = 200, body = DocumentVersion), Problems))]
-pub async fn put(
+pub async fn put_rule(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
@@ -52,7 +52,7 @@ pub async fn put(
 /// Every version of a rule, newest first.
 #[utoipa::path(get, path = "/rules/{ruleId}/versions", tag = "policies", security(("session" = [])),
     params(("ruleId" = String, Path)), responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
-pub async fn versions(
+pub async fn list_rule_versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
@@ -90,7 +90,7 @@ pub struct RulePreview {
 /// What a draft of a rule means among the fields that are there; nothing is changed.
 #[utoipa::path(post, path = "/rules/preview", tag = "policies", security(("session" = [])), request_body = Rule,
     responses((status = 200, body = RulePreview), Problems))]
-pub async fn preview(
+pub async fn preview_rule(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(rule): ApiJson<Rule>,
@@ -137,7 +137,7 @@ pub struct Applied {
 /// Applies the enabled rules to all undecided fields; what an engineer left open stays open.
 #[utoipa::path(post, path = "/rules/apply", tag = "policies", security(("session" = [])),
     responses((status = 200, body = Applied), Problems))]
-pub async fn apply(
+pub async fn apply_rules(
     State(api): State<Api>,
     who: SignedIn<Principal>,
 ) -> Result<Json<Applied>, Problem> {
@@ -159,7 +159,7 @@ pub struct DecisionsQuery {
 /// Lists what rules have decided by themselves, newest first.
 #[utoipa::path(get, path = "/rule-decisions", tag = "policies", security(("session" = [])), params(DecisionsQuery),
     responses((status = 200, body = Page<RuleDecision>), Problems))]
-pub async fn decisions(
+pub async fn list_rule_decisions(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<DecisionsQuery>,
 ) -> Result<Json<Page<RuleDecision>>, Problem> {
@@ -172,7 +172,7 @@ pub async fn decisions(
 /// where something else was decided since.
 #[utoipa::path(post, path = "/rule-decisions/{id}/undo", tag = "policies", security(("session" = [])),
     params(("id" = String, Path)), responses((status = 204, description = "Undone"), Problems))]
-pub async fn undo(
+pub async fn undo_rule_decision(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<i64>,

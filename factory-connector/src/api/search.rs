@@ -52,7 +52,7 @@ pub struct Finds {
 /// connector keeps.
 #[utoipa::path(get, path = "/sources/{sourceId}/search", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path), SearchQuery), responses((status = 200, body = Finds), Problems))]
-pub async fn search(
+pub async fn search_source(
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<SearchQuery>,

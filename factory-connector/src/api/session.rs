@@ -63,7 +63,7 @@ pub async fn sign_in(
 /// Says who is signed in.
 #[utoipa::path(get, path = "/session", tag = "session", security(("session" = [])),
     responses((status = 200, body = Session), Problems))]
-pub async fn show(who: SignedIn<Principal>) -> Json<Session> {
+pub async fn show_session(who: SignedIn<Principal>) -> Json<Session> {
     Json(who.into())
 }
 

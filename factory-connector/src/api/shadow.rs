@@ -14,7 +14,7 @@ use super::{
     Api, Principal,
     accounts::engineer_only,
     exchange::{Wanted, place},
-    fields::{FieldPath, MappingDraft, checked, key, show},
+    fields::{FieldPath, MappingDraft, checked, field_view, key},
     problems::{Problems, engine},
     view::FieldView,
 };
@@ -43,7 +43,7 @@ pub struct ShadowView {
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = MappingDraft, responses((status = 200, body = ShadowView), Problems))]
-pub async fn start(
+pub async fn start_shadow_mapping(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
@@ -61,7 +61,7 @@ pub async fn start(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = ShadowView), Problems))]
-pub async fn status(
+pub async fn show_shadow_mapping(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ShadowView>, Problem> {
@@ -73,7 +73,7 @@ pub async fn status(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 204, description = "Ended"), Problems))]
-pub async fn end(
+pub async fn end_shadow_mapping(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
@@ -89,7 +89,7 @@ pub async fn end(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = FieldView), Problems))]
-pub async fn publish(
+pub async fn publish_shadow_mapping(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
@@ -115,7 +115,7 @@ pub async fn publish(
     let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
     place(&api, vec![wanted], author, Some("tried as a shadow".to_owned()), false).await?;
     api.desk.shadow(field.clone(), None, author).await?;
-    show(&api, field).await
+    field_view(&api, field).await
 }
 
 async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>, Problem> {

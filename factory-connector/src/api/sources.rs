@@ -37,7 +37,7 @@ pub struct SourceView {
 /// Lists the sources with their state.
 #[utoipa::path(get, path = "/sources", tag = "sources", security(("session" = [])),
     responses((status = 200, body = Page<SourceView>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Problem> {
+pub async fn list_sources(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Problem> {
     let configs = crate::store::sources(&api.readers).await?;
     let items = api
         .shop_floor
@@ -56,7 +56,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Prob
 /// Adds a source; the connector connects to it at once.
 #[utoipa::path(post, path = "/sources", tag = "sources", security(("session" = [])), request_body = SourceConfig,
     responses((status = 201, body = Object), Problems))]
-pub async fn add(
+pub async fn add_source(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiJson(source): ApiJson<SourceConfig>,
@@ -72,7 +72,7 @@ pub async fn add(
 /// Changes a source; mappings that use it go on under the new settings.
 #[utoipa::path(put, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path)), request_body = SourceConfig, responses((status = 200, body = Object), Problems))]
-pub async fn change(
+pub async fn change_source(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<SourceId>,
@@ -104,7 +104,7 @@ async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
 /// Removes a source; mappings that use it keep their last value with a status that says so.
 #[utoipa::path(delete, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
-pub async fn remove(
+pub async fn remove_source(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<SourceId>,
@@ -131,7 +131,7 @@ pub struct NodesQuery {
 /// Browses a source's address space.
 #[utoipa::path(get, path = "/sources/{sourceId}/nodes", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path), NodesQuery), responses((status = 200, body = Page<BrowsedNode>), Problems))]
-pub async fn nodes(
+pub async fn browse_source(
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<NodesQuery>,
@@ -155,7 +155,7 @@ pub struct ValueQuery {
 /// Reads a variable of a source.
 #[utoipa::path(get, path = "/sources/{sourceId}/value", tag = "sources", security(("session" = [])),
     params(("sourceId" = String, Path), ValueQuery), responses((status = 200, body = ShownValue), Problems))]
-pub async fn value(
+pub async fn read_source_value(
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,
@@ -171,7 +171,9 @@ pub async fn value(
 /// Lists the certificates that servers have shown.
 #[utoipa::path(get, path = "/source-certificates", tag = "sources", security(("session" = [])),
     responses((status = 200, body = Page<PeerCertificate>), Problems))]
-pub async fn certificates(State(api): State<Api>) -> Result<Json<Page<PeerCertificate>>, Problem> {
+pub async fn list_source_certificates(
+    State(api): State<Api>,
+) -> Result<Json<Page<PeerCertificate>>, Problem> {
     Ok(Json(Page::whole(api.shop_floor.certificates().await.map_err(shop_floor)?)))
 }
 
@@ -187,7 +189,7 @@ pub struct TrustBody {
 #[utoipa::path(put, path = "/source-certificates/{thumbprint}", tag = "sources", security(("session" = [])),
     params(("thumbprint" = String, Path)), request_body = TrustBody,
     responses((status = 200, body = PeerCertificate), Problems))]
-pub async fn trust(
+pub async fn trust_source_certificate(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,

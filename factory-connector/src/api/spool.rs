@@ -14,7 +14,7 @@ const PAGE: u32 = 100;
 /// Shows how much waits to leave.
 #[utoipa::path(get, path = "/spool", tag = "spool", security(("session" = [])),
     responses((status = 200, body = Object), Problems))]
-pub async fn show(State(api): State<Api>) -> Result<Json<serde_json::Value>, Problem> {
+pub async fn show_spool(State(api): State<Api>) -> Result<Json<serde_json::Value>, Problem> {
     let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
     Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
 }
@@ -30,7 +30,7 @@ pub struct LettersQuery {
 /// Lists messages that were received or sent and rejected, newest first.
 #[utoipa::path(get, path = "/dead-letters", tag = "spool", security(("session" = [])), params(LettersQuery),
     responses((status = 200, body = Page<DeadLetter>), Problems))]
-pub async fn dead_letters(
+pub async fn list_dead_letters(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LettersQuery>,
 ) -> Result<Json<Page<DeadLetter>>, Problem> {

@@ -42,7 +42,7 @@ pub struct Status {
 /// Says how the connector stands.
 #[utoipa::path(get, path = "/status", tag = "status", security(("session" = [])),
     responses((status = 200, body = Status), Problems))]
-pub async fn show(State(api): State<Api>) -> Result<Json<Status>, Problem> {
+pub async fn show_status(State(api): State<Api>) -> Result<Json<Status>, Problem> {
     let link = api.link.as_ref().map(|link| link.state().borrow().clone());
     let mut link = link.and_then(|state| serde_json::to_value(state).ok()).unwrap_or_default();
     // The phase is an object `{state, ...}`: its members belong to the link itself.

@@ -92,7 +92,7 @@ pub struct SearchedSource {
     tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
     SuggestionsQuery), responses((status = 200, body = Suggestions), Problems))]
-pub async fn list(
+pub async fn list_suggestions(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,

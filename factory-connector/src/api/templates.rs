@@ -44,7 +44,9 @@ pub struct TemplateView {
 /// Lists the templates.
 #[utoipa::path(get, path = "/mapping-templates", tag = "mappings", security(("session" = [])),
     responses((status = 200, body = Page<TemplateView>), Problems))]
-pub async fn list(State(api): State<Api>) -> Result<Json<Page<TemplateView>>, Problem> {
+pub async fn list_mapping_templates(
+    State(api): State<Api>,
+) -> Result<Json<Page<TemplateView>>, Problem> {
     let rows = store::templates(&api.readers).await?;
     let items = rows
         .into_iter()
@@ -61,7 +63,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Page<TemplateView>>, Pr
 #[utoipa::path(put, path = "/mapping-templates/{templateId}", tag = "mappings", security(("session" = [])),
     params(("templateId" = String, Path)), request_body = MappingTemplate,
     responses((status = 200, body = MappingTemplate), Problems))]
-pub async fn put(
+pub async fn put_mapping_template(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,
@@ -85,7 +87,7 @@ pub async fn put(
 /// Forgets a template; mappings made from it stay.
 #[utoipa::path(delete, path = "/mapping-templates/{templateId}", tag = "mappings", security(("session" = [])),
     params(("templateId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
-pub async fn remove(
+pub async fn remove_mapping_template(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,
@@ -112,7 +114,7 @@ pub struct TemplateDraft {
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = TemplateDraft, responses((status = 200, body = MappingTemplate), Problems))]
-pub async fn from_field(
+pub async fn make_mapping_template(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
@@ -159,7 +161,7 @@ pub struct FillQuery {
 #[utoipa::path(post, path = "/mapping-templates/{templateId}/fill", tag = "mappings", security(("session" = [])),
     params(("templateId" = String, Path), FillQuery), request_body = Series,
     responses((status = 200, body = ImportOutcome), Problems))]
-pub async fn fill(
+pub async fn fill_mapping_template(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,

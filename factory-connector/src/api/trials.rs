@@ -73,7 +73,7 @@ pub struct Trial {
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     request_body = TrialBody, responses((status = 200, body = Trial), Problems))]
-pub async fn run(
+pub async fn dry_run_mapping(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,

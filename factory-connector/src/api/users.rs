@@ -16,7 +16,7 @@ use utoipa::ToSchema;
 use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
 use crate::{
     desk::now,
-    store::{Role, Store, StoreError, User, put_user, remove_user, user, users},
+    store::{self, Role, Store, StoreError, User, user, users},
 };
 
 /// Longest name, in characters.
@@ -35,7 +35,7 @@ pub struct UserView {
 /// Lists everybody who may sign in.
 #[utoipa::path(get, path = "/users", tag = "users", security(("session" = [])),
     responses((status = 200, body = Page<UserView>), Problems))]
-pub async fn list(
+pub async fn list_users(
     State(api): State<Api>,
     who: SignedIn<Principal>,
 ) -> Result<Json<Page<UserView>>, Problem> {
@@ -57,7 +57,7 @@ pub struct UserBody {
 /// except the one in which the person did it; those of OPC UA clients also end with another role.
 #[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path)), request_body = UserBody, responses((status = 200, body = UserView), Problems))]
-pub async fn put(
+pub async fn put_user(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(user_name): ApiPath<String>,
@@ -89,7 +89,7 @@ pub async fn put(
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
     on_store(&api, move |mut connection| async move {
-        put_user(&mut connection, &changed, now()).await
+        store::put_user(&mut connection, &changed, now()).await
     })
     .await?;
     if has_new_password {
@@ -108,7 +108,7 @@ pub async fn put(
 /// Removes a person; the person's sessions end.
 #[utoipa::path(delete, path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
-pub async fn remove(
+pub async fn remove_user(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath(user_name): ApiPath<String>,
@@ -117,10 +117,9 @@ pub async fn remove(
     let _change = api.accounts.change().await;
     keep_an_engineer(&everybody(&api).await?, &user_name)?;
     let name = user_name.clone();
-    if !on_store(
-        &api,
-        move |mut connection| async move { remove_user(&mut connection, &name).await },
-    )
+    if !on_store(&api, move |mut connection| async move {
+        store::remove_user(&mut connection, &name).await
+    })
     .await?
     {
         return Err(Problem::not_found(format_args!("user {user_name}")));

@@ -14,7 +14,7 @@ use super::{
     Api, Principal,
     accounts::engineer_only,
     exchange::{Wanted, place},
-    fields::{FieldPath, key, show},
+    fields::{FieldPath, field_view, key},
     problems::Problems,
     view::{FieldView, Page},
 };
@@ -55,7 +55,7 @@ pub struct VersionView {
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
     responses((status = 200, body = Page<VersionView>), Problems))]
-pub async fn list(
+pub async fn list_mapping_versions(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<Page<VersionView>>, Problem> {
@@ -102,7 +102,7 @@ pub struct Difference {
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
     DifferenceQuery), responses((status = 200, body = Difference), Problems))]
-pub async fn difference(
+pub async fn compare_mapping_versions(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiQuery(query): ApiQuery<DifferenceQuery>,
@@ -122,7 +122,7 @@ pub async fn difference(
     tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
     ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
     ("version" = u32, Path)), responses((status = 200, body = FieldView), Problems))]
-pub async fn rollback(
+pub async fn roll_mapping_back(
     State(api): State<Api>,
     who: SignedIn<Principal>,
     ApiPath((network, operation, request, field_name, version)): ApiPath<VersionPath>,
@@ -137,7 +137,7 @@ pub async fn rollback(
     let note = Some(format!("as version {version}"));
     let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
     place(&api, vec![wanted], &who.principal.user_name, note, false).await?;
-    show(&api, field).await
+    field_view(&api, field).await
 }
 
 /// The stored versions, newest first, and the field's mapping as it is now.

@@ -63,7 +63,7 @@ impl From<StoredCheckpoint> for CheckpointView {
 /// Lists the signed checkpoints over all chains, newest first.
 #[utoipa::path(get, path = "/ledger/checkpoints", tag = "ledger", security(("session" = [])), params(CheckpointsQuery),
     responses((status = 200, body = Page<CheckpointView>), Problems))]
-pub async fn list(
+pub async fn list_checkpoints(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<CheckpointsQuery>,
 ) -> Result<Json<Page<CheckpointView>>, Problem> {

@@ -35,7 +35,7 @@ pub struct ExportQuery {
 /// order of the chains.
 #[utoipa::path(get, path = "/ledger/export", tag = "ledger", security(("session" = [])), params(LedgerSelection, ExportQuery),
     responses((status = 200, content_type = "text/csv", body = String), Problems))]
-pub async fn export(
+pub async fn export_ledger(
     State(api): State<Api>,
     ApiQuery(wanted): ApiQuery<LedgerSelection>,
     ApiQuery(query): ApiQuery<ExportQuery>,

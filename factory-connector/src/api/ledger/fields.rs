@@ -39,7 +39,7 @@ pub struct LedgerField {
 /// requests included.
 #[utoipa::path(get, path = "/ledger/fields", tag = "ledger", security(("session" = [])), params(LedgerFieldsQuery),
     responses((status = 200, body = Page<LedgerField>), Problems))]
-pub async fn search(
+pub async fn search_ledger_fields(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LedgerFieldsQuery>,
 ) -> Result<Json<Page<LedgerField>>, Problem> {

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use crate::{
     api::{Api, problems::Problems},
     ledger::{LEDGER_KEY_FILE, LedgerKey, Verification},
-    store::{Store, ledger_recipients, verify_ledger},
+    store::{self, Store, ledger_recipients},
 };
 
 /// The outcome of a verification.
@@ -29,7 +29,7 @@ pub struct VerificationView {
 /// Reads every chain from its beginning and finds any change, deletion or reordering.
 #[utoipa::path(post, path = "/ledger/verification", tag = "ledger", security(("session" = [])),
     responses((status = 200, body = VerificationView), Problems))]
-pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
+pub async fn verify_ledger(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
     // Hashing a whole ledger takes its time: it has a thread of its own.
     let directory = api.data_directory.clone();
     let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE))
@@ -38,7 +38,7 @@ pub async fn verify(State(api): State<Api>) -> Result<Json<VerificationView>, Pr
     let verified = tokio::task::spawn_blocking(move || {
         runtime.block_on(async {
             let mut connection = Store::connect(&directory).await?;
-            verify_ledger(&mut connection, trusted).await
+            store::verify_ledger(&mut connection, trusted).await
         })
     });
     let verification = verified.await.map_err(|error| Problem::internal(&error))??;
