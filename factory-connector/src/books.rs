@@ -46,7 +46,7 @@ pub use field::{Field, FieldDecision, Marks};
 pub use fields::Fields;
 pub use mappings::{Misfit, Placed, Placing, Shadow, Shelf};
 pub use operator::EntryOutcome;
-pub use policies::{DocumentError, Grounds, RecipientPolicy};
+pub use policies::{DocumentError, RecipientPolicy};
 pub(crate) use revocation::Progress;
 pub use rules::RuleOffer;
 pub use traffic::Traffic;
@@ -54,11 +54,11 @@ pub use validity::Validity;
 pub use writer::Writer;
 
 use crate::{
-    disclosure::{DocumentId, NamedPolicy, Rule, Versioned},
-    ledger::{Event, Heads, SequenceRange},
     operator::{Journal, OperationKey},
     store::{Changes, ControlRow, Snapshot, StoreError, WaitingRow},
 };
+use disclosure::{DocumentId, NamedPolicy, Rule, Versioned};
+use ledger::{Event, Heads, SequenceRange};
 
 /// A network as it stands.
 #[derive(Debug, Clone)]

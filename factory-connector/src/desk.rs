@@ -30,10 +30,10 @@ use housekeeping::Housekeeping;
 
 use crate::{
     books::{Books, BooksConfig, ConnectorEvent, MappingWork},
-    ledger::{LedgerKey, SALT_BYTES, SignedHead},
     outbox::{Departures, Ephemerals},
     store::{Store, StoreError},
 };
+use ledger::{LedgerKey, SALT_BYTES, SignedHead};
 
 /// Most commands taken into one transaction.
 const GROUP_MAX: usize = 1024;

@@ -6,9 +6,8 @@
 //! - [`desk`]: the one task that changes anything: books, one transaction, then the other rooms.
 //! - [`outbox`]: the two ends of the link.
 //! - [`store`]: the durable file.
-//! - [`disclosure`]: the one gate through which values leave.
 //! - [`lease`]: which of several connectors with one credential may speak.
-//! - [`ledger`]: everything that left, provable.
+//! - [`ledger_export`], [`ledger_key`]: the ledger as people read it, and the key that signs it.
 //! - [`operator`]: what people enter about operations without a machine.
 //! - [`mod@print`]: pages to print.
 //! - [`values`]: values as stored and as shown.
@@ -18,10 +17,10 @@ pub mod books;
 pub mod catalog;
 pub mod config;
 pub mod desk;
-pub mod disclosure;
 pub mod enrolment;
 pub mod lease;
-pub mod ledger;
+pub mod ledger_export;
+pub mod ledger_key;
 pub mod operator;
 pub mod outbox;
 pub mod print;

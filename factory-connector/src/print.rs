@@ -2,31 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// The language of a page to print.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, utoipa::ToSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Language {
-    /// English.
-    #[default]
-    En,
-    /// German.
-    De,
-}
-
-impl Language {
-    /// The text in this language.
-    #[must_use]
-    pub const fn choose<'a>(self, english: &'a str, german: &'a str) -> &'a str {
-        match self {
-            Self::En => english,
-            Self::De => german,
-        }
-    }
-
-    const fn code(self) -> &'static str {
-        self.choose("en", "de")
-    }
-}
+use disclosure::Language;
 
 const STYLE: &str = "body{font:10pt/1.4 sans-serif;color:#000;background:#fff;margin:2cm auto;max-width:27cm}\
     h1{font-size:16pt}h2{font-size:12pt}table{border-collapse:collapse;width:100%}\

@@ -25,6 +25,7 @@ use shop_floor::{ShopFloor, SourceConfig};
 use tokio::sync::mpsc;
 use twin::Twin;
 
+use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     api::{self, Api},
     books::BooksConfig,
@@ -32,7 +33,6 @@ use crate::{
     config::ConnectorConfig,
     desk::{self, Desk, DeskConfig, Rooms, now},
     lease::{self, Instance, LeaseGate, LeaseKeeper},
-    ledger::{LEDGER_KEY_FILE, LedgerKey},
     outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
     store::{Role, SpoolReader, Store, User, count_users, enrolment, put_user},
     twin_side::{DeskWriter, StoredUsers, UserWatch},
@@ -75,7 +75,7 @@ pub async fn start(
     drop(connection);
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
     let store = Store::open(&directory, &factory_id, started_at).await?;
-    let key = LedgerKey::open(&directory.join(LEDGER_KEY_FILE))?;
+    let key = ledger_key::open(&directory.join(LEDGER_KEY_FILE))?;
     let metrics = Metrics::install()?;
     let identity = store.identity().clone();
     let instance = Instance {

@@ -14,15 +14,16 @@ use daemon::{
     Confidential,
     web::session::{PasswordHash, verify_password},
 };
+use disclosure::DecisionBasis;
 use sqlx::SqlitePool;
 use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
 
 use crate::{
-    books::{Grounds, Verdict},
+    books::Verdict,
     desk::{DeskError, DeskHandle, Taken},
-    disclosure::Outcome,
     store::{self, Role},
 };
+use disclosure::Outcome;
 
 /// Takes what OPC UA clients write and decide to the desk.
 pub struct DeskWriter(pub DeskHandle);
@@ -59,7 +60,8 @@ impl FieldWriter for DeskWriter {
                     Verdict::Map { value_source: ValueSource::External, mapping: None, policy }
                 }
             };
-            let grounds = Grounds { policy_id: grounds.policy_id, ..Grounds::default() };
+            let grounds =
+                DecisionBasis { policy_id: grounds.policy_id, ..DecisionBasis::default() };
             books.decide_on(&key, verdict, decision.reason, &by, grounds, now)
         });
         match decided.await.and_then(|decided| decided.map_err(DeskError::from)) {

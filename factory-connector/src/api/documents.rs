@@ -12,9 +12,9 @@ use serde::de::DeserializeOwned;
 use super::{Api, Principal, accounts::engineer_only, view::Page};
 use crate::{
     books::{Books, DocumentError},
-    disclosure::{DocumentId, Versioned},
     store::{DocumentVersions, document_versions},
 };
+use disclosure::{DocumentId, Versioned};
 
 /// Keeps a version in an engineer's name, where `If-Match` names the one before it.
 pub(super) async fn keep<T: Send + 'static>(

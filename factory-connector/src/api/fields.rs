@@ -7,6 +7,7 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
+use disclosure::DecisionBasis;
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -18,11 +19,11 @@ use super::{
     view::FieldView,
 };
 use crate::{
-    books::{EntryOutcome, Grounds, Verdict},
+    books::{EntryOutcome, Verdict},
     desk::{DeskError, now},
-    disclosure::{DisclosurePolicy, DocumentId, Outcome},
     operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
+use disclosure::{DisclosurePolicy, DocumentId, Outcome};
 
 /// How long a server may take to say where a variable stands.
 const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
@@ -159,7 +160,7 @@ pub async fn decide_field(
             Verdict::Map { value_source, mapping, policy: body.disclosure }
         }
     };
-    let grounds = Grounds { policy_id: body.policy_id, ..Grounds::default() };
+    let grounds = DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() };
     let (key, by, reason) = (field.clone(), who.principal.user_name.clone(), body.reason);
     let decided = api
         .desk

@@ -12,12 +12,10 @@ use super::{
     problems::Problems,
     view::{Page, RuleReference},
 };
-use crate::{
-    desk::now,
-    disclosure::{
-        DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
-        leak_summary,
-    },
+use crate::desk::now;
+use disclosure::{
+    DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
+    leak_summary,
 };
 
 /// What one partner learns.

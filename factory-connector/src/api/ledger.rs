@@ -16,11 +16,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{Api, problems::Problems};
-use crate::{
-    disclosure::StatementPart,
-    ledger::EventKind,
-    store::{LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, ledger_recipients},
-};
+use crate::store::{LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, ledger_recipients};
+use disclosure::StatementPart;
+use ledger::EventKind;
 
 /// Which entries.
 #[derive(Deserialize, IntoParams)]

@@ -9,9 +9,9 @@ use utoipa::ToSchema;
 use super::{Api, Principal, accounts::engineer_only, documents, problems::Problems, view::Page};
 use crate::{
     books::{Books, RecipientPolicy},
-    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned},
     store::DocumentVersions,
 };
+use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 
 /// Most fields listed as using a policy.
 const USES_MAX: usize = 500;

@@ -26,11 +26,10 @@ use super::{
 use crate::{
     books::{Books, new_message_id},
     desk::now,
-    disclosure::{
-        DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects,
-        leak_warnings,
-    },
     values::{ShownValue, typed_value},
+};
+use disclosure::{
+    DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects, leak_warnings,
 };
 
 /// What would be decided.

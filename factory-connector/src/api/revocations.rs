@@ -21,9 +21,9 @@ use receipt_page::receipt_page;
 use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
 use crate::{
     books::{Books, Verdict},
-    print::Language,
     store::{StoredRevocation, revocation_by_id, revocations},
 };
+use disclosure::Language;
 
 /// Receipts per page, and most that may be asked for.
 const PAGE: u32 = 50;

@@ -15,9 +15,9 @@ use super::{
 };
 use crate::{
     books::{Books, DocumentError},
-    disclosure::{DocumentId, DocumentVersion, Rule, Versioned},
     store::{DocumentVersions, RuleDecision, rule_decision, rule_decisions},
 };
+use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 
 /// Most fields listed in the preview of a rule.
 const MATCHES_MAX: usize = 500;

@@ -1,5 +1,6 @@
 //! Requests and fields as pages show them.
 
+use disclosure::DecisionBasis;
 use std::time::Duration;
 
 use asi_model::{
@@ -11,10 +12,10 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
-    books::{Books, Field, Grounds, Network, RuleOffer},
-    disclosure::{DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart},
+    books::{Books, Field, Network, RuleOffer},
     values::ShownValue,
 };
+use disclosure::{DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart};
 
 /// A page of a list.
 #[derive(Serialize, ToSchema)]
@@ -73,7 +74,7 @@ pub struct FieldView {
     /// policies.
     pub effective_disclosure: DisclosurePolicy,
     /// The named policy and the rules on whose grounds it was decided.
-    pub grounds: Grounds,
+    pub grounds: DecisionBasis,
     /// What the standing rules offer for an undecided field.
     pub offer: Option<RuleOfferView>,
     /// Nothing leaves at present: the policy withholds the present state, or one that is not known.

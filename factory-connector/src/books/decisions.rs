@@ -1,5 +1,6 @@
 //! Decisions of the factory's engineer, and what a changed request does to them.
 
+use disclosure::DecisionBasis;
 use std::sync::Arc;
 
 use asi_model::{
@@ -8,12 +9,10 @@ use asi_model::{
 };
 use mapping_engine::Mapping;
 
-use super::{Books, Grounds, MappingWork, Traffic, TwinWork, new_message_id};
-use crate::{
-    disclosure::{DisclosurePolicy, DocumentId, PolicyFault},
-    ledger::Event,
-    store::ConsentRow,
-};
+use super::{Books, MappingWork, Traffic, TwinWork, new_message_id};
+use crate::store::ConsentRow;
+use disclosure::{DisclosurePolicy, DocumentId, PolicyFault};
+use ledger::Event;
 
 /// Why a field is undecided again.
 const REQUEST_CHANGED: &str = "The partner changed the request.";
@@ -79,7 +78,7 @@ impl Books {
         decided_by: &str,
         now: DateTime,
     ) -> Result<(), DecisionError> {
-        self.decide_on(key, verdict, reason, decided_by, Grounds::default(), now)
+        self.decide_on(key, verdict, reason, decided_by, DecisionBasis::default(), now)
     }
 
     /// As [`Self::decide`], on the grounds of a named policy or of rules.
@@ -92,7 +91,7 @@ impl Books {
         verdict: Verdict,
         reason: Option<String>,
         decided_by: &str,
-        grounds: Grounds,
+        grounds: DecisionBasis,
         now: DateTime,
     ) -> Result<(), DecisionError> {
         let reason = reason.filter(|reason| !reason.trim().is_empty());
@@ -237,7 +236,7 @@ impl Books {
         field.newest = None;
         field.decision.mapping_state = MappingState::Pending;
         field.decision.value_source = None;
-        field.decision.grounds = Grounds::default();
+        field.decision.grounds = DecisionBasis::default();
         field.decision.reason = Some(REQUEST_CHANGED.to_owned());
         field.decision.decided_by = None;
         field.decision.decided_at = Some(now);
@@ -259,7 +258,7 @@ impl Books {
             &decision.policy,
             decision.grounds.policy_id.as_ref(),
         );
-        let grounds = Grounds { policies, ..decision.grounds.clone() };
+        let grounds = DecisionBasis { policies, ..decision.grounds.clone() };
         let policy = field.gate.policy();
         let message = Decision {
             message_id: new_message_id(),

@@ -1,5 +1,6 @@
 //! Requested fields: the decision about each, and its gate.
 
+use disclosure::{DecisionBasis, gate_from_json, gate_to_json};
 use std::{collections::BTreeSet, sync::Arc};
 
 use asi_model::{
@@ -10,12 +11,9 @@ use asi_model::{
 use mapping_engine::{Mapping, MappingId, Published, TargetKey, TransformState};
 use twin::FieldRecord;
 
-use super::{Aftermath, Books, Grounds, MappingWork, Shelf, Traffic, TwinWork, Validity};
-use crate::{
-    disclosure::{DisclosurePolicy, Gate, GateState},
-    store::{FieldRow, FieldValueRow, StoreError},
-    values::{gate_from_json, gate_to_json},
-};
+use super::{Aftermath, Books, MappingWork, Shelf, Traffic, TwinWork, Validity};
+use crate::store::{FieldRow, FieldValueRow, StoreError};
+use disclosure::{DisclosurePolicy, Gate, GateState};
 
 /// A requested field.
 #[derive(Debug, Clone)]
@@ -78,7 +76,7 @@ pub struct FieldDecision {
     /// How values are coarsened at least: what was consented to. The gate's policy is what holds.
     pub policy: Arc<DisclosurePolicy>,
     /// On what the decision rests beside the engineer's words.
-    pub grounds: Grounds,
+    pub grounds: DecisionBasis,
     /// Counts the consents.
     pub version: u32,
 }
@@ -306,7 +304,7 @@ impl Books {
                     .map_err(unreadable("transform's state"))?,
             ),
         };
-        let grounds: Grounds = row
+        let grounds: DecisionBasis = row
             .grounds
             .as_deref()
             .map(serde_json::from_str)

@@ -9,10 +9,10 @@ use asi_model::{
 
 use super::{Books, ConnectorEvent};
 use crate::{
-    disclosure::Outcome,
     operator::{EntryFault, Journal, OperationKey, OperatorEntry},
     values::typed_value,
 };
+use disclosure::Outcome;
 
 /// Entries that waited longer than this on a page are not taken any more.
 const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);

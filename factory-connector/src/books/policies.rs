@@ -8,40 +8,14 @@ use std::{
 };
 
 use asi_model::{DateTime, FieldKey, OrganisationId};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{Books, ConnectorEvent, Field};
-use crate::{
-    disclosure::{
-        DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy,
-        PolicyFault, Rule, RuleFault, Versioned,
-    },
-    store::{DocumentRow, RecipientPolicyRow},
+use crate::store::{DocumentRow, RecipientPolicyRow};
+use disclosure::{
+    DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy,
+    Rule, RuleFault, Versioned,
 };
-
-/// On what a decision rests beside the engineer's own words.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase", default)]
-pub struct Grounds {
-    /// The named policy that the field takes, in whatever version.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
-    pub policy_id: Option<DocumentId>,
-    /// The rules that decided, each in the version that did.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub rules: Vec<DocumentVersion>,
-    /// The named policies that shaped the precision, with the versions that held; in consents only.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub policies: Vec<DocumentVersion>,
-}
-
-impl Grounds {
-    /// The engineer alone decided.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-}
 
 /// The policy that is set for everything one recipient gets.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
@@ -77,15 +51,6 @@ pub enum DocumentError {
     /// The document is wrong.
     #[error("the document is wrong")]
     Faults(Vec<RuleFault>),
-}
-
-impl From<PolicyFault> for RuleFault {
-    fn from(fault: PolicyFault) -> Self {
-        Self {
-            pointer: format!("/disclosure/{}", fault.member),
-            message: format!("{}.", fault.message),
-        }
-    }
 }
 
 impl Books {

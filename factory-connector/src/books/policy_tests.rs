@@ -5,13 +5,14 @@ use asi_model::{
     DataValue, OrganisationId,
     messages::{MappingState, ValueSource},
 };
+use disclosure::DecisionBasis;
 use serde_json::json;
 
 use super::{
     tests::{arrive, at, books, field, map, network, offer},
     *,
 };
-use crate::disclosure::{DisclosurePolicy, Outcome, RuleAction};
+use disclosure::{DisclosurePolicy, Outcome, RuleAction};
 
 fn id(text: &str) -> DocumentId {
     text.parse().expect("an id")
@@ -81,12 +82,12 @@ fn a_named_policy_takes_its_fields_along() {
         mapping: None,
         policy: DisclosurePolicy::default(),
     };
-    let grounds = Grounds { policy_id: Some(id("p")), ..Grounds::default() };
+    let grounds = DecisionBasis { policy_id: Some(id("p")), ..DecisionBasis::default() };
     books.decide_on(&field("made"), verdict.clone(), None, "eve", grounds, at(0)).expect("decided");
     assert_eq!(offer(&mut books, "made", 149_u64, 1)[0]["Payload"]["made"]["Body"], "100");
     let draft = serde_json::from_value(json!({ "roundingStep": 1000 })).expect("a policy");
     assert_eq!(books.policy_changes(&id("p"), &draft).len(), 1);
-    let unknown = Grounds { policy_id: Some(id("q")), ..Grounds::default() };
+    let unknown = DecisionBasis { policy_id: Some(id("q")), ..DecisionBasis::default() };
     let refused = books.decide_on(&field("made"), verdict, None, "eve", unknown, at(0));
     assert_eq!(refused, Err(DecisionError::UnknownPolicy(id("q"))));
 }
@@ -212,7 +213,7 @@ fn values_flow_within_the_requests_validity_only() {
     assert_eq!(offer(&mut books, "made", 1_u64, 500).len(), 0, "not yet asked for");
     assert_eq!(books.next_turn(), Some(from));
     books.begin(from);
-    books.report(from, || [7; crate::ledger::SALT_BYTES]);
+    books.report(from, || [7; ledger::SALT_BYTES]);
     assert_eq!(books.take().0.reports.len(), 1, "the newest value, once it is asked for");
     assert_eq!(offer(&mut books, "made", 2_u64, 1_500).len(), 1);
     books.expire(until);

@@ -16,10 +16,8 @@ use super::{
     Books, ConnectorEvent, Field, FieldDecision, MappingWork, Network, Traffic, TwinWork,
     new_message_id,
 };
-use crate::{
-    disclosure::{Gate, GateState},
-    store::{CommentRow, NetworkRow},
-};
+use crate::store::{CommentRow, NetworkRow};
+use disclosure::{Gate, GateState};
 
 impl Books {
     /// A network came, in a new revision or again. `raw` is the message as stored.

@@ -6,10 +6,8 @@ use asi_model::{DateTime, FieldKey, OrganisationId, RequestKey, messages::GapCau
 use uuid::Uuid;
 
 use super::{Books, ConnectorEvent, DecisionError, Verdict};
-use crate::{
-    ledger::{Event, RevocationReceipt, RevokedField, RevokedWriter, Sequences},
-    store::WaitingRow,
-};
+use crate::store::WaitingRow;
+use ledger::{Event, RevocationReceipt, RevokedField, RevokedWriter, Sequences};
 
 /// Consents that ended together, until their transaction is written.
 #[derive(Debug)]

@@ -1,19 +1,16 @@
 //! Standing rules at work: what they would do, what they do, and undoing it.
 
+use disclosure::DecisionBasis;
 use std::sync::Arc;
 
 use asi_model::{DateTime, FieldKey, OperationNetworkId, messages::ValueSource};
 use mapping_engine::Mapping;
 
-use super::{
-    Books, ConnectorEvent, DecisionError, DocumentError, Grounds, Verdict, policies::keep,
-};
-use crate::{
-    disclosure::{
-        DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome,
-        outcome,
-    },
-    store::RuleDecisionRow,
+use super::{Books, ConnectorEvent, DecisionError, DocumentError, Verdict, policies::keep};
+use crate::store::RuleDecisionRow;
+use disclosure::{
+    DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault, RuleOutcome,
+    outcome,
 };
 
 /// Who is named as having decided, where rules did.
@@ -198,7 +195,7 @@ impl Books {
 
     fn apply_offer(&mut self, key: &FieldKey, now: DateTime) -> bool {
         let Some(offer) = self.rule_offer(key) else { return false };
-        let grounds = Grounds {
+        let grounds = DecisionBasis {
             policy_id: offer.policy_id,
             rules: offer.rules.iter().map(|(rule, _)| rule.clone()).collect(),
             policies: Vec::new(),

@@ -9,7 +9,7 @@ use asi_model::{FieldKey, values::Namespace};
 use mapping_engine::Mapping;
 use shop_floor::SourceId;
 
-use crate::disclosure::DisclosurePolicy;
+use disclosure::DisclosurePolicy;
 
 /// The sources and namespaces that mappings name - there are few of them, whatever comes and goes -
 /// and the policies of fields.

@@ -9,10 +9,8 @@ use asi_model::{
 use messaging::spool::{ReceiptEffect, RowId, SequenceGap, gaps_of};
 
 use super::{Books, new_message_id};
-use crate::{
-    ledger::Event,
-    store::{ReportMove, WaitingRow},
-};
+use crate::store::{ReportMove, WaitingRow};
+use ledger::Event;
 
 impl Books {
     /// The broker accepted these reports, each in the message that left.

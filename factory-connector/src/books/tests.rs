@@ -6,7 +6,7 @@ use mapping_engine::{Mapping, Published};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::disclosure::DisclosurePolicy;
+use disclosure::DisclosurePolicy;
 
 const START: i64 = 1_800_000_000_000_000;
 const SOURCES: [ValueSource; 3] =
@@ -75,7 +75,7 @@ pub(crate) fn offer(
     changes.reports.iter().map(|report| serde_json::from_str(&report.body).expect("JSON")).collect()
 }
 
-const SALT: usize = crate::ledger::SALT_BYTES;
+const SALT: usize = ledger::SALT_BYTES;
 
 /// Every way in is the one function, and it opens for the decided source only.
 #[test]

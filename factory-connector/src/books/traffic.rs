@@ -5,7 +5,7 @@ use asi_model::{DateTime, FieldKey, FieldName, OrganisationId};
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{Books, Field};
-use crate::disclosure::{DisclosurePolicy, Measured, OpenField};
+use disclosure::{DisclosurePolicy, Measured, OpenField};
 
 /// Hours that are counted.
 const HOURS: usize = 24;

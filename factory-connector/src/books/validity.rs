@@ -4,8 +4,9 @@ use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
 };
+use disclosure::DecisionBasis;
 
-use super::{Books, Field, Grounds, MappingWork};
+use super::{Books, Field, MappingWork};
 
 /// What a partner reads when its request has ended.
 const ENDED: &str = "The request's validity has ended.";
@@ -94,7 +95,7 @@ impl Books {
             let decision = &mut field.decision;
             decision.mapping_state = MappingState::Pending;
             decision.value_source = None;
-            decision.grounds = Grounds::default();
+            decision.grounds = DecisionBasis::default();
             decision.reason = Some(ENDED.to_owned());
             decision.decided_by = None;
             decision.decided_at = Some(now);

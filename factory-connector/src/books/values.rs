@@ -15,11 +15,9 @@ use asi_model::{
 use mapping_engine::TransformState;
 
 use super::{Books, Marks, field::Field, range_of};
-use crate::{
-    disclosure::{Gate, Outcome},
-    ledger::{Event, SALT_BYTES, values_root},
-    store::{CarriedFieldRow, NewReport},
-};
+use crate::store::{CarriedFieldRow, NewReport};
+use disclosure::{Gate, Outcome};
+use ledger::{Event, SALT_BYTES, values_root};
 
 /// Largest NetworkMessage that several reports share, in bytes.
 const SHARED_BYTES_MAX: usize = 64 * 1024;
@@ -42,7 +40,7 @@ impl Follows<'_> {
         let told = tell(&mut field.gate);
         field.mark_dirty(self.dirty_fields);
         field.note_due(self.due);
-        if field.gate.take_news() {
+        if field.gate.take_released() {
             field.traffic.left(now);
             if !std::mem::replace(&mut field.marks.has_left, true) {
                 self.dirty_writers.insert(field.writer);

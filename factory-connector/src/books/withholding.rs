@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, sync::Arc};
 use asi_model::{DataValue, DateTime, FieldKey, FieldName, messages::ValueSource};
 
 use super::{Books, Field};
-use crate::disclosure::{DisclosurePolicy, Gate, GateState, PolicyFault};
+use disclosure::{DisclosurePolicy, Gate, GateState, PolicyFault};
 
 impl Books {
     /// At the start: whose state decides about whose values. What machines said before is not known

@@ -9,12 +9,14 @@ use std::{
 use anyhow::Context as _;
 use asi_model::{DateTime, OrganisationId};
 use clap::{Subcommand, ValueEnum};
+use disclosure::Language;
 use factory_connector::{
     config::ConnectorConfig,
-    ledger::{ExportFormat, Exporter, Hash, LEDGER_KEY_FILE, LedgerKey},
-    print::Language,
+    ledger_export::{ExportFormat, Exporter},
+    ledger_key::{self, LEDGER_KEY_FILE},
     store::{LedgerFilter, LedgerReader, Store, enrolment, verify_ledger},
 };
+use ledger::Hash;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum LedgerCommand {
@@ -104,7 +106,7 @@ async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::R
     let mut connection = Store::connect(&config.data_directory).await?;
     let trusted = match public_key {
         Some(key) => Some(key),
-        None => LedgerKey::public_of(&config.data_directory.join(LEDGER_KEY_FILE))?,
+        None => ledger_key::public_half(&config.data_directory.join(LEDGER_KEY_FILE))?,
     };
     let outcome = verify_ledger(&mut connection, trusted).await?;
     super::print(&serde_json::to_string_pretty(&outcome)?)?;

@@ -11,11 +11,11 @@ use uuid::Uuid;
 
 use crate::{
     books::{Books, DecisionError, EntryOutcome, Placing, Verdict},
-    disclosure::Outcome,
     operator::OperatorEntry,
     outbox::Departure,
     store::{SourceRow, TemplateRow},
 };
+use disclosure::Outcome;
 
 /// Why the desk did not do what was asked.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

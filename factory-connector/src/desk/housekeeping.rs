@@ -13,9 +13,9 @@ use tokio::time::Instant;
 use super::{Desk, RetentionLimits, aftermath::offset_now, now};
 use crate::{
     books::new_message_id,
-    ledger::Checkpoint,
     store::{CheckpointRow, ReportMove, StoreError, WaitingRow},
 };
+use ledger::Checkpoint;
 
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Pause after everything too old was removed.

@@ -28,15 +28,15 @@ use tokio::{sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 
 use super::*;
+use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     books::{EntryOutcome, Verdict, new_message_id},
-    disclosure::DisclosurePolicy,
     lease::LeaseGate,
-    ledger::LEDGER_KEY_FILE,
     operator::{Action, EntryId, OperationKey, OperatorEntry},
     outbox::{Departures, Outbox},
     store::SpoolReader,
 };
+use disclosure::DisclosurePolicy;
 
 /// How long anything may take.
 const DEADLINE: Duration = Duration::from_secs(30);
@@ -87,7 +87,7 @@ impl Office {
         let factory_id: asi_model::FactoryId = "F".parse().expect("an id");
         let store = Store::open(&folder, &factory_id, now()).await.expect("a store");
         let readers = store.readers();
-        let key = LedgerKey::open(&folder.join(LEDGER_KEY_FILE)).expect("a key");
+        let key = ledger_key::open(&folder.join(LEDGER_KEY_FILE)).expect("a key");
         let twin_config = twin::TwinConfig {
             listen: "127.0.0.1:0".parse().expect("an address"),
             pki_directory: folder.join("pki"),

@@ -13,10 +13,10 @@ use crate::{
         Verdict,
         tests::{field, network},
     },
-    disclosure::DisclosurePolicy,
     operator::{Action, EntryId, OperationKey, OperatorEntry},
     twin_side::DeskWriter,
 };
+use disclosure::DisclosurePolicy;
 
 /// Who could bring a value. A new way must be listed here: the sources below are looked through for
 /// others.
@@ -88,7 +88,7 @@ async fn start(directory: &Path) -> Running {
         departures: Arc::default(),
         events: EventLog::new(64, 1),
     };
-    let key = LedgerKey::open(&directory.join("key.pem")).expect("a key");
+    let key = crate::ledger_key::open(&directory.join("key.pem")).expect("a key");
     let readers = store.readers();
     let config = DeskConfig {
         books: BooksConfig { factory_id, encoding: asi_model::pubsub::json::Encoding::Digicor },

@@ -8,10 +8,8 @@ use asi_model::{
 };
 
 use super::{DocumentRow, MappingChanges, RecipientPolicyRow, RuleDecisionRow};
-use crate::{
-    ledger::{LinkedEntry, SALT_BYTES, SignedHead},
-    operator::OperatorEntry,
-};
+use crate::operator::OperatorEntry;
+use ledger::{LinkedEntry, SALT_BYTES, SignedHead};
 
 /// Everything of one transaction. Later entries about the same thing win.
 #[derive(Debug, Default)]

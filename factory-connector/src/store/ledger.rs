@@ -14,10 +14,8 @@ pub use selection::{LedgerFilter, LedgerSubject, ledger_fields};
 use selection::{Place, selection};
 
 use super::{StoreError, load::get};
-use crate::{
-    disclosure::{DisclosurePolicy, Statement},
-    ledger::ExportedEntry,
-};
+use crate::ledger_export::ExportedEntry;
+use disclosure::{DisclosurePolicy, Statement};
 
 /// Entries read at once for an export.
 const BLOCK: u32 = 1000;

@@ -14,12 +14,9 @@ use sqlx::{Row, SqliteConnection, sqlite::SqliteRow};
 use super::{
     FieldRow, FieldValueRow, MappingShelf, SourceRow, Store, StoreError, WriterRow, policies,
 };
-use crate::{
-    books::RecipientPolicy,
-    disclosure::{NamedPolicy, Rule, Versioned},
-    ledger::{Head, Heads},
-    operator::OperatorEntry,
-};
+use crate::{books::RecipientPolicy, operator::OperatorEntry};
+use disclosure::{NamedPolicy, Rule, Versioned};
+use ledger::{Head, Heads};
 
 /// A stored network.
 #[derive(Debug, Clone)]

@@ -10,10 +10,8 @@ use super::{
     load::{all, get, id, json, time, unsigned},
     writer::write_rows,
 };
-use crate::{
-    books::RecipientPolicy,
-    disclosure::{DocumentId, DocumentVersion, NamedPolicy, Rule, RuleAction, Versioned},
-};
+use crate::books::RecipientPolicy;
+use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Rule, RuleAction, Versioned};
 
 /// A version of a policy or rule.
 #[derive(Debug, Clone)]

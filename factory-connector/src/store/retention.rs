@@ -9,7 +9,7 @@ use super::{
     load::unsigned,
     writer::{id_list, run},
 };
-use crate::ledger::{Anchor, LedgerKey};
+use ledger::{Anchor, LedgerKey};
 
 /// Reports whose values are emptied in one round.
 const VALUES_PER_ROUND: i64 = 2000;

@@ -3,7 +3,7 @@
 use sqlx::{Row as _, SqlitePool, sqlite::SqliteRow};
 
 use super::{StoreError, load::get};
-use crate::ledger::RevocationReceipt;
+use ledger::RevocationReceipt;
 
 /// A receipt with its signature, and what is known today of what was on its way.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, utoipa::ToSchema)]

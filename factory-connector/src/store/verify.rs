@@ -12,7 +12,7 @@ use super::{
     StoreError,
     load::{all, get, unsigned},
 };
-use crate::ledger::{
+use ledger::{
     CheckedEntry, Hash, StoredConsent, StoredEntry, StoredHead, StoredStatement, Surroundings,
     Verification, Verifier,
 };

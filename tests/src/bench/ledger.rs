@@ -12,13 +12,13 @@ use asi_model::{
     messages::{OperationNetworkMessage, ValueSource},
     pubsub::json::Encoding,
 };
+use disclosure::DisclosurePolicy;
 use factory_connector::{
     books::{Books, BooksConfig, Verdict},
     desk::now,
-    disclosure::DisclosurePolicy,
-    ledger::{LedgerKey, SignedHead},
     store::{Changes, Store, verify_ledger},
 };
+use ledger::{LedgerKey, SignedHead};
 use serde_json::{Value, json};
 
 use self::bare::BareStore;
@@ -123,7 +123,7 @@ impl Plant {
     async fn open(folder: &std::path::Path) -> anyhow::Result<Self> {
         let factory: FactoryId = "F".parse()?;
         let mut store = Store::open(folder, &factory, now()).await?;
-        let key = LedgerKey::open(&folder.join("key.pem"))?;
+        let key = factory_connector::ledger_key::open(&folder.join("key.pem"))?;
         let config = BooksConfig { factory_id: factory.clone(), encoding: Encoding::Digicor };
         let mut books = Books::new(config, store.load().await?, false, now())?;
         let message = network()?;

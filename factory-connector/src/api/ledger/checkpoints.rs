@@ -8,9 +8,9 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::{
     api::{Api, problems::Problems, view::Page},
-    ledger::{Checkpoint, CheckpointHead},
     store::{StoredCheckpoint, ledger_checkpoints},
 };
+use ledger::{Checkpoint, CheckpointHead};
 
 /// Checkpoints per page.
 const PAGE: u32 = 20;

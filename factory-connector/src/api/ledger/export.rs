@@ -12,12 +12,12 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::LedgerSelection;
+use crate::ledger_export::{ExportFormat, Exporter};
 use crate::{
     api::{Api, problems::Problems},
-    ledger::{ExportFormat, Exporter},
-    print::Language,
     store::{LedgerReader, StoreError},
 };
+use disclosure::Language;
 
 /// In which form to export.
 #[derive(Deserialize, IntoParams)]

@@ -7,9 +7,9 @@ use utoipa::ToSchema;
 
 use crate::{
     api::{Api, problems::Problems},
-    ledger::{LEDGER_KEY_FILE, LedgerKey, Verification},
     store::{self, Store, ledger_recipients},
 };
+use ledger::Verification;
 
 /// The outcome of a verification.
 #[derive(Serialize, ToSchema)]
@@ -32,8 +32,9 @@ pub struct VerificationView {
 pub async fn verify_ledger(State(api): State<Api>) -> Result<Json<VerificationView>, Problem> {
     // Hashing a whole ledger takes its time: it has a thread of its own.
     let directory = api.data_directory.clone();
-    let trusted = LedgerKey::public_of(&directory.join(LEDGER_KEY_FILE))
-        .map_err(|error| Problem::internal(&error))?;
+    let trusted =
+        crate::ledger_key::public_half(&directory.join(crate::ledger_key::LEDGER_KEY_FILE))
+            .map_err(|error| Problem::internal(&error))?;
     let runtime = tokio::runtime::Handle::current();
     let verified = tokio::task::spawn_blocking(move || {
         runtime.block_on(async {

@@ -1,10 +1,11 @@
 //! A revocation's receipt as a page to print.
 
 use crate::{
-    ledger::Sequences,
-    print::{END, Language, TABLE_END, begin, escaped, row, table},
+    print::{END, TABLE_END, begin, escaped, row, table},
     store::StoredRevocation,
 };
+use disclosure::Language;
+use ledger::Sequences;
 
 /// A receipt as HTML, with everything that proves it.
 #[must_use]

@@ -3,7 +3,8 @@ use sqlx::{
 };
 
 use super::*;
-use crate::{ledger::Verification, store::verify_ledger};
+use crate::store::verify_ledger;
+use ::ledger::Verification;
 
 /// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
 /// part of it.
@@ -224,7 +225,7 @@ async fn every_deletion_is_found() {
 async fn another_key_is_found() {
     let folder = small_ledger().await;
     let mut connection = connect(folder.path()).await;
-    let other = LedgerKey::open(&folder.path().join("other.pem")).expect("a key");
+    let other = crate::ledger_key::open(&folder.path().join("other.pem")).expect("a key");
     let outcome = verify_ledger(&mut connection, Some(other.public())).await.expect("read");
     assert!(!outcome.is_intact());
 }
@@ -234,7 +235,7 @@ async fn another_key_is_found() {
 #[tokio::test]
 async fn retention_leaves_a_ledger_that_verifies() {
     let folder = small_ledger().await;
-    let key = LedgerKey::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
+    let key = crate::ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
     let factory: asi_model::FactoryId = "F".parse().expect("an id");
     let later = DateTime::from_unix_micros(now().unix_micros() + 1_000_000);
     let mut connection = connect(folder.path()).await;

@@ -4,10 +4,8 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::{
-    ledger::EventKind,
-    store::{LedgerFilter, LedgerReader, LedgerSubject, ledger_fields},
-};
+use crate::store::{LedgerFilter, LedgerReader, LedgerSubject, ledger_fields};
+use ::ledger::EventKind;
 
 /// Two requests, filled, sent, partly receipted; one revoked and opened again, which begins an
 /// epoch.

@@ -56,7 +56,7 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     assert_eq!(writer.last_sent_sequence, Some(1));
     assert_eq!(writer.last_delivered_sequence, Some(0));
     let range =
-        |first_sequence, last_sequence| crate::ledger::Sequences { first_sequence, last_sequence };
+        |first_sequence, last_sequence| ::ledger::Sequences { first_sequence, last_sequence };
     assert_eq!(writer.in_flight, [range(1, 1)]);
     assert_eq!(writer.taken_back, [range(2, 3)]);
     assert_eq!((found.arrived_since, found.open), (0, 1));

@@ -6,13 +6,11 @@ use asi_model::{
 };
 use sqlx::{QueryBuilder, Sqlite, SqlitePool};
 
-use crate::{
-    ledger::EventKind,
-    store::{
-        StoreError,
-        load::{id, request_key},
-    },
+use crate::store::{
+    StoreError,
+    load::{id, request_key},
 };
+use ledger::EventKind;
 
 /// Which entries.
 #[derive(Debug, Clone, Default)]

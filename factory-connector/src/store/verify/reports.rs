@@ -5,10 +5,8 @@ use std::collections::{BTreeSet, HashMap};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use super::on_all_processors;
-use crate::{
-    ledger::{ReportDigest, StoredReport},
-    store::{StoreError, load::get, writer::id_list},
-};
+use crate::store::{StoreError, load::get, writer::id_list};
+use ledger::{ReportDigest, StoredReport};
 
 /// Most reports remembered for chains that are behind; what is forgotten is read again.
 const REMEMBERED_MAX: usize = 100_000;

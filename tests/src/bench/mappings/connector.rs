@@ -12,9 +12,9 @@ use asi_model::{
     messages::{OperationNetworkMessage, ValueSource},
     pubsub::json::Encoding,
 };
+use disclosure::DisclosurePolicy;
 use factory_connector::{
     books::{Books, BooksConfig, Verdict},
-    disclosure::DisclosurePolicy,
     store::{Enrolment, SourceRow, Store, put_enrolment},
 };
 use serde_json::{Value, json};

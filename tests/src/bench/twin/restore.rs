@@ -12,7 +12,6 @@ use daemon::web::events::EventLog;
 use factory_connector::{
     books::BooksConfig,
     desk::{self, Desk, DeskConfig, DeskHandle, RetentionLimits, Rooms, SpoolLimits},
-    ledger::LedgerKey,
     store::Store,
 };
 use messaging::{Delivery, Envelope, Settlement};
@@ -91,7 +90,7 @@ impl Connector {
                 departures: Arc::default(),
                 events: EventLog::new(1000, 1),
             },
-            LedgerKey::open(&folder.join("ledger-key.pem"))?,
+            factory_connector::ledger_key::open(&folder.join("ledger-key.pem"))?,
             commands,
             batches,
         )

@@ -9,9 +9,9 @@ pub(super) use words::describe_period;
 use words::sentence;
 
 use super::{
-    AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours,
+    AggregateFunction, DisclosurePolicy, Language, RateLimit, RoundingStep, WindowAggregate,
+    WorkingHours,
 };
-use crate::print::Language;
 
 /// A part of a policy as the partner is told it: a code with its parameters, for who says it in
 /// another language.

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use asi_model::{DateTime, FactoryId, OrganisationId};
 
 use super::*;
-use crate::ledger::{Heads, LedgerKey, LinkedEntry, SequenceRange, SignedHead, values_root};
+use crate::{Heads, LedgerKey, LinkedEntry, SequenceRange, SignedHead, values_root};
 
 const REPORT: &str = r#"{"SequenceNumber":1,"Payload":{"a":1}}"#;
 const SALT: [u8; 16] = [3; 16];
@@ -13,8 +13,7 @@ fn factory() -> FactoryId {
 }
 
 fn key() -> LedgerKey {
-    let folder = tempfile::tempdir().expect("a folder");
-    LedgerKey::open(&folder.path().join("key")).expect("a key")
+    LedgerKey::from_secret(&[1; 32])
 }
 
 /// An entry with the report it refers to.

@@ -6,12 +6,14 @@
 //! no I/O, so its promises are stated as properties and tested.
 
 mod aggregate;
+mod basis;
 mod coarsening;
 mod decimal;
 mod documents;
 mod effects;
 mod faults;
 mod gate;
+mod language;
 mod leak;
 mod policy;
 mod rate;
@@ -22,6 +24,7 @@ mod withholding;
 mod working_hours;
 
 pub use aggregate::{AggregateFunction, Aggregation, OpenWindow, Sum, WindowAggregate};
+pub use basis::DecisionBasis;
 pub use decimal::{Decimal, InvalidStep, RoundingStep};
 pub use documents::{
     DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, Versioned,
@@ -30,7 +33,8 @@ pub use effects::{
     Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max,
 };
 pub use faults::PolicyFault;
-pub use gate::{Gate, GateState, Outcome};
+pub use gate::{Gate, GateState, Outcome, gate_from_json, gate_to_json};
+pub use language::Language;
 pub use leak::{
     Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget,
     leak_summary, leak_warnings,

@@ -3,7 +3,7 @@
 
 use asi_model::{FactoryId, OrganisationId};
 
-use super::{Hash, LedgerKey, LinkedEntry, checkpoint::is_signed};
+use super::{Hash, LedgerKey, LinkedEntry, key::is_signed};
 
 /// The signed end of a chain.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -12,18 +12,18 @@ mod anchor;
 mod chain;
 mod checkpoint;
 mod entry;
-mod export;
 mod head;
+mod key;
 mod revocation;
 mod values;
 mod verification;
 
 pub use anchor::Anchor;
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
-pub use checkpoint::{Checkpoint, CheckpointHead, LEDGER_KEY_FILE, LedgerKey, LedgerKeyError};
+pub use checkpoint::{Checkpoint, CheckpointHead};
 pub use entry::{Entry, Event, EventKind, SequenceRange};
-pub use export::{ExportFormat, ExportedEntry, Exporter};
 pub use head::SignedHead;
+pub use key::{InvalidKey, LedgerKey};
 pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};
 pub use values::{SALT_BYTES, ValuesError, values_root};
 pub use verification::{

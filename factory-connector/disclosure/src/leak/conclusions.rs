@@ -9,7 +9,7 @@ use asi_model::{
 use serde::Serialize;
 
 use super::OpenField;
-use crate::disclosure::{DisclosurePolicy, effects::time_resolution_ms};
+use crate::{DisclosurePolicy, effects::time_resolution_ms};
 
 /// Times coarser than this do not tell how a machine was used.
 const UTILISATION_MS: u64 = 3_600_000;

@@ -1,3 +1,7 @@
+mod fast_path;
+mod properties;
+mod strategies;
+
 use asi_model::{Scalar, StatusCode};
 
 use super::*;
@@ -25,9 +29,9 @@ fn shown(gate: &Gate) -> Option<i128> {
 fn an_open_policy_lets_every_change_pass_once() {
     let mut gate = gate("{}");
     assert_eq!(gate.on(at(0), candidate(0, 1)), Outcome::Disclosed { is_coarsened: false });
-    assert!(gate.take_news());
+    assert!(gate.take_released());
     assert_eq!(gate.on(at(1), candidate(1, 1)), Outcome::Unchanged { is_coarsened: false });
-    assert!(!gate.take_news());
+    assert!(!gate.take_released());
     assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });
 }
 
@@ -37,7 +41,7 @@ fn rounding_does_not_let_the_changes_below_it_show() {
     let mut news = Vec::new();
     for value in 0..=25 {
         gate.on(at(u64::try_from(value).expect("positive")), candidate(0, value));
-        if gate.take_news() {
+        if gate.take_released() {
             news.push(shown(&gate));
         }
     }
@@ -48,13 +52,13 @@ fn rounding_does_not_let_the_changes_below_it_show() {
 fn the_latest_value_leaves_when_the_interval_is_over() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(0), candidate(0, 1));
-    assert!(gate.take_news());
+    assert!(gate.take_released());
     assert_eq!(gate.on(at(100), candidate(100, 2)), Outcome::Withheld { until: at(1000) });
     assert_eq!(gate.on(at(900), candidate(900, 3)), Outcome::Withheld { until: at(1000) });
     gate.on_time(at(999));
-    assert!(!gate.take_news());
+    assert!(!gate.take_released());
     gate.on_time(at(1000));
-    assert!(gate.take_news());
+    assert!(gate.take_released());
     assert_eq!(shown(&gate), Some(3));
     assert_eq!(gate.due(), None);
     gate.on(at(1100), candidate(1100, 4));
@@ -68,12 +72,12 @@ fn what_waits_survives_a_restart_and_a_clock_set_back() {
     gate.on(at(5100), candidate(0, 2));
     let mut again = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(5200));
     again.on_time(at(5200));
-    assert!(!again.take_news());
+    assert!(!again.take_released());
     again.on_time(at(6000));
     assert_eq!(shown(&again), Some(2));
     let mut earlier = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(1000));
     earlier.on_time(at(1999));
-    assert!(!earlier.take_news());
+    assert!(!earlier.take_released());
     earlier.on_time(at(2000));
     assert_eq!(shown(&earlier), Some(2));
 }
@@ -133,9 +137,9 @@ fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
     gate.on(at(500), candidate(500, 30));
     let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(600));
     gate.on_time(at(999));
-    assert!(!gate.take_news());
+    assert!(!gate.take_released());
     gate.on_time(at(1000));
-    assert!(gate.take_news());
+    assert!(gate.take_released());
     assert_eq!(shown(&gate), Some(20));
     let source = gate.disclosed().and_then(|value| value.source_timestamp);
     assert_eq!(source, Some(at(0)), "the window's beginning");
@@ -154,7 +158,7 @@ fn a_sum_is_told_for_every_window() {
         } else {
             gate.on_time(at(ms))
         }
-        if gate.take_news() {
+        if gate.take_released() {
             news.push((ms, shown(&gate)));
         }
     }
@@ -168,7 +172,7 @@ fn a_rate_holds_in_any_period() {
     for ms in (0_u64..3000).step_by(100) {
         gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(ms));
         gate.on(at(ms), candidate(ms, i64::try_from(ms).expect("small")));
-        if gate.take_news() {
+        if gate.take_released() {
             left.push(ms);
         }
     }
@@ -186,7 +190,7 @@ fn what_comes_in_a_withheld_state_never_leaves() {
         "the other field's state is not known"
     );
     gate.on_state(at(1), &other, Some(false));
-    assert!(!gate.take_news());
+    assert!(!gate.take_released());
     assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });
     gate.on_state(at(3), &other, Some(true));
     assert_eq!(gate.on(at(4), candidate(4, 3)), Outcome::Suppressed);
@@ -227,7 +231,7 @@ fn what_was_meant_for_a_mean_never_leaves_singly() {
 fn a_clock_set_back_keeps_the_interval_and_no_more() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(300_000), candidate(0, 1));
-    assert!(gate.take_news());
+    assert!(gate.take_released());
     gate.set_clock_back(at(5_000));
     assert_eq!(gate.on(at(5_100), candidate(0, 2)), Outcome::Withheld { until: at(6_000) });
     gate.on_time(at(6_000));

@@ -1,4 +1,4 @@
-//! The ledger as people and their tools read it: JSON lines, CSV, or a page to print.
+//! Export of the ledger for people and their tools: JSON lines, CSV, or a page to print.
 
 use std::collections::BTreeMap;
 
@@ -6,11 +6,10 @@ use asi_model::pubsub::unit_member;
 use serde::Deserialize as _;
 use serde_json::Value;
 
-use super::EventKind;
-use crate::{
-    disclosure::Statement,
-    print::{END, Language, TABLE_END, begin, row, table},
-};
+use disclosure::{Language, Statement};
+use ledger::EventKind;
+
+use crate::print::{END, TABLE_END, begin, row, table};
 
 /// In which form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, utoipa::ToSchema)]
@@ -259,7 +258,7 @@ fn quoted(cell: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::disclosure::DisclosurePolicy;
+    use disclosure::DisclosurePolicy;
 
     fn queued(value: Value) -> ExportedEntry {
         let report = serde_json::json!({ "SequenceNumber": 4, "Payload": { "operationNetworkId": { "Type": 12, "Body": "n" },

@@ -1,5 +1,7 @@
 //! The gate of one field: a state machine over candidates and time.
 
+mod document;
+
 use std::{
     collections::{BTreeMap, VecDeque},
     sync::Arc,
@@ -7,6 +9,8 @@ use std::{
 };
 
 use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
+
+pub use document::{gate_from_json, gate_to_json};
 
 use super::{
     AggregateFunction, DisclosurePolicy,
@@ -75,7 +79,7 @@ pub struct Gate {
     ripe: Option<(DateTime, DataValue)>,
     /// What was due was noticed too late, outside of the hours; this is when they begin again.
     not_before: Option<DateTime>,
-    has_news: bool,
+    has_released: bool,
 }
 
 impl Gate {
@@ -104,7 +108,7 @@ impl Gate {
             state,
             ripe: None,
             not_before: None,
-            has_news: false,
+            has_released: false,
         }
     }
 
@@ -131,8 +135,8 @@ impl Gate {
     }
 
     /// True once after each release.
-    pub const fn take_news(&mut self) -> bool {
-        std::mem::replace(&mut self.has_news, false)
+    pub const fn take_released(&mut self) -> bool {
+        std::mem::replace(&mut self.has_released, false)
     }
 
     /// The clock was set back: what was remembered of a time yet to come counts as of now.
@@ -156,7 +160,7 @@ impl Gate {
             self.state.aggregation.pause(now);
             return Outcome::Suppressed;
         }
-        let released_before = self.take_news();
+        let released_before = self.take_released();
         let mut is_coarsened = true;
         if let Some(aggregate) = self.policy.aggregate {
             self.state.aggregation.take(
@@ -171,8 +175,8 @@ impl Gate {
             self.wait(now, coarsened.value);
         }
         self.on_time(now);
-        let is_released = self.has_news;
-        self.has_news |= released_before;
+        let is_released = self.has_released;
+        self.has_released |= released_before;
         match self.due() {
             _ if is_released => Outcome::Disclosed { is_coarsened },
             None => Outcome::Unchanged { is_coarsened },
@@ -197,7 +201,7 @@ impl Gate {
         }
         self.state.disclosed = Some(value);
         self.state.last_released_at = Some(now);
-        self.has_news = true;
+        self.has_released = true;
         Outcome::Disclosed { is_coarsened }
     }
 
@@ -263,7 +267,7 @@ impl Gate {
         self.state.last_released_at = Some(now);
         rate::remember(&mut self.state.released, &self.policy.rate_limits, now);
         self.not_before = None;
-        self.has_news = true;
+        self.has_released = true;
     }
 
     /// Lets the aggregates of windows that are over wait for their delay.
@@ -326,7 +330,7 @@ impl Gate {
         self.state.waiting.clear();
         self.state.aggregation = Aggregation::default();
         self.state.disclosed = None;
-        self.has_news = false;
+        self.has_released = false;
     }
 
     fn wait(&mut self, now: DateTime, value: DataValue) {
@@ -388,11 +392,5 @@ impl Gate {
     }
 }
 
-#[cfg(test)]
-mod played;
-#[cfg(test)]
-mod promises;
-#[cfg(test)]
-mod short_way;
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,7 @@
 //! A precision in words: English as the partner is told it, German for people of the plant.
 
 use super::StatementPart;
-use crate::{
-    disclosure::{AggregateFunction, working_hours::Weekday},
-    print::Language,
-};
+use crate::{AggregateFunction, Language, working_hours::Weekday};
 
 /// Parts as one sentence.
 pub(super) fn sentence(parts: &[StatementPart], language: Language) -> String {
@@ -114,7 +111,7 @@ fn of(unit: &Option<String>) -> String {
 }
 
 /// A period with the largest unit that divides it.
-pub(in crate::disclosure) fn describe_period(ms: u64) -> String {
+pub(crate) fn describe_period(ms: u64) -> String {
     for (length, name) in [(86_400_000, "d"), (3_600_000, "h"), (60_000, "min"), (1_000, "s")] {
         if ms.is_multiple_of(length) {
             return format!("{} {name}", ms / length);

@@ -1,7 +1,6 @@
 //! Standing rules: what the engineer has decided once for a kind of field of certain partners.
 //!
-//! Pure: a rule looks at a requested field and says whether it is meant. What is then done is
-//! decided in the books.
+//! A rule says whether it means a requested field. The connector's state applies what follows.
 
 use std::sync::Arc;
 
@@ -12,7 +11,7 @@ use asi_model::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{DisclosurePolicy, DocumentId, documents::NAME_CHARS_MAX};
+use super::{DisclosurePolicy, DocumentId, PolicyFault, documents::NAME_CHARS_MAX};
 
 /// Most entries of one list in a rule.
 const ENTRIES_MAX: usize = 100;
@@ -225,6 +224,15 @@ pub fn outcome<'r, K: 'r>(
     meant.retain(|(_, rule)| rule.action == action);
     let disclosure = Arc::new(disclosure.fitted_to(field.field_type.0, field.value_rank >= 0));
     Some(RuleOutcome { action, rules: meant, disclosure })
+}
+
+impl From<PolicyFault> for RuleFault {
+    fn from(fault: PolicyFault) -> Self {
+        Self {
+            pointer: format!("/disclosure/{}", fault.member),
+            message: format!("{}.", fault.message),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{
-    played::{Step, at, other, policies, steps},
+    strategies::{Step, at, other, policies, steps},
     *,
 };
 
@@ -30,7 +30,7 @@ proptest! {
                 Step::Wake | Step::Restart => { short.on_time(at(now)); long.on_time(at(now)); }
             }
             prop_assert_eq!(short.state(), long.state());
-            prop_assert_eq!((short.due(), short.take_news()), (long.due(), long.take_news()));
+            prop_assert_eq!((short.due(), short.take_released()), (long.due(), long.take_released()));
         }
     }
 }

@@ -6,9 +6,8 @@ use asi_model::{
     DateTime, FieldKey, FieldName, MessageId, OrganisationId,
     messages::{MappingState, ValueSource},
 };
+use disclosure::{DecisionBasis, DisclosurePolicy, Language};
 use serde::{Deserialize, Serialize};
-
-use crate::{books::Grounds, disclosure::DisclosurePolicy, print::Language};
 
 /// Sequence numbers of one writer and epoch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,7 +46,7 @@ pub enum Event {
         decided_by: Option<String>,
         /// The rules and named policies on whose grounds it was decided.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        grounds: Option<Grounds>,
+        grounds: Option<DecisionBasis>,
     },
     /// A DataSetMessage was committed to the spool: from here on it will leave.
     Queued {

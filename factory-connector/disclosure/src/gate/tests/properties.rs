@@ -6,13 +6,10 @@ use asi_model::Variant;
 use proptest::prelude::*;
 
 use super::{
-    played::{HOUR_MS, START_MS, Step, at, other, policies, steps},
+    strategies::{HOUR_MS, START_MS, Step, at, other, policies, steps},
     *,
 };
-use crate::{
-    disclosure::{RoundingStep, StateValue, WithholdCondition},
-    values::{gate_from_json, gate_to_json},
-};
+use crate::{RoundingStep, StateValue, WithholdCondition, gate_from_json, gate_to_json};
 
 /// What left, and when.
 type Left = Vec<(u64, DataValue)>;
@@ -23,7 +20,7 @@ fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left 
     let mut gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, GateState::default(), at(0));
     let (mut now, mut left) = (0, Vec::new());
     let mut note = |gate: &mut Gate, now| {
-        if gate.take_news() {
+        if gate.take_released() {
             left.push((now, gate.disclosed().expect("news is a value").clone()));
         }
     };

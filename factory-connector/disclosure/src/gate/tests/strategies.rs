@@ -4,9 +4,7 @@ use asi_model::{Scalar, StatusCode, Variant, values::Array};
 use proptest::prelude::*;
 
 use super::*;
-use crate::disclosure::{
-    RateLimit, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours,
-};
+use crate::{RateLimit, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours};
 
 /// A Monday, 00:00 UTC.
 pub(super) const START_MS: i64 = 1_799_625_600_000;

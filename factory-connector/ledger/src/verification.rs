@@ -17,8 +17,7 @@ use row::Values;
 pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
 
 use super::{
-    Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, checkpoint::is_signed,
-    head::is_signed_head,
+    Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, head::is_signed_head, key::is_signed,
 };
 
 /// Most faults that are listed; more are counted only.
@@ -405,8 +404,7 @@ fn is_consent(event: &Event, stored: &StoredConsent) -> bool {
         return false;
     };
     let name = |value: serde_json::Value| value.as_str().map(str::to_owned);
-    let stored_policy =
-        serde_json::from_str::<crate::disclosure::DisclosurePolicy>(&stored.policy).ok();
+    let stored_policy = serde_json::from_str::<disclosure::DisclosurePolicy>(&stored.policy).ok();
     serde_json::to_value(mapping_state).ok().and_then(name).as_deref()
         == Some(&stored.mapping_state)
         && value_source.map(serde_json::to_value).and_then(Result::ok).and_then(name)
