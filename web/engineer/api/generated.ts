@@ -68,7 +68,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Makes a request for a certificate with the server's application URI and host names. The key stays here. */
+        /**
+         * Makes a request for a certificate with the server's application URI and host names. The key
+         *     stays here.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -105,7 +108,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the authorities whose clients may connect, and those in between. They are added with the clients' certificates. */
+        /**
+         * Lists the authorities whose clients may connect, and those in between. They are added with the
+         *     clients' certificates.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -177,8 +183,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the certificates of OPC UA clients, those that wait for an approval first. A local discovery server's is among
-         *     them.
+         * Lists the certificates of OPC UA clients, those that wait for an approval first. A local
+         *     discovery server's is among them.
          */
         get: {
             parameters: {
@@ -315,7 +321,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a list of revoked certificates: clients of its authority stay outside until there is a new one. */
+        /**
+         * Removes a list of revoked certificates: clients of its authority stay outside until there is a
+         *     new one.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -422,11 +431,12 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `field` with the field's key, its state and its newest disclosed value, `decisions` with how many
-         *     fields were decided at once and how many of them by standing rules, `inbox` and `comment` with the network's id,
-         *     `operator` with the operation's key, `revocation` with the receipt's id, `policies`, `ledger` every other second
-         *     while it grows, `status` where the link or a local server changes its state, and `reset` where events were missed
-         *     and the page must load afresh.
+         * Server-sent events: `field` with the field's key, its state and its newest disclosed value,
+         *     `decisions` with how many fields were decided at once and how many of them by standing rules,
+         *     `inbox` and `comment` with the network's id, `operator` with the operation's key, `revocation`
+         *     with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
+         *     the link or a local server changes its state, and `reset` where events were missed and the page
+         *     must load afresh.
          */
         get: {
             parameters: {
@@ -628,7 +638,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Ends the rest of a field's scripts that did not keep to their budget: they are tried again at once. */
+        /**
+         * Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
+         *     once.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -930,7 +943,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed and nothing leaves. */
+        /**
+         * Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
+         *     and nothing leaves.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -1142,11 +1158,17 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the requests of all active networks with their fields, filtered, in pages, in the order of their addresses. */
+        /**
+         * Lists the requests of all active networks with their fields, filtered, in pages, in the order of
+         *     their addresses.
+         */
         get: {
             parameters: {
                 query?: {
-                    /** @description `nextCursor` of the page before: requests behind its last one, whatever came and went meanwhile. */
+                    /**
+                     * @description `nextCursor` of the page before: requests behind its last one, whatever came and went
+                     *     meanwhile.
+                     */
                     cursor?: string;
                     /** @description Requests per page, at most 200. */
                     limit?: number;
@@ -1192,7 +1214,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What each partner learns in sum from all open fields, and what it can conclude from them together. */
+        /**
+         * What each partner learns in sum from all open fields, and what it can conclude from them
+         *     together.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1230,7 +1255,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What each partner learns in short: how many fields, how much at most, how exactly, and how many conclusions. */
+        /**
+         * What each partner learns in short: how many fields, how much at most, how exactly, and how many
+         *     conclusions.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1269,8 +1297,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the entries of a recipient's chain, newest first, with what left; of the first recipient by name where none is
-         *     named.
+         * Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
+         *     by name where none is named.
          */
         get: {
             parameters: {
@@ -1281,9 +1309,15 @@ export interface paths {
                     from?: string;
                     /** @description Recorded before this time. */
                     until?: string;
-                    /** @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
+                    /**
+                     * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                     *     `REVOKED`.
+                     */
                     kind?: string;
-                    /** @description About this network: decisions about its fields, reports that carried them, and what became of those. */
+                    /**
+                     * @description About this network: decisions about its fields, reports that carried them, and what became
+                     *     of those.
+                     */
                     operationNetworkId?: string;
                     /** @description Of it, only about this operation. */
                     operationId?: string;
@@ -1367,7 +1401,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the order of the chains. */
+        /**
+         * Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
+         *     order of the chains.
+         */
         get: {
             parameters: {
                 query: {
@@ -1377,9 +1414,15 @@ export interface paths {
                     from?: string;
                     /** @description Recorded before this time. */
                     until?: string;
-                    /** @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
+                    /**
+                     * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                     *     `REVOKED`.
+                     */
                     kind?: string;
-                    /** @description About this network: decisions about its fields, reports that carried them, and what became of those. */
+                    /**
+                     * @description About this network: decisions about its fields, reports that carried them, and what became
+                     *     of those.
+                     */
                     operationNetworkId?: string;
                     /** @description Of it, only about this operation. */
                     operationId?: string;
@@ -1423,7 +1466,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Searches the fields that the ledger speaks of, in the order of their addresses; those of ended requests included. */
+        /**
+         * Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
+         *     requests included.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1596,7 +1642,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Fills a template once per member of a series and takes the mappings, as an import does: all or none. */
+        /**
+         * Fills a template once per member of a series and takes the mappings, as an import does: all or
+         *     none.
+         */
         post: {
             parameters: {
                 query?: {
@@ -1638,7 +1687,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** All mappings, in force and proposed, in a form that can be imported again; the file has the templates too. */
+        /**
+         * All mappings, in force and proposed, in a form that can be imported again; the file has the
+         *     templates too.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1680,9 +1732,9 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported. Either everything is
-         *     taken or, where anything is wrong, nothing, and every fault is named with its place. Consents stay as they are:
-         *     mappings of fields that are not mapped are proposals.
+         * Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported.
+         *     Either everything is taken or, where anything is wrong, nothing, and every fault is named with
+         *     its place. Consents stay as they are: mappings of fields that are not mapped are proposals.
          */
         post: {
             parameters: {
@@ -1960,7 +2012,10 @@ export interface paths {
             };
         };
         put?: never;
-        /** Takes entries. They are stored together when the answer comes; without an answer the page delivers them again. */
+        /**
+         * Takes entries. They are stored together when the answer comes; without an answer the page
+         *     delivers them again.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -1997,7 +2052,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the operations of a day that have fields for people to fill, and those that are running or interrupted. */
+        /**
+         * Lists the operations of a day that have fields for people to fill, and those that are running or
+         *     interrupted.
+         */
         get: {
             parameters: {
                 query?: {
@@ -2074,9 +2132,9 @@ export interface paths {
         };
         get?: never;
         /**
-         * Keeps a new version of a named policy. What fields with it, or recipients with it, get changes at once; each change
-         *     is a consent in the ledger and told to the partner. `If-Match` with the version read (`"0"` for a new one) keeps two
-         *     engineers from overwriting each other.
+         * Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
+         *     at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
+         *     version read (`"0"` for a new one) keeps two engineers from overwriting each other.
          */
         put: {
             parameters: {
@@ -2234,8 +2292,9 @@ export interface paths {
         };
         get?: never;
         /**
-         * Sets a named policy for everything a recipient gets: all recipients of a request get the same values, so that the
-         *     strictest of the field's and of all its recipients' policies holds. Changes at once what leaves.
+         * Sets a named policy for everything a recipient gets: all recipients of a request get the same
+         *     values, so that the strictest of the field's and of all its recipients' policies holds. Changes
+         *     at once what leaves.
          */
         put: {
             parameters: {
@@ -2343,7 +2402,10 @@ export interface paths {
             };
         };
         put?: never;
-        /** Ends consents: values stop at once, what waits is taken back, the partner is told, and the receipt says what had left. */
+        /**
+         * Ends consents: values stop at once, what waits is taken back, the partner is told, and the
+         *     receipt says what had left.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -2500,8 +2562,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts where something
-         *     else was decided since.
+         * Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
+         *     where something else was decided since.
          */
         post: {
             parameters: {
@@ -2647,8 +2709,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there already is decided by
-         *     `POST /rules/apply`. `If-Match` as for policies.
+         * Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
+         *     already is decided by `POST /rules/apply`. `If-Match` as for policies.
          */
         put: {
             parameters: {
@@ -2728,7 +2790,26 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /** Says who is signed in. */
+        get: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                200: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content: {
+                        "application/json": components["schemas"]["Session"];
+                    };
+                };
+            };
+        };
         put?: never;
         /** Signs in; the answer sets the session's cookie. */
         post: {
@@ -2754,7 +2835,25 @@ export interface paths {
                 };
             };
         };
-        delete?: never;
+        /** Signs out. */
+        delete: {
+            parameters: {
+                query?: never;
+                header?: never;
+                path?: never;
+                cookie?: never;
+            };
+            requestBody?: never;
+            responses: {
+                /** @description Signed out */
+                204: {
+                    headers: {
+                        [name: string]: unknown;
+                    };
+                    content?: never;
+                };
+            };
+        };
         options?: never;
         head?: never;
         patch?: never;
@@ -3006,7 +3105,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Finds variables of a server by words of their paths, in the list of its variables that the connector keeps. */
+        /**
+         * Finds variables of a server by words of their paths, in the list of its variables that the
+         *     connector keeps.
+         */
         get: {
             parameters: {
                 query: {
@@ -3195,8 +3297,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Adds a person, or changes role or password. With a new password the person's sessions end, except the one in which
-         *     the person did it; those of OPC UA clients also end with another role.
+         * Adds a person, or changes role or password. With a new password the person's sessions end,
+         *     except the one in which the person did it; those of OPC UA clients also end with another role.
          */
         put: {
             parameters: {
@@ -3287,7 +3389,7 @@ export interface components {
             value: unknown;
         };
         /**
-         * @description What a window computes.
+         * @description Function over the values in a window.
          * @enum {string}
          */
         Aggregate: "minimum" | "maximum" | "mean" | "sum" | "count" | "last";
@@ -3302,7 +3404,10 @@ export interface components {
             applicationUri?: string | null;
             /** @description The names and addresses of the machine it is for. */
             hostNames: string[];
-            /** @description The server made it itself, and renews it itself; otherwise somebody has to ask the authority in time. */
+            /**
+             * @description The server made it itself, and renews it itself; otherwise somebody has to ask the authority
+             *     in time.
+             */
             isSelfSigned: boolean;
             /** @description The distinguished name of who issued it. */
             issuer: string;
@@ -3336,28 +3441,28 @@ export interface components {
              */
             bit: number;
         };
-        /** @description What a bit means. */
+        /** @description Text of one bit. */
         BitText: {
             /**
              * Format: int32
              * @description 0 is the lowest.
              */
             bit: number;
-            /** @description Its text. */
+            /** @description Text that is yielded. */
             text: string;
         };
         /** @description The texts of all bits that are set, in their order. */
         BitTexts: {
-            /** @description What the bits mean; others are left out. */
+            /** @description Texts of bits; bits without one are left out. */
             bits: components["schemas"]["BitText"][];
             /** @description The text when none of the bits is set. */
             none?: string;
-            /** @description What stands between two texts. */
+            /** @description Separator between two texts. */
             separator?: string;
         };
         /**
-         * @description Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`, those of namespace
-         *     0 bare.
+         * @description Browse names from the Objects folder down to a node. In JSON a list of texts `nsu=<uri>;<name>`,
+         *     those of namespace 0 bare.
          */
         BrowsePath: string[];
         /** @description A node as a person picks it in a tree. */
@@ -3390,7 +3495,8 @@ export interface components {
             unit?: components["schemas"]["UnitName"] | null;
             /**
              * Format: int32
-             * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3 scalar or one.
+             * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
+             *     scalar or one.
              */
             valueRank?: number | null;
         };
@@ -3428,7 +3534,10 @@ export interface components {
             /** @description Whose chain. */
             recipient: string;
         };
-        /** @description A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it held then. */
+        /**
+         * @description A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it
+         *     held then.
+         */
         CheckpointView: {
             /** @description The last entry of each chain then. */
             heads: components["schemas"]["CheckpointHead"][];
@@ -3446,7 +3555,10 @@ export interface components {
             recordedAt: string;
             /** @description The Ed25519 signature over that text, hexadecimal. */
             signature: string;
-            /** @description The exact text that was signed: factory, number, time, and of each chain the last number and hash. */
+            /**
+             * @description The exact text that was signed: factory, number, time, and of each chain the last number and
+             *     hash.
+             */
             signedText: string;
         };
         /** @description The endpoint in use. */
@@ -3459,7 +3571,7 @@ export interface components {
             /** @description Application name of the server. */
             serverName: string;
         };
-        /** @description Whether a mapping's scripts are run. */
+        /** @description State of the circuit breakers of a mapping's scripts. */
         CircuitState: {
             /** @enum {string} */
             state: "closed";
@@ -3477,7 +3589,10 @@ export interface components {
         };
         /** @description The certificate of an authority. */
         ClientAuthorityView: {
-            /** @description Clients with a certificate of it may connect; otherwise it only leads to one that is trusted. */
+            /**
+             * @description Clients with a certificate of it may connect; otherwise it only leads to one that is
+             *     trusted.
+             */
             isTrusted: boolean;
             /** @description The distinguished name of who issued it; the subject's where it did so itself. */
             issuer: string;
@@ -3496,7 +3611,10 @@ export interface components {
              * @description Beginning of its validity.
              */
             notBefore: string;
-            /** @description Whether its list of revoked certificates is here. Its clients stay outside without a current one. */
+            /**
+             * @description Whether its list of revoked certificates is here. Its clients stay outside without a current
+             *     one.
+             */
             revocationList: components["schemas"]["RevocationListState"];
             /** @description The subject's distinguished name. */
             subject: string;
@@ -3567,7 +3685,10 @@ export interface components {
         ClientTrust: "TRUSTED" | "REJECTED";
         /** @description Whether a client's certificate is trusted. */
         ClientTrustBody: {
-            /** @description True: its bearer may connect from now on. False: it is turned away from the next connection on. */
+            /**
+             * @description True: its bearer may connect from now on. False: it is turned away from the next connection
+             *     on.
+             */
             isTrusted: boolean;
         };
         /**
@@ -3577,7 +3698,10 @@ export interface components {
         Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
         /** @description With what the consent for a field begins. */
         ConsentOffer: components["schemas"]["Statement"] & {
-            /** @description The precision to begin with: what standing rules say, and a minimum interval as long as the partner's period. */
+            /**
+             * @description The precision to begin with: what standing rules say, and a minimum interval as long as the
+             *     partner's period.
+             */
             disclosure: components["schemas"]["DisclosurePolicy"];
             /**
              * Format: double
@@ -3600,17 +3724,17 @@ export interface components {
         };
         /** @description Yields the same value whatever comes in; with no input before it, once. */
         Constant: {
-            /** @description The value. */
+            /** @description Value that the step yields. */
             value: components["schemas"]["Literal"];
         };
         /**
-         * @description Converts to another built-in type: numbers, Boolean, String, DateTime and Guid among each other where it makes
-         *     sense. Text that is no number is a fault, never zero.
+         * @description Converts to another built-in type: numbers, Boolean, String, DateTime and Guid among each other
+         *     where it makes sense. Text that is no number is a fault, never zero.
          */
         Convert: {
-            /** @description What happens outside the wanted type's range. */
+            /** @description Treatment of a number outside the wanted type's range. */
             overflow?: components["schemas"]["Overflow"];
-            /** @description How a fraction becomes an integer. */
+            /** @description Rounding of a fraction to an integer. */
             rounding?: components["schemas"]["Rounding"];
             to: string;
         };
@@ -3622,11 +3746,11 @@ export interface components {
             onDecrease?: components["schemas"]["OnDecrease"];
             /** @description An input that sets the sum back to `start` when it becomes true (or not zero). */
             resetBy?: string | null;
-            /** @description Where it starts. */
+            /** @description Sum before the first value. */
             start?: components["schemas"]["Number"];
         };
         /**
-         * @description What a `counter` counts.
+         * @description Kind of counting of a `counter`.
          * @enum {string}
          */
         CounterInput: "increments" | "risingEdges" | "values";
@@ -3656,8 +3780,9 @@ export interface components {
             subject: string;
         };
         /**
-         * @description Holds changes back that are too small. Without parameters only repeats of the same value are held back; values that
-         *     are no numbers pass when they differ. A change of the status always passes.
+         * @description Holds changes back that are too small. Without parameters only repeats of the same value are
+         *     held back; values that are no numbers pass when they differ. A change of the status always
+         *     passes.
          */
         Deadband: {
             absolute?: components["schemas"]["Number"] | null;
@@ -3671,9 +3796,27 @@ export interface components {
         Debounce: {
             /**
              * Format: int64
-             * @description How long it must stay the same, in milliseconds.
+             * @description Time that it must stay the same, in milliseconds.
              */
             quietMs: number;
+        };
+        /** @description Named policies and standing rules that a decision rests on, beside the engineer's own words. */
+        DecisionBasis: {
+            /**
+             * @description The named policies that shaped the precision, with the versions that held; in consents only.
+             * @default []
+             */
+            policies: components["schemas"]["DocumentVersion"][];
+            /**
+             * @description The named policy that the field takes, in whatever version.
+             * @default null
+             */
+            policyId: string | null;
+            /**
+             * @description The rules that decided, each in the version that did.
+             * @default []
+             */
+            rules: components["schemas"]["DocumentVersion"][];
         };
         /** @description What is decided. */
         DecisionBody: {
@@ -3714,13 +3857,16 @@ export interface components {
         /**
          * @description How a field's values are coarsened before they leave. Empty: every change leaves as it is.
          *
-         *     In this order: what comes in a withheld state is dropped, an aggregate is made of each window, the number is banded
-         *     or rounded and then cut to its significant digits; the result waits for its delay, the intervals and rates, the time
-         *     step and the working hours.
+         *     In this order: what comes in a withheld state is dropped, an aggregate is made of each window,
+         *     the number is banded or rounded and then cut to its significant digits; the result waits for its
+         *     delay, the intervals and rates, the time step and the working hours.
          */
         DisclosurePolicy: {
             aggregate?: components["schemas"]["WindowAggregate"] | null;
-            /** @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below all); ascending. */
+            /**
+             * @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below
+             *     all); ascending.
+             */
             bands?: number[];
             /**
              * Format: int64
@@ -3748,7 +3894,8 @@ export interface components {
             significantDigits?: number | null;
             /**
              * Format: int64
-             * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave on them only.
+             * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave
+             *     on them only.
              */
             timeStepMs?: number | null;
             /** @description Nothing leaves while any of these is met, and what comes meanwhile never leaves. */
@@ -3776,7 +3923,7 @@ export interface components {
         };
         /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
         Edge: {
-            /** @description Which change passes. */
+            /** @description Change that passes. */
             direction: components["schemas"]["EdgeDirection"];
         };
         /**
@@ -3805,8 +3952,8 @@ export interface components {
             /** @description Less than was entered is disclosed. */
             isCoarsened: boolean;
             /**
-             * @description `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds the present state:
-             *     it never leaves).
+             * @description `DISCLOSED`, `UNCHANGED`, `WITHHELD` (it leaves later) or `SUPPRESSED` (the policy withholds
+             *     the present state: it never leaves).
              */
             outcome: string;
             /**
@@ -3860,7 +4007,10 @@ export interface components {
             kind: string;
             /** @description For a report: the message it left in last. */
             leftInMessage?: string | null;
-            /** @description The precision under each consent that the entry names, by field, in the words that the partner was told. */
+            /**
+             * @description The precision under each consent that the entry names, by field, in the words that the
+             *     partner was told.
+             */
             precision: {
                 [key: string]: string;
             };
@@ -3893,23 +4043,24 @@ export interface components {
         };
         /** @description The text of one number of an enumeration. */
         EnumerationText: {
-            /** @description Its text. */
+            /** @description Text that is yielded. */
             text: string;
             /**
              * Format: int64
-             * @description The number.
+             * @description Number of the enumeration.
              */
             value: number;
         };
         /**
          * @description An arithmetic expression over `value` and the inputs by name.
          *
-         *     Numbers, texts in quotes, `true` and `false`; `+ - * / // %`, comparisons, `&& || !`, `c ? a : b`; `min max abs
-         *     round floor ceil trunc sqrt pow exp ln log10 clamp mod bit length upper lower trim text number`. `//` divides
-         *     towards minus infinity; `/` of two integers is an integer where it comes out even. `+` joins texts.
+         *     Numbers, texts in quotes, `true` and `false`; `+ - * / // %`, comparisons, `&& || !`, `c ? a :
+         *     b`; `min max abs round floor ceil trunc sqrt pow exp ln log10 clamp mod bit length upper lower
+         *     trim text number`. `//` divides towards minus infinity; `/` of two integers is an integer where
+         *     it comes out even. `+` joins texts.
          */
         Expression: {
-            /** @description The expression. */
+            /** @description Text of the expression. */
             expression: string;
         };
         /**
@@ -3921,7 +4072,7 @@ export interface components {
         FaultRecord: {
             /**
              * Format: date-time
-             * @description When it happened.
+             * @description Time of the fault by the local clock.
              */
             at: string;
             /**
@@ -3929,14 +4080,14 @@ export interface components {
              * @description The column in the script, from 1.
              */
             column?: number | null;
-            /** @description What kind of fault it is. */
+            /** @description Kind, for programs. */
             kind: components["schemas"]["FaultKind"];
             /**
              * Format: int32
              * @description The line in the script, from 1.
              */
             line?: number | null;
-            /** @description What went wrong, in a sentence. */
+            /** @description Sentence that names the fault, without the value. */
             message: string;
             /** @description Index of the function in the chain; absent for the end of the chain. */
             step?: number | null;
@@ -3992,10 +4143,13 @@ export interface components {
             disclosureParts: components["schemas"]["StatementPart"][];
             /** @description The same in words, as the partner is told. */
             disclosureStatement?: string | null;
-            /** @description How they are coarsened: the strictest of that, of the named policy and of the recipients' policies. */
+            /**
+             * @description How they are coarsened: the strictest of that, of the named policy and of the recipients'
+             *     policies.
+             */
             effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
             /** @description The named policy and the rules on whose grounds it was decided. */
-            grounds: components["schemas"]["Grounds"];
+            grounds: components["schemas"]["DecisionBasis"];
             /** @description A mapping is on trial beside the published one. */
             hasShadow: boolean;
             /** @description Nothing leaves at present: the policy withholds the present state, or one that is not known. */
@@ -4027,7 +4181,10 @@ export interface components {
         };
         /** @description What was found. */
         Finds: {
-            /** @description False while the server is still being walked through (ask again), or where it is too large to be listed. */
+            /**
+             * @description False while the server is still being walked through (ask again), or where it is too large
+             *     to be listed.
+             */
             isComplete: boolean;
             /** @description The variables, those whose own name fits first, each with its browse path. */
             items: components["schemas"]["BrowsedNode"][];
@@ -4042,32 +4199,14 @@ export interface components {
         /**
          * @description Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
          *
-         *     `{value}` is the chain's value, `{name}` an input. After a colon: an optional `0` and width (`{value:06}`), an
-         *     optional number of decimals (`{value:.2}`). `{{` and `}}` are braces.
+         *     `{value}` is the chain's value, `{name}` an input. After a colon: an optional `0` and width
+         *     (`{value:06}`), an optional number of decimals (`{value:.2}`). `{{` and `}}` are braces.
          */
         Format: {
             /** @description The text with its placeholders. */
             template: string;
         };
-        /** @description On what a decision rests beside the engineer's own words. */
-        Grounds: {
-            /**
-             * @description The named policies that shaped the precision, with the versions that held; in consents only.
-             * @default []
-             */
-            policies: components["schemas"]["DocumentVersion"][];
-            /**
-             * @description The named policy that the field takes, in whatever version.
-             * @default null
-             */
-            policyId: string | null;
-            /**
-             * @description The rules that decided, each in the version that did.
-             * @default []
-             */
-            rules: components["schemas"]["DocumentVersion"][];
-        };
-        /** @description How many mappings are doing how. */
+        /** @description Number of mappings by health. */
         HealthCounts: {
             /** @description So many `CLOCK_AHEAD`. */
             clockAhead: number;
@@ -4142,10 +4281,10 @@ export interface components {
             /** @description Requests. */
             requests: number;
         };
-        /** @description How much a counter went on since its last value. The first value yields nothing. */
+        /** @description Increment of a counter since its last value. The first value yields nothing. */
         Increment: {
             modulus?: components["schemas"]["Number"] | null;
-            /** @description What a decrease means that is no wrap. */
+            /** @description Meaning of a decrease that is no wrap. */
             onDecrease?: components["schemas"]["OnDecrease"];
         };
         /** @description Reason why an input has no value. */
@@ -4160,18 +4299,19 @@ export interface components {
              */
             status: number;
         };
-        /** @description How an input is doing. */
+        /** @description Last value of an input. */
         InputStatus: {
             /**
              * Format: int64
-             * @description How far the source's clock is ahead of ours, in milliseconds, as seen at that value (transport included).
+             * @description Difference of the source's clock to ours, in milliseconds, transport included; positive
+             *     where the source is ahead.
              */
             clockAheadMs?: number | null;
-            /** @description Its name. */
+            /** @description Name of the input in the mapping. */
             name: string;
             /**
              * Format: date-time
-             * @description When it came, by the local clock.
+             * @description Arrival time by the local clock.
              */
             receivedAt?: string | null;
             value?: components["schemas"]["TracedValue"] | null;
@@ -4184,15 +4324,17 @@ export interface components {
         /** @description The certificate that an authority made of the request. */
         IssuedCertificateBody: {
             /**
-             * @description PEM: the certificate, and those of its authorities up to the root unless the trust list has them, in any order. Or
-             *     the certificate alone as DER in base64.
+             * @description PEM: the certificate, and those of its authorities up to the root unless the trust list has
+             *     them, in any order. Or the certificate alone as DER in base64.
              */
             content: string;
         };
         /**
-         * @description What happens to a value whose source time lies before that of the newest value of the same variable.
+         * @description Treatment of a value whose source time lies before that of the newest value of the same
+         *     variable.
          *
-         *     A value is late by at most ten seconds. What lies further back is a source whose clock was set back, and is used.
+         *     A value is late by at most ten seconds. A longer step back is a source whose clock was set back,
+         *     and the value is used.
          * @enum {string}
          */
         LateValues: "ignore" | "use";
@@ -4236,7 +4378,8 @@ export interface components {
             fieldCount: number;
             /**
              * Format: int64
-             * @description How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they happen.
+             * @description How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they
+             *     happen.
              */
             timeResolutionMs: number;
             /**
@@ -4264,7 +4407,8 @@ export interface components {
             neededMs?: number | null;
             /**
              * Format: int64
-             * @description How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan says so.
+             * @description How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan
+             *     says so.
              */
             pieceMs?: number | null;
             /** @description In English, with what would prevent it. */
@@ -4321,7 +4465,7 @@ export interface components {
         Mapping: {
             /** @description The variables it reads. The first one enters the chain. */
             inputs: components["schemas"]["MappingInput"][];
-            /** @description What happens to values that arrive after newer ones of the same variable. */
+            /** @description Treatment of values that arrive after newer ones of the same variable. */
             lateValues?: components["schemas"]["LateValues"];
             /** @description Its identity within the connector. */
             mappingId: string;
@@ -4340,14 +4484,17 @@ export interface components {
         };
         /** @description One difference. */
         MappingChange: {
-            /** @description What is there now; absent where it was taken away. */
+            /** @description Value in the later version; absent where it was taken away. */
             after?: unknown;
-            /** @description What was there; absent where it is new. */
+            /** @description Value in the earlier version; absent where it is new. */
             before?: unknown;
-            /** @description JSON pointer into the mapping: of the later version, or of the earlier one where something was taken away. */
+            /**
+             * @description JSON pointer into the mapping: of the later version, or of the earlier one where something
+             *     was taken away.
+             */
             pointer: string;
         };
-        /** @description One thing to say about a mapping. */
+        /** @description Diagnostic of a mapping. */
         MappingDiagnostic: {
             /** @description A stable code in camelCase. */
             code: components["schemas"]["DiagnosticCode"];
@@ -4361,11 +4508,11 @@ export interface components {
              * @description The line in the expression or script, from 1.
              */
             line?: number | null;
-            /** @description What is wrong and what to do, in a sentence. */
+            /** @description Fault and remedy, in a sentence. */
             message: string;
             /** @description JSON pointer into the mapping, as `/steps/2/factor`. */
             pointer: string;
-            /** @description Whether it keeps the mapping from running. */
+            /** @description Severity; a mapping with an error does not run. */
             severity: components["schemas"]["Severity"];
         };
         /** @description From local variables to a field: inputs and functions. */
@@ -4379,9 +4526,9 @@ export interface components {
         };
         /** @description Mappings and templates as one JSON document. */
         MappingFile: {
-            /** @description Mappings. */
+            /** @description Mappings without a template. */
             mappings?: components["schemas"]["Mapping"][];
-            /** @description Templates. */
+            /** @description Templates for series of like machines. */
             templates?: components["schemas"]["MappingTemplate"][];
             /**
              * Format: int32
@@ -4390,13 +4537,13 @@ export interface components {
             version: number;
         };
         /**
-         * @description How a mapping is doing, in a word; the worst first.
+         * @description Health of a mapping; the worst first.
          * @enum {string}
          */
         MappingHealth: "RESTING" | "FAILING" | "WAITING" | "DOUBTFUL" | "CLOCK_AHEAD" | "WELL";
         /** @description A variable of a local server, under the name that expressions and scripts use. */
         MappingInput: {
-            /** @description How the variable is monitored: sampling, queue, browse path to find it again, part of an array. */
+            /** @description Monitoring of the variable: sampling, queue, browse path to find it again, part of an array. */
             monitor?: components["schemas"]["MonitorOptions"];
             /** @description `[A-Za-z_][A-Za-z0-9_]*`, unique within the mapping, not `value`. */
             name: string;
@@ -4407,33 +4554,36 @@ export interface components {
             nodeId: string;
             /** @description The local server. */
             sourceId: components["schemas"]["SourceId"];
-            /** @description Whether a change of this variable makes the mapping run; `false`: it is only read when another one changes. */
+            /**
+             * @description True where a change of this variable makes the mapping run; otherwise it is only read when
+             *     another one changes.
+             */
             triggers?: boolean;
             /** @description The variable's unit as seen when it was picked (UNECE code or alias). */
             unit?: string | null;
             valueType?: string | null;
         };
-        /** @description How a mapping is doing, for its page. */
+        /** @description Status of a mapping, for its page. */
         MappingStatus: {
-            /** @description Whether its scripts are run. */
+            /** @description State of the circuit breakers of its scripts. */
             circuit: components["schemas"]["CircuitState"];
             /**
              * Format: int64
-             * @description How often a source's clock was set back.
+             * @description Number of times that a source's clock was set back.
              */
             clockSteps: number;
             /**
              * Format: int64
-             * @description Faults.
+             * @description Number of faults since the mapping was published.
              */
             faults: number;
-            /** @description Its inputs. */
+            /** @description Last value of each input, in the mapping's order. */
             inputs: components["schemas"]["InputStatus"][];
             lastCandidate?: components["schemas"]["TracedValue"] | null;
             lastFault?: components["schemas"]["FaultRecord"] | null;
             /**
              * Format: date-time
-             * @description When the last candidate went out, by the local clock.
+             * @description Time of the last candidate by the local clock.
              */
             lastYieldedAt?: string | null;
             /**
@@ -4441,7 +4591,6 @@ export interface components {
              * @description Values that were late.
              */
             late: number;
-            /** @description The mapping. */
             mappingId: string;
             /**
              * Format: int64
@@ -4460,10 +4609,10 @@ export interface components {
             spentUs: number;
             /**
              * Format: int64
-             * @description Values that a script could not keep up with, so that newer ones took their place.
+             * @description Values that newer ones replaced because a script did not keep up.
              */
             superseded: number;
-            /** @description Its field. */
+            /** @description Field that gets the candidates. */
             target: components["schemas"]["FieldKey"];
             /**
              * Format: int64
@@ -4471,20 +4620,23 @@ export interface components {
              */
             yielded: number;
         };
-        /** @description The published mappings at work; those on trial are not among them. */
+        /** @description Health of the published mappings, without shadow mappings. */
         MappingSurvey: {
-            /** @description How many are doing how, of all. */
+            /** @description Numbers of all published mappings. */
             counts: components["schemas"]["HealthCounts"];
-            /** @description The worst of those that were asked for; of two that are doing alike, the one with more faults first. */
+            /**
+             * @description The worst of those that were asked for; of two that are doing alike, the one with more
+             *     faults first.
+             */
             items: components["schemas"]["SurveyedMapping"][];
         };
         /** @description A mapping with gaps. */
         MappingTemplate: {
-            /** @description What it is for. */
+            /** @description Purpose, for people. */
             description?: string | null;
             /** @description The JSON of a mapping with placeholders. */
             mapping: unknown;
-            /** @description What people call it. */
+            /** @description Name for people. */
             name?: string | null;
             /** @description The parameters, for the form that asks for them. */
             parameters: components["schemas"]["TemplateParameter"][];
@@ -4513,18 +4665,18 @@ export interface components {
         Merge: {
             /** @description The names of the inputs, in their order of precedence; all where empty. */
             inputs?: string[];
-            /** @description How. */
+            /** @description Rule by which the inputs become one value. */
             rule: components["schemas"]["MergeRule"];
-            /** @description What stands between the texts of `join`. */
+            /** @description Separator between the texts of `join`. */
             separator?: string | null;
         };
         /**
-         * @description How several inputs become one value.
+         * @description Rule by which several inputs become one value.
          * @enum {string}
          */
         MergeRule: "newest" | "firstGood" | "minimum" | "maximum" | "sum" | "mean" | "all" | "any" | "join" | "array";
         /**
-         * @description How messages are protected.
+         * @description Protection of messages.
          * @enum {string}
          */
         MessageSecurity: "none" | "sign" | "signAndEncrypt";
@@ -4558,8 +4710,8 @@ export interface components {
         /** @description What the revision in force changed. */
         NetworkNews: {
             /**
-             * @description What differs: operations, relations, requests, and each field with the reasons and with what became of its mapping
-             *     and of the consent.
+             * @description What differs: operations, relations, requests, and each field with the reasons and with what
+             *     became of its mapping and of the consent.
              */
             difference: unknown;
             /**
@@ -4607,7 +4759,10 @@ export interface components {
         };
         /** @description An entry as the page made it. */
         NewEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
-            /** @description Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no further effect. */
+            /**
+             * @description Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no
+             *     further effect.
+             */
             entryId: string;
             /**
              * Format: date-time
@@ -4623,7 +4778,7 @@ export interface components {
         /** @description A number; integers beyond 2^53 as text. */
         Number: number | string;
         /**
-         * @description What it means when a counter's value gets smaller and that is no wrap.
+         * @description Meaning of a counter's decrease that is no wrap.
          * @enum {string}
          */
         OnDecrease: "reset" | "set" | "subtract";
@@ -4691,7 +4846,7 @@ export interface components {
             standing: components["schemas"]["Standing"];
         };
         /**
-         * @description What happens to a number outside the wanted type's range.
+         * @description Treatment of a number outside the wanted type's range.
          * @enum {string}
          */
         Overflow: "fault" | "clamp";
@@ -4888,7 +5043,10 @@ export interface components {
         Parse: {
             /** @description A comma is the decimal sign, points group digits. */
             decimalComma?: boolean;
-            /** @description Where it stands: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The whole text where absent. */
+            /**
+             * @description Position of the value: `{}` is the value, `*` any text, all else itself (`Temp={} *`). The
+             *     whole text where absent.
+             */
             pattern?: string | null;
             /**
              * Format: int32
@@ -4963,7 +5121,10 @@ export interface components {
              * @description When it would leave, where policy holds it back.
              */
             disclosedAt?: string | null;
-            /** @description The precision that would hold: the strictest of the draft, the named policy and the recipients' policies. */
+            /**
+             * @description The precision that would hold: the strictest of the draft, the named policy and the
+             *     recipients' policies.
+             */
             effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
             /** @description What each part of it does to this value. */
             effects: components["schemas"]["Effect"][];
@@ -4971,7 +5132,10 @@ export interface components {
             inputs: components["schemas"]["InputView"][];
             /** @description Nothing would leave now: the policy withholds the present state, or one that is not known. */
             isWithheld: boolean;
-            /** @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and times. */
+            /**
+             * @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
+             *     times.
+             */
             message?: string | null;
             /** @description What the mapping makes of it, function by function. */
             steps: components["schemas"]["StepView"][];
@@ -4979,8 +5143,8 @@ export interface components {
             warnings: components["schemas"]["LeakWarning"][];
         };
         /**
-         * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong inside is logged and
-         *     never shown.
+         * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
+         *     inside is logged and never shown.
          */
         Problem: {
             /** @description A stable code, as `NOT_FOUND`. */
@@ -5015,7 +5179,7 @@ export interface components {
         };
         /** @description Change per time, by the source's times, as Double. The first value yields nothing. */
         Rate: {
-            /** @description Per what. */
+            /** @description Time that the rate refers to. */
             per?: components["schemas"]["RatePeriod"];
         };
         /** @description At most so many values leave within any period of this length. */
@@ -5038,7 +5202,7 @@ export interface components {
         RatePeriod: "second" | "minute" | "hour" | "day";
         /** @description A piece of evidence. */
         Reason: {
-            /** @description What kind of evidence. */
+            /** @description Kind of evidence, for programs. */
             kind: components["schemas"]["ReasonKind"];
             /**
              * Format: int32
@@ -5165,7 +5329,10 @@ export interface components {
          * @enum {string}
          */
         RevocationListState: "CURRENT" | "OUTDATED" | "MISSING";
-        /** @description A statement of what had left when a consent ended. It is signed with the ledger's key and kept for ever. */
+        /**
+         * @description A statement of what had left when a consent ended. It is signed with the ledger's key and kept
+         *     for ever.
+         */
         RevocationReceipt: {
             /** @description `REVOKED`, or `WITHDRAWN` by the partner. */
             cause: string;
@@ -5237,7 +5404,7 @@ export interface components {
          */
         Role: "ENGINEER" | "OPERATOR" | "VIEWER";
         /**
-         * @description How a fraction becomes an integer.
+         * @description Rounding of a fraction to an integer.
          * @enum {string}
          */
         Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
@@ -5273,8 +5440,8 @@ export interface components {
             dataTypes: string[];
             namePattern?: string | null;
             /**
-             * @description Organisations. A rule that accepts or pre-fills means requests of which the requester and *every* recipient are
-             *     among them; a rule that refuses, requests of which any is.
+             * @description Organisations. A rule that accepts or pre-fills means requests of which the requester and
+             *     *every* recipient are among them; a rule that refuses, requests of which any is.
              * @default []
              */
             partners: string[];
@@ -5353,23 +5520,24 @@ export interface components {
             name: string;
         };
         /**
-         * @description `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor and offset are and the
-         *     division comes out even.
+         * @description `value * factor / divisor + offset`. Integers stay integers (of 64 bits) where factor, divisor
+         *     and offset are and the division comes out even.
          */
         Scale: {
-            /** @description What the product is divided by; not zero. */
+            /** @description Divisor of the product; not zero. */
             divisor?: components["schemas"]["Number"];
-            /** @description What the value is multiplied by. */
+            /** @description Factor of the value. */
             factor?: components["schemas"]["Number"];
-            /** @description What is added at the end. */
+            /** @description Summand added at the end. */
             offset?: components["schemas"]["Number"];
         };
         /**
          * @description A JavaScript function `(value, ctx) => ...`, run in a worker process.
          *
-         *     `ctx.state` is kept between calls (at most 4 KiB as JSON) and survives restarts; variables outside the function do
-         *     not. `ctx.inputs.<name>` has `value`, `status` and `sourceTimestamp`, `ctx.status` and `ctx.sourceTimestamp` are
-         *     those of `value`. 64-bit integers are BigInt. `undefined` yields nothing, `null` no value.
+         *     `ctx.state` is kept between calls (at most 4 KiB as JSON) and survives restarts; variables
+         *     outside the function do not. `ctx.inputs.<name>` has `value`, `status` and `sourceTimestamp`,
+         *     `ctx.status` and `ctx.sourceTimestamp` are those of `value`. 64-bit integers are BigInt.
+         *     `undefined` yields nothing, `null` no value.
          */
         Script: {
             /** @description The source text. */
@@ -5377,7 +5545,10 @@ export interface components {
         };
         /** @description A server that was looked through. */
         SearchedSource: {
-            /** @description False while the list is being made, or where the server has more than is listed: ask again, or search by hand. */
+            /**
+             * @description False while the list is being made, or where the server has more than is listed: ask again,
+             *     or search by hand.
+             */
             isComplete: boolean;
             /**
              * Format: date-time
@@ -5431,8 +5602,8 @@ export interface components {
         /** @description The members of a series. */
         Series: {
             /**
-             * @description Or patterns of numbers, as `1..12` or `1,3,7..9`: the first mapping gets the first number of each, and so on; a
-             *     pattern of one number, or another text, is the same for all.
+             * @description Or patterns of numbers, as `1..12` or `1,3,7..9`: the first mapping gets the first number of
+             *     each, and so on; a pattern of one number, or another text, is the same for all.
              */
             patterns?: {
                 [key: string]: string;
@@ -5486,7 +5657,7 @@ export interface components {
             value?: string | null;
         };
         /**
-         * @description How bad a diagnostic is.
+         * @description Severity of a diagnostic.
          * @enum {string}
          */
         Severity: "hint" | "warning" | "error";
@@ -5525,8 +5696,8 @@ export interface components {
             userName: string;
         };
         /**
-         * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a source stores
-         *     [`Password::expose`] apart.
+         * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a
+         *     source stores [`Password::expose`] apart.
          */
         SourceConfig: {
             /** @description The server's address, `opc.tcp://host:port/path`. */
@@ -5544,7 +5715,8 @@ export interface components {
             security?: components["schemas"]["SecurityChoice"];
             /**
              * Format: int32
-             * @description After how many milliseconds without any sign of life a connection is given up (500 to 600 000).
+             * @description After how many milliseconds without any sign of life a connection is given up (500 to 600
+             *     000).
              */
             silenceMsMax?: number;
             /** @description The source's name, unique in a connector. */
@@ -5657,7 +5829,10 @@ export interface components {
             /** @description The same as codes with parameters. */
             statementParts: components["schemas"]["StatementPart"][];
         };
-        /** @description A part of a policy as the partner is told it: a code with its parameters, for who says it in another language. */
+        /**
+         * @description A part of a policy as the partner is told it: a code with its parameters, for who says it in
+         *     another language.
+         */
         StatementPart: {
             /** @enum {string} */
             code: "UNCHANGED";
@@ -5763,8 +5938,8 @@ export interface components {
         /**
          * @description One function of a chain. In JSON an object with `function` and the parameters.
          *
-         *     A function gets the value the one before it yielded, and may keep it to itself: then the chain ends there
-         *     until the next value.
+         *     A function gets the value the one before it yielded, and may keep it to itself: then the
+         *     chain ends there until the next value.
          */
         Step: (components["schemas"]["Select"] & {
             /** @enum {string} */
@@ -5868,7 +6043,8 @@ export interface components {
         StoredRevocation: components["schemas"]["RevocationReceipt"] & {
             /**
              * Format: int32
-             * @description Reports that were on their way when the consent ended, of which the platform has said since that it holds them.
+             * @description Reports that were on their way when the consent ended, of which the platform has said since
+             *     that it holds them.
              */
             arrivedSince: number;
             /**
@@ -5897,18 +6073,18 @@ export interface components {
         };
         /** @description A variable that might be meant. */
         Suggestion: {
-            /** @description The variable. */
+            /** @description Node id with its namespace's URI. */
             nodeId: string;
-            /** @description Where it stands, as people read it. */
+            /** @description Names down to the variable, joined by `/`. */
             place: string;
-            /** @description Why, the weightiest first. */
+            /** @description Evidence, the weightiest first. */
             reasons: components["schemas"]["Reason"][];
             /**
              * Format: int32
              * @description 20 to 100.
              */
             score: number;
-            /** @description The server. */
+            /** @description Source of the variable. */
             sourceId: string;
             /** @description The functions it would need. */
             steps: components["schemas"]["Step"][];
@@ -5922,9 +6098,9 @@ export interface components {
         };
         /** @description A mapping of a survey. */
         SurveyedMapping: {
-            /** @description How it is doing, in a word. */
+            /** @description Health from which its rank follows. */
             health: components["schemas"]["MappingHealth"];
-            /** @description How it is doing. */
+            /** @description Counters, inputs and last candidate. */
             status: components["schemas"]["MappingStatus"];
         };
         /** @description How to make a template of a field's mapping. */
@@ -5940,9 +6116,9 @@ export interface components {
         };
         /** @description A parameter of a template. */
         TemplateParameter: {
-            /** @description What stands there where nothing is given. */
+            /** @description Value where none is given. */
             default?: string | null;
-            /** @description What it means. */
+            /** @description Meaning, for people. */
             description?: string | null;
             /** @description Its name within `${...}`. */
             name: string;
@@ -5957,7 +6133,7 @@ export interface components {
              */
             changedAt: string;
         };
-        /** @description Whether a number is above a limit, with hysteresis. */
+        /** @description Comparison of a number with a limit, with hysteresis. */
         Threshold: {
             above?: components["schemas"]["Literal"] | null;
             below?: components["schemas"]["Literal"] | null;
@@ -5965,9 +6141,9 @@ export interface components {
             limit: components["schemas"]["Number"];
             release?: components["schemas"]["Number"] | null;
         };
-        /** @description What a mapping made of samples. */
+        /** @description Result of a dry run. */
         Trace: {
-            /** @description What is to be said about the mapping; with an error there are no runs. */
+            /** @description All diagnostics of the mapping; with an error there are no runs. */
             diagnostics: components["schemas"]["MappingDiagnostic"][];
             /** @description One run per sample, and per timer that ran out in between. */
             runs: components["schemas"]["TraceRun"][];
@@ -5976,53 +6152,56 @@ export interface components {
         TraceRun: {
             /**
              * Format: date-time
-             * @description When, by the local clock.
+             * @description Time of the run by the local clock.
              */
             at: string;
             candidate?: components["schemas"]["TracedValue"] | null;
             fault?: components["schemas"]["TracedFault"] | null;
             /** @description The input that changed; absent where time passed. */
             input?: string | null;
-            /** @description What each function made of it, as far as the chain got. */
+            /** @description Results of the functions, as far as the chain got. */
             steps: components["schemas"]["TraceStep"][];
             value?: components["schemas"]["TracedValue"] | null;
         };
-        /** @description What one function made of its value. */
+        /** @description Result of one function on one value. */
         TraceStep: {
             fault?: components["schemas"]["TracedFault"] | null;
-            /** @description Its name. */
+            /** @description Name of the function, as in JSON. */
             function: string;
             /** @description Index of the function. */
             step: number;
             value?: components["schemas"]["TracedValue"] | null;
         };
-        /** @description Why a function failed. */
+        /** @description Fault of a function. */
         TracedFault: {
             /**
              * Format: int32
              * @description The column in the script, from 1.
              */
             column?: number | null;
-            /** @description What kind of fault it is. */
+            /** @description Kind, for programs. */
             kind: components["schemas"]["FaultKind"];
             /**
              * Format: int32
              * @description The line in the script, from 1.
              */
             line?: number | null;
-            /** @description What went wrong, in a sentence. */
+            /** @description Sentence that names the fault. */
             message: string;
         };
-        /** @description A value for people: 64-bit integers as text, arrays cut after 256 elements, structures as objects. */
+        /**
+         * @description A value for people: 64-bit integers as text, arrays cut after 256 elements, structures as
+         *     objects.
+         */
         TracedValue: {
             /**
              * Format: date-time
-             * @description When the server last knew it.
+             * @description Time at which the server last knew it.
              */
             serverTimestamp?: string | null;
             /**
              * Format: date-time
-             * @description When the source measured it.
+             * @description Time at which the source measured it.
              */
             sourceTimestamp?: string | null;
             /**
@@ -6033,7 +6212,7 @@ export interface components {
             /** @description The status' name, where it is a well-known one. */
             statusName?: string | null;
             type?: string | null;
-            /** @description The value. */
+            /** @description Value as plain JSON. */
             value: unknown;
         };
         /** @description What became of a trial. */
@@ -6050,7 +6229,10 @@ export interface components {
              * @description When the last value came.
              */
             to?: string | null;
-            /** @description Inputs of which nothing is recorded: only variables that a mapping at work (or on trial) uses are. */
+            /**
+             * @description Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
+             *     uses are.
+             */
             unrecorded: string[];
             /** @description How many values went in. */
             values: number;
@@ -6149,7 +6331,10 @@ export interface components {
             faultCount: number;
             /** @description The first hundred of them. */
             faultList: components["schemas"]["LedgerFault"][];
-            /** @description The key that everything signed was signed with, hexadecimal: compare it with the one you noted. */
+            /**
+             * @description The key that everything signed was signed with, hexadecimal: compare it with the one you
+             *     noted.
+             */
             publicKey?: string | null;
             /**
              * Format: int64
@@ -6222,20 +6407,21 @@ export interface components {
          */
         Weekday: "MONDAY" | "TUESDAY" | "WEDNESDAY" | "THURSDAY" | "FRIDAY" | "SATURDAY" | "SUNDAY";
         /**
-         * @description An aggregate over the last values (`samples`) or the last span of time (`durationMs`); exactly one of the two. Over
-         *     time it also changes when values leave the window. At most 4096 values are kept; beyond, the oldest leave early.
+         * @description An aggregate over the last values (`samples`) or the last span of time (`durationMs`); exactly
+         *     one of the two. Over time it also changes when values leave the window. At most 4096 values are
+         *     kept; beyond, the oldest leave early.
          */
         Window: {
-            /** @description What is computed. */
+            /** @description Function over the values in the window. */
             aggregate: components["schemas"]["Aggregate"];
             /**
              * Format: int64
-             * @description How long back from the newest value, in milliseconds.
+             * @description Span back from the newest value, in milliseconds.
              */
             durationMs?: number | null;
             /**
              * Format: int32
-             * @description How many values.
+             * @description Number of values.
              */
             samples?: number | null;
         };
@@ -6249,17 +6435,23 @@ export interface components {
              */
             windowMs: number;
         };
-        /** @description While a value is in one of these states nothing of the field leaves, and what comes meanwhile never leaves. */
+        /**
+         * @description While a value is in one of these states nothing of the field leaves, and what comes meanwhile
+         *     never leaves.
+         */
         WithholdCondition: {
             /**
-             * @description Another field of the same request; the field's own value without it. While the other field's state is not known
-             *     the condition counts as met.
+             * @description Another field of the same request; the field's own value without it. While the other field's
+             *     state is not known the condition counts as met.
              */
             field?: string | null;
             /** @description The states: texts, numbers or truth values. */
             states: components["schemas"]["StateValue"][];
         };
-        /** @description The hours in which values may leave; what changes outside of them leaves, newest only, when they begin. */
+        /**
+         * @description The hours in which values may leave; what changes outside of them leaves, newest only, when they
+         *     begin.
+         */
         WorkingHours: {
             /** @description The days. */
             days: components["schemas"]["Weekday"][];

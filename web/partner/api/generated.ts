@@ -2162,9 +2162,9 @@ export interface components {
         ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
         /**
          * Format: duration
-         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`). Years and months
-         *     have no fixed length and are refused. Digits beyond the microsecond are dropped on reading: as OPC UA's Duration, a
-         *     Double of milliseconds, a hundred years stay exact to that.
+         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`).
+         *     Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
+         *     on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
          */
         IsoDuration: string;
         /** @description A kind of status data set of an asset. */
@@ -2211,7 +2211,10 @@ export interface components {
         };
         /** @description What is made of a window's values. */
         AggregateStatement: {
-            /** @description Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over time. */
+            /**
+             * @description Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over
+             *     time.
+             */
             function: string;
             /**
              * Format: uint64
