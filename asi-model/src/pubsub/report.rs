@@ -94,5 +94,5 @@ pub fn measured_field(member: &str) -> Option<&str> {
 #[must_use]
 pub fn is_report_field(message: &DataSetMessage, member: &str) -> bool {
     !ReportHeader::is_member(member)
-        && !measured_field(member).is_some_and(|name| message.field(name).is_some())
+        && measured_field(member).is_none_or(|name| message.field(name).is_none())
 }

@@ -4,7 +4,7 @@
 use house_rules::{Exemption, Wall};
 
 /// Packages of the connector, whose types have bounds.
-pub const CONNECTOR: &[&str] = &["factory-connector"];
+pub const CONNECTOR: &[&str] = &["factory-connector", "disclosure", "ledger"];
 
 /// Types of the connector that may have more fields or methods.
 pub const LARGE_TYPES: &[Exemption] = &[];
@@ -23,9 +23,13 @@ pub const WALLS: &[Wall] = &[
     wall("asi-model", "", "::std::time::SystemTime::now", "the shared language knows no clock"),
     wall("mapping", "", "::std::time::SystemTime::now", "time is an argument"),
     wall("mapping", "", "::tokio", "a transform is a state machine"),
-    wall("factory-connector", "disclosure", "api", "the gate knows no HTTP"),
-    wall("factory-connector", "disclosure", "store", "the gate knows no rows"),
-    wall("factory-connector", "disclosure", "::tokio", "the gate is a state machine"),
+    wall("disclosure", "", "::tokio", "the gate is a state machine"),
+    wall("disclosure", "", "::sqlx", "the gate knows no rows"),
+    wall("disclosure", "", "::std::time::SystemTime::now", "time is an argument"),
+    wall("ledger", "", "::tokio", "the chains are pure; the store writes what they yield"),
+    wall("ledger", "", "::sqlx", "the chains know no rows"),
+    wall("ledger", "", "::std::time::SystemTime::now", "time is an argument"),
+    wall("spool", "", "::tokio", "decisions about the spool are pure"),
+    wall("spool", "", "::sqlx", "the owner of the spool writes its rows"),
     wall("factory-connector", "store", "api", "rows know no HTTP"),
-    wall("factory-connector", "ledger", "api", "the ledger knows no HTTP"),
 ];
