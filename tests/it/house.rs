@@ -13,7 +13,21 @@ use serde_json::Value;
 mod tables;
 
 /// Packages that keep every rule of form, by their folders.
-const ENFORCED: &[&str] = &["tests/free-ports", "tests/house-rules"];
+const ENFORCED: &[&str] = &[
+    "daemon",
+    "mapping-engine",
+    "mapping-engine/mapping",
+    "mapping-engine/script-protocol",
+    "mapping-engine/script-quickjs",
+    "messaging/spool",
+    "opcua-stack",
+    "platform/broker",
+    "shop-floor",
+    "shop-floor/model",
+    "simulator",
+    "tests/free-ports",
+    "tests/house-rules",
+];
 
 /// Licences that may be in the product: permissive ones, and MPL-2.0 file by file.
 const LICENCES: [&str; 13] = [

@@ -3,7 +3,7 @@
 //! A change of an input enters the chain at the first function that uses that input and runs from
 //! there. Each function passes a value on, holds it back, fails, or - a script - asks for a call
 //! whose result comes back through [`Transform::resume`]. How status and time travel is stated in
-//! [`crate::quality`].
+//! `quality.rs`.
 
 mod apply;
 mod compile;
