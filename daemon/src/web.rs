@@ -7,9 +7,10 @@ pub mod extract;
 pub mod headers;
 pub mod health;
 pub mod problem;
+mod responses;
+pub mod roles;
 pub mod server;
 pub mod session;
-pub mod shared_responses;
 
 pub use extract::{ApiJson, ApiPath, ApiQuery};
 pub use problem::Problem;

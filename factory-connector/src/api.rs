@@ -16,10 +16,12 @@ mod ledger;
 mod mapping_status;
 mod networks;
 mod operator;
+mod paths;
 mod policies;
 mod preview;
 mod problems;
 mod revocations;
+mod roles;
 mod rules;
 mod search;
 mod session;
@@ -40,6 +42,7 @@ use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
 use axum::{Router, extract::DefaultBodyLimit};
 use daemon::{
     configuration::Setting,
+    guarded,
     telemetry::Metrics,
     web::{
         self,
@@ -183,98 +186,106 @@ fn operations() -> Operations<Api> {
     Operations { guarded: guarded(), open: open() }
 }
 
+/// Operations behind a session; the first argument of each handler is the role that it needs.
 fn guarded() -> OpenApiRouter<Api> {
+    let import = guarded!(exchange::import_mappings);
     OpenApiRouter::new()
-        .routes(routes!(session::show_session, session::sign_out))
-        .routes(routes!(status::show_status))
-        .routes(routes!(configuration::show_configuration))
-        .routes(routes!(users::list_users))
-        .routes(routes!(users::put_user, users::remove_user))
-        .routes(routes!(inbox::list_inbox))
-        .routes(routes!(inbox::show_request))
-        .routes(routes!(networks::list_operation_networks))
-        .routes(routes!(networks::show_operation_network))
-        .routes(routes!(networks::show_revision_difference))
-        .routes(routes!(fields::show_field))
-        .routes(routes!(fields::decide_field))
-        .routes(routes!(fields::enter_value))
-        .routes(routes!(operator::list_operator_operations))
-        .routes(routes!(operator::list_operator_entries, operator::deliver_operator_entries))
-        .routes(routes!(preview::preview_decision))
-        .routes(routes!(suggestions::list_suggestions))
-        .routes(routes!(versions::list_mapping_versions))
-        .routes(routes!(versions::compare_mapping_versions))
-        .routes(routes!(versions::roll_mapping_back))
-        .routes(routes!(
-            shadow::start_shadow_mapping,
-            shadow::show_shadow_mapping,
-            shadow::end_shadow_mapping
-        ))
-        .routes(routes!(shadow::publish_shadow_mapping))
-        .routes(routes!(trials::dry_run_mapping))
-        .routes(routes!(mapping_status::show_mapping_status))
-        .routes(routes!(mapping_status::restart_mapping))
-        .routes(routes!(mapping_status::survey_mappings))
-        .routes(routes!(exchange::export_mappings))
-        .routes(
-            routes!(exchange::import_mappings)
-                .layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)),
-        )
-        .routes(routes!(templates::list_mapping_templates))
-        .routes(routes!(templates::put_mapping_template, templates::remove_mapping_template))
-        .routes(routes!(templates::make_mapping_template))
-        .routes(routes!(templates::fill_mapping_template))
-        .routes(routes!(sources::list_sources, sources::add_source))
-        .routes(routes!(sources::change_source, sources::remove_source))
-        .routes(routes!(sources::browse_source))
-        .routes(routes!(sources::read_source_value))
-        .routes(routes!(search::search_source))
-        .routes(routes!(sources::list_source_certificates))
-        .routes(routes!(sources::trust_source_certificate))
-        .routes(routes!(
-            application_certificate::show_application_certificate,
-            application_certificate::install_application_certificate
-        ))
-        .routes(routes!(application_certificate::request_application_certificate))
-        .routes(routes!(
-            client_certificates::list_client_certificates,
-            client_certificates::add_client_certificate
-        ))
-        .routes(routes!(client_certificates::trust_client_certificate))
-        .routes(routes!(client_authorities::list_client_authorities))
-        .routes(routes!(client_authorities::remove_client_authority))
-        .routes(routes!(client_authorities::list_client_revocation_lists))
-        .routes(routes!(client_authorities::remove_client_revocation_list))
-        .routes(routes!(comments::list_comments, comments::add_comment))
-        .routes(routes!(ledger::list_ledger_entries))
-        .routes(routes!(ledger::fields::search_ledger_fields))
-        .routes(routes!(ledger::checkpoints::list_checkpoints))
-        .routes(routes!(ledger::verification::verify_ledger))
-        .routes(routes!(ledger::export::export_ledger))
-        .routes(routes!(revocations::list_revocations, revocations::revoke_consents))
-        .routes(routes!(revocations::show_revocation))
-        .routes(routes!(revocations::print_revocation))
-        .routes(routes!(spool::show_spool))
-        .routes(routes!(spool::list_dead_letters))
-        .routes(routes!(leaks::list_leak_budgets))
-        .routes(routes!(leaks::summarise_leak_budgets))
-        .routes(routes!(leaks::show_consent_offer))
-        .routes(routes!(policies::list_policies))
-        .routes(routes!(policies::put_policy))
-        .routes(routes!(policies::list_policy_versions))
-        .routes(routes!(policies::preview_policy))
-        .routes(routes!(policies::list_recipients))
-        .routes(routes!(policies::put_recipient_policy))
-        .routes(routes!(rules::list_rules))
-        .routes(routes!(rules::put_rule))
-        .routes(routes!(rules::list_rule_versions))
-        .routes(routes!(rules::preview_rule))
-        .routes(routes!(rules::apply_rules))
-        .routes(routes!(rules::list_rule_decisions))
-        .routes(routes!(rules::undo_rule_decision))
-        .routes(routes!(events::stream_events))
+        .routes(guarded!(session::show_session))
+        .routes(guarded!(session::sign_out))
+        .routes(guarded!(status::show_status))
+        .routes(guarded!(configuration::show_configuration))
+        .routes(guarded!(users::list_users))
+        .routes(guarded!(users::put_user))
+        .routes(guarded!(users::remove_user))
+        .routes(guarded!(inbox::list_inbox))
+        .routes(guarded!(inbox::show_request))
+        .routes(guarded!(networks::list_operation_networks))
+        .routes(guarded!(networks::show_operation_network))
+        .routes(guarded!(networks::show_revision_difference))
+        .routes(guarded!(operator::list_operator_operations))
+        .routes(guarded!(operator::list_operator_entries))
+        .routes(guarded!(operator::deliver_operator_entries))
+        .routes(guarded!(mapping_status::survey_mappings))
+        .routes(guarded!(exchange::export_mappings))
+        .routes(guarded!(templates::list_mapping_templates))
+        .routes(guarded!(templates::put_mapping_template))
+        .routes(guarded!(templates::remove_mapping_template))
+        .routes(guarded!(templates::fill_mapping_template))
+        .routes(guarded!(sources::list_sources))
+        .routes(guarded!(sources::add_source))
+        .routes(guarded!(sources::change_source))
+        .routes(guarded!(sources::remove_source))
+        .routes(guarded!(sources::browse_source))
+        .routes(guarded!(sources::read_source_value))
+        .routes(guarded!(search::search_source))
+        .routes(guarded!(sources::list_source_certificates))
+        .routes(guarded!(sources::trust_source_certificate))
+        .routes(guarded!(application_certificate::show_application_certificate))
+        .routes(guarded!(application_certificate::request_application_certificate))
+        .routes(guarded!(application_certificate::install_application_certificate))
+        .routes(guarded!(client_certificates::list_client_certificates))
+        .routes(guarded!(client_certificates::trust_client_certificate))
+        .routes(guarded!(client_certificates::add_client_certificate))
+        .routes(guarded!(client_authorities::list_client_authorities))
+        .routes(guarded!(client_authorities::remove_client_authority))
+        .routes(guarded!(client_authorities::list_client_revocation_lists))
+        .routes(guarded!(client_authorities::remove_client_revocation_list))
+        .routes(guarded!(comments::list_comments))
+        .routes(guarded!(comments::add_comment))
+        .routes(guarded!(ledger::list_ledger_entries))
+        .routes(guarded!(ledger::fields::search_ledger_fields))
+        .routes(guarded!(ledger::checkpoints::list_checkpoints))
+        .routes(guarded!(ledger::verification::verify_ledger))
+        .routes(guarded!(ledger::export::export_ledger))
+        .routes(guarded!(revocations::list_revocations))
+        .routes(guarded!(revocations::revoke_consents))
+        .routes(guarded!(revocations::show_revocation))
+        .routes(guarded!(revocations::print_revocation))
+        .routes(guarded!(spool::show_spool))
+        .routes(guarded!(spool::list_dead_letters))
+        .routes(guarded!(leaks::list_leak_budgets))
+        .routes(guarded!(leaks::summarise_leak_budgets))
+        .routes(guarded!(policies::list_policies))
+        .routes(guarded!(policies::put_policy))
+        .routes(guarded!(policies::list_policy_versions))
+        .routes(guarded!(policies::preview_policy))
+        .routes(guarded!(policies::list_recipients))
+        .routes(guarded!(policies::put_recipient_policy))
+        .routes(guarded!(rules::list_rules))
+        .routes(guarded!(rules::put_rule))
+        .routes(guarded!(rules::list_rule_versions))
+        .routes(guarded!(rules::preview_rule))
+        .routes(guarded!(rules::apply_rules))
+        .routes(guarded!(rules::list_rule_decisions))
+        .routes(guarded!(rules::undo_rule_decision))
+        .routes(guarded!(events::stream_events))
+        .routes(import.layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
+        .nest(paths::FIELD, field())
 }
 
+/// Operations on one field.
+fn field() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
+        .routes(guarded!(fields::show_field))
+        .routes(guarded!(fields::decide_field))
+        .routes(guarded!(fields::enter_value))
+        .routes(guarded!(preview::preview_decision))
+        .routes(guarded!(suggestions::list_suggestions))
+        .routes(guarded!(versions::list_mapping_versions))
+        .routes(guarded!(versions::compare_mapping_versions))
+        .routes(guarded!(versions::roll_mapping_back))
+        .routes(guarded!(shadow::start_shadow_mapping))
+        .routes(guarded!(shadow::show_shadow_mapping))
+        .routes(guarded!(shadow::publish_shadow_mapping))
+        .routes(guarded!(shadow::end_shadow_mapping))
+        .routes(guarded!(trials::dry_run_mapping))
+        .routes(guarded!(mapping_status::show_mapping_status))
+        .routes(guarded!(mapping_status::restart_mapping))
+        .routes(guarded!(templates::make_mapping_template))
+        .routes(guarded!(leaks::show_consent_offer))
+}
+
+/// Operations without a session.
 fn open() -> OpenApiRouter<Api> {
     OpenApiRouter::new().routes(routes!(session::sign_in))
 }

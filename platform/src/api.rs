@@ -29,7 +29,6 @@ use axum::Router;
 use daemon::web::{
     self,
     api::{Operations, Shell},
-    shared_responses::share_problem_responses,
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -68,13 +67,8 @@ pub fn router(application: &Application, has_tls: bool) -> Router {
 /// Returns the OpenAPI description of the whole API.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    // Merged first: of a path with operations in both parts the description would have one part.
-    let all = Operations { guarded: guarded().merge(open()), open: OpenApiRouter::new() };
     let version = env!("CARGO_PKG_VERSION");
-    let mut description =
-        web::api::described(Description::openapi(), all, version, "verbund_platform");
-    share_problem_responses(&mut description);
-    description
+    web::api::described(Description::openapi(), operations(), version, "verbund_platform")
 }
 
 fn operations() -> Operations<Application> {

@@ -13,7 +13,6 @@ use rust_embed::RustEmbed;
 use tower_http::{catch_panic::CatchPanicLayer, compression::CompressionLayer, trace::TraceLayer};
 use utoipa::openapi::{
     OpenApi,
-    path::{Operation, PathItem},
     security::{ApiKey, ApiKeyValue, SecurityScheme},
 };
 use utoipa_axum::router::OpenApiRouter;
@@ -23,6 +22,8 @@ use super::{
     headers::secured,
     health::{self, Readiness},
     problem::{Problem, unknown_method, unknown_route},
+    responses::{describe_responses, operations_of, share_problem_responses},
+    roles::SESSION,
     session::{Accounts, Sessions, require_session},
 };
 use crate::telemetry::Metrics;
@@ -98,21 +99,17 @@ where
     S: Clone + Send + Sync + 'static,
 {
     let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(cookie)));
-    description.components.get_or_insert_default().add_security_scheme("session", scheme);
+    description.components.get_or_insert_default().add_security_scheme(SESSION, scheme);
     // Merged first: `nest` would replace a path that both parts have, as `/session`.
     let (_, mut all) = operations.guarded.merge(operations.open).split_for_parts();
     for operation in all.paths.paths.values_mut().flat_map(operations_of) {
         operation.operation_id = operation.operation_id.as_deref().map(camel_case);
     }
     description = description.nest(API, all);
+    describe_responses(&mut description);
+    share_problem_responses(&mut description);
     version.clone_into(&mut description.info.version);
     description
-}
-
-/// The operations of one path.
-fn operations_of(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
-    let PathItem { get, put, post, delete, patch, .. } = item;
-    [get, put, post, delete, patch].into_iter().filter_map(Option::as_mut)
 }
 
 /// `list_policies` as `listPolicies`, the case of everything in the API's JSON.

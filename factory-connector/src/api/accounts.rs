@@ -7,10 +7,7 @@
 use std::{collections::HashMap, sync::Arc, time::SystemTime};
 
 use async_trait::async_trait;
-use daemon::web::{
-    Problem,
-    session::{Accounts, AccountsError, PasswordHash, SessionId, SignedIn, StoredSession},
-};
+use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
 use parking_lot::Mutex;
 use sqlx::SqlitePool;
 
@@ -26,24 +23,6 @@ pub struct Principal {
     pub user_name: String,
     /// What the person may do.
     pub role: Role,
-}
-
-/// Only an engineer decides and configures.
-pub(super) fn engineer_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
-    match who.principal.role {
-        Role::Engineer => Ok(()),
-        Role::Operator | Role::Viewer => {
-            Err(Problem::forbidden("This needs the role of an engineer."))
-        }
-    }
-}
-
-/// Operators and engineers enter values.
-pub(super) fn operator_only(who: &SignedIn<Principal>) -> Result<(), Problem> {
-    match who.principal.role {
-        Role::Engineer | Role::Operator => Ok(()),
-        Role::Viewer => Err(Problem::forbidden("This needs the role of an operator or engineer.")),
-    }
 }
 
 /// Users of the store, sessions in memory.

@@ -3,16 +3,16 @@
 use asi_model::DateTime;
 use axum::{Json, extract::State};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use daemon::web::{ApiJson, Problem, session::SignedIn};
+use daemon::web::{ApiJson, Problem};
 use serde::{Deserialize, Serialize};
 use twin::{OwnCertificate, RequestedSubject, TrustFault};
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     client_certificates::{blocking, refused},
     problems::Problems,
+    roles::{Engineer, Viewer},
 };
 
 /// Longest name that can be asked for, in characters (RFC 5280, ub-common-name).
@@ -73,9 +73,14 @@ impl From<OwnCertificate> for ApplicationCertificateView {
 }
 
 /// Shows the OPC UA server's own certificate.
-#[utoipa::path(get, path = "/application-certificate", tag = "twin", security(("session" = [])),
-    responses((status = 200, body = ApplicationCertificateView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/application-certificate",
+    tag = "twin",
+    responses((status = 200, body = ApplicationCertificateView), Problems)
+)]
 pub async fn show_application_certificate(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<ApplicationCertificateView>, Problem> {
     let own = api.twin.application_certificate().clone();
@@ -105,14 +110,18 @@ pub struct CertificateRequestView {
 
 /// Makes a request for a certificate with the server's application URI and host names. The key
 /// stays here.
-#[utoipa::path(post, path = "/application-certificate/request", tag = "twin", security(("session" = [])),
-    request_body = CertificateRequestBody, responses((status = 200, body = CertificateRequestView), Problems))]
+#[utoipa::path(
+    post,
+    path = "/application-certificate/request",
+    tag = "twin",
+    request_body = CertificateRequestBody,
+    responses((status = 200, body = CertificateRequestView), Problems)
+)]
 pub async fn request_application_certificate(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(body): ApiJson<CertificateRequestBody>,
 ) -> Result<Json<CertificateRequestView>, Problem> {
-    engineer_only(&who)?;
     let CertificateRequestBody { common_name, organization, with_new_key } = body;
     let is_name = |name: &String| {
         (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control)
@@ -140,14 +149,18 @@ pub struct IssuedCertificateBody {
 }
 
 /// Installs an issued certificate; the server shows it from the next connection on.
-#[utoipa::path(put, path = "/application-certificate", tag = "twin", security(("session" = [])),
-    request_body = IssuedCertificateBody, responses((status = 200, body = ApplicationCertificateView), Problems))]
+#[utoipa::path(
+    put,
+    path = "/application-certificate",
+    tag = "twin",
+    request_body = IssuedCertificateBody,
+    responses((status = 200, body = ApplicationCertificateView), Problems)
+)]
 pub async fn install_application_certificate(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(body): ApiJson<IssuedCertificateBody>,
 ) -> Result<Json<ApplicationCertificateView>, Problem> {
-    engineer_only(&who)?;
     let content = if body.content.contains("-----BEGIN") {
         body.content.into_bytes()
     } else {
@@ -157,6 +170,6 @@ pub async fn install_application_certificate(
             refused(&[TrustFault { code: "NOT_A_FILE", message }])
         })?
     };
-    let (own, by) = (api.twin.application_certificate().clone(), who.principal.user_name);
+    let (own, by) = (api.twin.application_certificate().clone(), user.principal.user_name);
     Ok(Json(blocking(move || own.install(&content, &by)).await?.into()))
 }

@@ -2,13 +2,16 @@
 
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiPath, Problem};
 use serde::Serialize;
 use twin::{Authority, RevocationKnowledge, RevocationList};
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal, accounts::engineer_only, client_certificates::blocking, problems::Problems,
+    Api,
+    client_certificates::blocking,
+    problems::Problems,
+    roles::{Engineer, Viewer},
     view::Page,
 };
 
@@ -86,9 +89,14 @@ impl From<Authority> for ClientAuthorityView {
 
 /// Lists the authorities whose clients may connect, and those in between. They are added with the
 /// clients' certificates.
-#[utoipa::path(get, path = "/client-authorities", tag = "twin", security(("session" = [])),
-    responses((status = 200, body = Page<ClientAuthorityView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/client-authorities",
+    tag = "twin",
+    responses((status = 200, body = Page<ClientAuthorityView>), Problems)
+)]
 pub async fn list_client_authorities(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<ClientAuthorityView>>, Problem> {
     let list = api.twin.trust_list().clone();
@@ -97,15 +105,19 @@ pub async fn list_client_authorities(
 }
 
 /// Removes an authority: its clients stay outside from the next connection on.
-#[utoipa::path(delete, path = "/client-authorities/{thumbprint}", tag = "twin", security(("session" = [])),
-    params(("thumbprint" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/client-authorities/{thumbprint}",
+    tag = "twin",
+    params(("thumbprint" = String, Path)),
+    responses((status = 204, description = "Removed"), Problems)
+)]
 pub async fn remove_client_authority(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
-    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
     match blocking(move || list.remove_authority(&thumbprint, &by)).await? {
         true => Ok(StatusCode::NO_CONTENT),
         false => Err(Problem::not_found("such authority")),
@@ -154,9 +166,14 @@ impl From<RevocationList> for ClientRevocationListView {
 }
 
 /// Lists the authorities' lists of revoked certificates.
-#[utoipa::path(get, path = "/client-revocation-lists", tag = "twin", security(("session" = [])),
-    responses((status = 200, body = Page<ClientRevocationListView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/client-revocation-lists",
+    tag = "twin",
+    responses((status = 200, body = Page<ClientRevocationListView>), Problems)
+)]
 pub async fn list_client_revocation_lists(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<ClientRevocationListView>>, Problem> {
     let list = api.twin.trust_list().clone();
@@ -166,15 +183,19 @@ pub async fn list_client_revocation_lists(
 
 /// Removes a list of revoked certificates: clients of its authority stay outside until there is a
 /// new one.
-#[utoipa::path(delete, path = "/client-revocation-lists/{revocationListId}", tag = "twin", security(("session" = [])),
-    params(("revocationListId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/client-revocation-lists/{revocationListId}",
+    tag = "twin",
+    params(("revocationListId" = String, Path)),
+    responses((status = 204, description = "Removed"), Problems)
+)]
 pub async fn remove_client_revocation_list(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
-    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
     match blocking(move || list.remove_revocation_list(&id, &by)).await? {
         true => Ok(StatusCode::NO_CONTENT),
         false => Err(Problem::not_found("such revocation list")),

@@ -6,12 +6,17 @@ use std::net::IpAddr;
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use serde::{Deserialize, Serialize};
 use twin::{CertificateState, ClientCertificate, RejectionReason, TrustFault, TwinError};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use super::{
+    Api,
+    problems::Problems,
+    roles::{Engineer, Viewer},
+    view::Page,
+};
 
 /// A certificate that the OPC UA server has seen or was given.
 #[derive(Serialize, ToSchema)]
@@ -119,9 +124,14 @@ impl From<ClientCertificate> for ClientCertificateView {
 
 /// Lists the certificates of OPC UA clients, those that wait for an approval first. A local
 /// discovery server's is among them.
-#[utoipa::path(get, path = "/client-certificates", tag = "twin", security(("session" = [])),
-    responses((status = 200, body = Page<ClientCertificateView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/client-certificates",
+    tag = "twin",
+    responses((status = 200, body = Page<ClientCertificateView>), Problems)
+)]
 pub async fn list_client_certificates(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<ClientCertificateView>>, Problem> {
     let list = api.twin.trust_list().clone();
@@ -139,17 +149,21 @@ pub struct ClientTrustBody {
 }
 
 /// Trusts or rejects a client's certificate.
-#[utoipa::path(put, path = "/client-certificates/{thumbprint}", tag = "twin", security(("session" = [])),
-    params(("thumbprint" = String, Path)), request_body = ClientTrustBody,
-    responses((status = 200, body = ClientCertificateView), Problems))]
+#[utoipa::path(
+    put,
+    path = "/client-certificates/{thumbprint}",
+    tag = "twin",
+    params(("thumbprint" = String, Path)),
+    request_body = ClientTrustBody,
+    responses((status = 200, body = ClientCertificateView), Problems)
+)]
 pub async fn trust_client_certificate(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,
     ApiJson(body): ApiJson<ClientTrustBody>,
 ) -> Result<Json<ClientCertificateView>, Problem> {
-    engineer_only(&who)?;
-    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
     let found = blocking(move || {
         let is_meant =
             |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
@@ -197,16 +211,20 @@ pub struct TrustFileBody {
 }
 
 /// Adds a certificate or a revocation list to the trust list.
-#[utoipa::path(post, path = "/client-certificates", tag = "twin", security(("session" = [])),
-    request_body = TrustFileBody, responses((status = 201, description = "Added"), Problems))]
+#[utoipa::path(
+    post,
+    path = "/client-certificates",
+    tag = "twin",
+    request_body = TrustFileBody,
+    responses((status = 201, description = "Added"), Problems)
+)]
 pub async fn add_client_certificate(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(body): ApiJson<TrustFileBody>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
     let der = der(&body.content).map_err(|fault| refused(&[fault]))?;
-    let (list, by) = (api.twin.trust_list().clone(), who.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
     blocking(move || match body.kind {
         TrustFileKind::Certificate => list.trust_new(&der, &by),
         TrustFileKind::Issuer => list.add_issuer(&der, &by),

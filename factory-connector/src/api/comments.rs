@@ -2,11 +2,16 @@
 
 use asi_model::{DynamicDataRequestId, FieldName, OperationNetworkId, messages::Comment};
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::operator_only, problems::Problems, view::Page};
+use super::{
+    Api,
+    problems::Problems,
+    roles::{Operator, Viewer},
+    view::Page,
+};
 use crate::{
     books::new_message_id,
     store::{StoredComment, comments},
@@ -16,10 +21,15 @@ use crate::{
 const TEXT_CHARS_MAX: usize = 4000;
 
 /// Lists the remarks about a network, oldest first.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
-    security(("session" = [])), params(("operationNetworkId" = String, Path)),
-    responses((status = 200, body = Page<StoredComment>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operation-networks/{operationNetworkId}/comments",
+    tag = "inbox",
+    params(("operationNetworkId" = String, Path)),
+    responses((status = 200, body = Page<StoredComment>), Problems)
+)]
 pub async fn list_comments(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<Page<StoredComment>>, Problem> {
@@ -38,16 +48,20 @@ pub struct NewComment {
 }
 
 /// Says something to the partners of a network.
-#[utoipa::path(post, path = "/operation-networks/{operationNetworkId}/comments", tag = "inbox",
-    security(("session" = [])), params(("operationNetworkId" = String, Path)), request_body = NewComment,
-    responses((status = 204, description = "Said"), Problems))]
+#[utoipa::path(
+    post,
+    path = "/operation-networks/{operationNetworkId}/comments",
+    tag = "inbox",
+    params(("operationNetworkId" = String, Path)),
+    request_body = NewComment,
+    responses((status = 204, description = "Said"), Problems)
+)]
 pub async fn add_comment(
+    Operator(user): Operator,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OperationNetworkId>,
     ApiJson(new): ApiJson<NewComment>,
 ) -> Result<StatusCode, Problem> {
-    operator_only(&who)?;
     if new.text.trim().is_empty() || new.text.chars().count() > TEXT_CHARS_MAX {
         return Err(Problem::bad_request("INVALID_TEXT", "A remark has 1 to 4000 characters."));
     }
@@ -62,7 +76,7 @@ pub async fn add_comment(
         operation_network_id: id,
         dynamic_data_request_id: new.dynamic_data_request_id,
         field_name: new.field_name,
-        author_id: who.principal.user_name.clone(),
+        author_id: user.principal.user_name.clone(),
         text: new.text,
     };
     api.desk.comment(comment).await?;

@@ -3,7 +3,7 @@
 use axum::{extract::State, http::HeaderMap, response::Response};
 use daemon::web::events::last_event_id;
 
-use super::{Api, problems::Problems};
+use super::{Api, problems::Problems, roles::Viewer};
 use crate::{
     books::{ConnectorEvent, FieldNews},
     values::ShownValue,
@@ -41,9 +41,13 @@ impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
 /// with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
 /// the link or a local server changes its state, and `reset` where events were missed and the page
 /// must load afresh.
-#[utoipa::path(get, path = "/events", tag = "events", security(("session" = [])),
-    responses((status = 200, content_type = "text/event-stream", body = String), Problems))]
-pub async fn stream_events(State(api): State<Api>, headers: HeaderMap) -> Response {
+#[utoipa::path(
+    get,
+    path = "/events",
+    tag = "events",
+    responses((status = 200, content_type = "text/event-stream", body = String), Problems)
+)]
+pub async fn stream_events(_: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
     api.events.stream(last_event_id(&headers), api.shutdown.clone(), |event| {
         Some(match event {
             ConnectorEvent::Field(news) => {

@@ -10,7 +10,7 @@ use axum::{
     http::{HeaderMap, HeaderValue, header},
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiQuery, Problem, problem::ProblemFault, session::SignedIn};
+use daemon::web::{ApiQuery, Problem, problem::ProblemFault};
 use mapping_engine::{
     Mapping, Severity,
     exchange::{ExchangeError, FILE_BYTES_MAX, MappingFile, read_table, write_table},
@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     problems::{Problems, engine},
+    roles::Engineer,
     templates,
 };
 use crate::books::{Placed, Placing};
@@ -54,14 +54,21 @@ pub struct ExportQuery {
 
 /// All mappings, in force and proposed, in a form that can be imported again; the file has the
 /// templates too.
-#[utoipa::path(get, path = "/mappings/export", tag = "mappings", security(("session" = [])), params(ExportQuery),
-    responses((status = 200, content((MappingFile = "application/json"), (String = "text/csv"))), Problems))]
+#[utoipa::path(
+    get,
+    path = "/mappings/export",
+    tag = "mappings",
+    params(ExportQuery),
+    responses(
+        (status = 200, content((MappingFile = "application/json"), (String = "text/csv"))),
+        Problems,
+    )
+)]
 pub async fn export_mappings(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiQuery(query): ApiQuery<ExportQuery>,
 ) -> Result<Response, Problem> {
-    engineer_only(&who)?;
     let mappings = api.desk.read(|books| books.all_mappings()).await?;
     let (kind, name, text) = match query.form {
         ExportForm::Csv => (
@@ -127,17 +134,21 @@ pub struct PlacedMapping {
 /// Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported.
 /// Either everything is taken or, where anything is wrong, nothing, and every fault is named with
 /// its place. Consents stay as they are: mappings of fields that are not mapped are proposals.
-#[utoipa::path(post, path = "/mappings/import", tag = "mappings", security(("session" = [])), params(ImportQuery),
+#[utoipa::path(
+    post,
+    path = "/mappings/import",
+    tag = "mappings",
+    params(ImportQuery),
     request_body(content((MappingFile = "application/json"), (String = "text/csv"))),
-    responses((status = 200, body = ImportOutcome), Problems))]
+    responses((status = 200, body = ImportOutcome), Problems)
+)]
 pub async fn import_mappings(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiQuery(query): ApiQuery<ImportQuery>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<ImportOutcome>, Problem> {
-    engineer_only(&who)?;
     let text = std::str::from_utf8(&body).map_err(|_| {
         Problem::bad_request("NOT_TEXT", "The file is not UTF-8 text: export it as UTF-8.")
     })?;
@@ -163,14 +174,14 @@ pub async fn import_mappings(
     let placed = place_or_tell(
         &api,
         wanted,
-        &who.principal.user_name,
+        &user.principal.user_name,
         Some("imported"),
         query.dry_run,
         &mut faults,
     );
     let mut outcome = placed.await?;
     outcome.templates =
-        templates::take(&api, file.templates, &who.principal.user_name, query.dry_run).await?;
+        templates::take(&api, file.templates, &user.principal.user_name, query.dry_run).await?;
     Ok(Json(outcome))
 }
 

@@ -1,21 +1,21 @@
 //! Decisions about fields, and values that people enter.
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId,
-    RequestKey,
+    DateTime, FieldKey,
     messages::{MappingState, ValueSource},
 };
 use axum::{Json, extract::State};
-use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use disclosure::DecisionBasis;
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal,
-    accounts::{engineer_only, operator_only},
+    Api,
+    paths::FieldPath,
     problems::{Problems, engine, mapping_faults},
+    roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };
 use crate::{
@@ -27,18 +27,6 @@ use disclosure::{DisclosurePolicy, DocumentId, Outcome};
 
 /// How long a server may take to say where a variable stands.
 const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
-
-/// The parts of a field's path.
-pub type FieldPath = (OperationNetworkId, OperationId, DynamicDataRequestId, FieldName);
-
-pub(super) fn key((network, operation, request, field_name): FieldPath) -> FieldKey {
-    let request = RequestKey {
-        operation_network_id: network,
-        operation_id: operation,
-        dynamic_data_request_id: request,
-    };
-    FieldKey { request, field_name }
-}
 
 /// From local variables to a field: inputs and functions.
 #[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
@@ -134,18 +122,21 @@ async fn learn_paths(api: &Api, mapping: &mut Mapping) {
 }
 
 /// Decides about a field. The partner is told; values flow or stop at once.
-#[utoipa::path(put, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/decision",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = DecisionBody, responses((status = 200, body = FieldView), Problems))]
+#[utoipa::path(
+    put,
+    path = "/decision",
+    tag = "fields",
+    params(FieldPath),
+    request_body = DecisionBody,
+    responses((status = 200, body = FieldView), Problems)
+)]
 pub async fn decide_field(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<DecisionBody>,
 ) -> Result<Json<FieldView>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let verdict = match body.mapping_state {
         MappingState::Pending => Verdict::LeavePending,
         MappingState::Refused => Verdict::Refuse,
@@ -161,7 +152,7 @@ pub async fn decide_field(
         }
     };
     let grounds = DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() };
-    let (key, by, reason) = (field.clone(), who.principal.user_name.clone(), body.reason);
+    let (key, by, reason) = (field.clone(), user.principal.user_name.clone(), body.reason);
     let decided = api
         .desk
         .change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now))
@@ -171,15 +162,19 @@ pub async fn decide_field(
 }
 
 /// Shows a field as it stands.
-#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = FieldView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/",
+    tag = "fields",
+    params(FieldPath),
+    responses((status = 200, body = FieldView), Problems)
+)]
 pub async fn show_field(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
-    field_view(&api, key(path)).await
+    field_view(&api, path.into_key()).await
 }
 
 pub(super) async fn field_view(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
@@ -226,18 +221,21 @@ pub struct Entered {
 }
 
 /// Enters a value for a field that was decided Manual. It goes through the same gate as any other.
-#[utoipa::path(put, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/value",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = EnteredValue, responses((status = 200, body = Entered), Problems))]
+#[utoipa::path(
+    put,
+    path = "/value",
+    tag = "fields",
+    params(FieldPath),
+    request_body = EnteredValue,
+    responses((status = 200, body = Entered), Problems)
+)]
 pub async fn enter_value(
+    Operator(user): Operator,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<EnteredValue>,
 ) -> Result<Json<Entered>, Problem> {
-    operator_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let operation = OperationKey {
         operation_network_id: field.request.operation_network_id.clone(),
         operation_id: field.request.operation_id.clone(),
@@ -253,7 +251,7 @@ pub async fn enter_value(
         operation,
         made_at: moment,
         received_at: moment,
-        made_by: who.principal.user_name.clone(),
+        made_by: user.principal.user_name.clone(),
         action: Action::Value {
             dynamic_data_request_id: field.request.dynamic_data_request_id.clone(),
             field_name: field.field_name.clone(),

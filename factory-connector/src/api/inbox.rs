@@ -1,7 +1,7 @@
 //! What partners ask.
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, OperationId, OperationNetworkId, RequestKey,
+    DateTime, RequestKey,
     messages::MappingState,
     network::{DynamicDataRequest, Operation},
 };
@@ -12,7 +12,9 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::{
     Api,
+    paths::RequestPath,
     problems::Problems,
+    roles::Viewer,
     view::{REMIND_AFTER, RequestView},
 };
 use crate::{books::Books, desk::now};
@@ -82,9 +84,15 @@ pub struct InboxTotals {
 
 /// Lists the requests of all active networks with their fields, filtered, in pages, in the order of
 /// their addresses.
-#[utoipa::path(get, path = "/inbox", tag = "inbox", security(("session" = [])), params(InboxQuery),
-    responses((status = 200, body = InboxPage), Problems))]
+#[utoipa::path(
+    get,
+    path = "/inbox",
+    tag = "inbox",
+    params(InboxQuery),
+    responses((status = 200, body = InboxPage), Problems)
+)]
 pub async fn list_inbox(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<InboxQuery>,
 ) -> Result<Json<InboxPage>, Problem> {
@@ -236,18 +244,20 @@ fn has_words(
     words.iter().all(|word| text.contains(word.as_str()))
 }
 
-/// The address of a request.
-type RequestPath = (OperationNetworkId, OperationId, DynamicDataRequestId);
-
 /// Shows one request of an active network with its fields.
-#[utoipa::path(get, path = "/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}", tag = "inbox",
-    security(("session" = [])), params(("operationNetworkId" = String, Path), ("operationId" = String, Path),
-    ("dynamicDataRequestId" = String, Path)), responses((status = 200, body = RequestView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}",
+    tag = "inbox",
+    params(RequestPath),
+    responses((status = 200, body = RequestView), Problems)
+)]
 pub async fn show_request(
+    _: Viewer,
     State(api): State<Api>,
-    ApiPath((operation_network_id, operation_id, dynamic_data_request_id)): ApiPath<RequestPath>,
+    ApiPath(path): ApiPath<RequestPath>,
 ) -> Result<Json<RequestView>, Problem> {
-    let key = RequestKey { operation_network_id, operation_id, dynamic_data_request_id };
+    let key = path.into_key();
     let view = api.desk.read(move |books| RequestView::of(books, &key, now())).await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such request"))
 }

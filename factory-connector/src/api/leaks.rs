@@ -8,8 +8,9 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::{
     Api,
-    fields::{FieldPath, key},
+    paths::FieldPath,
     problems::Problems,
+    roles::Viewer,
     view::{Page, RuleReference},
 };
 use crate::desk::now;
@@ -46,9 +47,15 @@ impl LeakQuery {
 
 /// What each partner learns in sum from all open fields, and what it can conclude from them
 /// together.
-#[utoipa::path(get, path = "/leak-budgets", tag = "policies", security(("session" = [])), params(LeakQuery),
-    responses((status = 200, body = Page<PartnerLeaks>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/leak-budgets",
+    tag = "policies",
+    params(LeakQuery),
+    responses((status = 200, body = Page<PartnerLeaks>), Problems)
+)]
 pub async fn list_leak_budgets(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerLeaks>>, Problem> {
@@ -85,9 +92,15 @@ pub struct PartnerSummary {
 
 /// What each partner learns in short: how many fields, how much at most, how exactly, and how many
 /// conclusions.
-#[utoipa::path(get, path = "/leak-budgets/summary", tag = "policies", security(("session" = [])), params(LeakQuery),
-    responses((status = 200, body = Page<PartnerSummary>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/leak-budgets/summary",
+    tag = "policies",
+    params(LeakQuery),
+    responses((status = 200, body = Page<PartnerSummary>), Problems)
+)]
 pub async fn summarise_leak_budgets(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LeakQuery>,
 ) -> Result<Json<Page<PartnerSummary>>, Problem> {
@@ -118,15 +131,19 @@ pub struct ConsentOffer {
 }
 
 /// What a consent begins with, and what "every change" instead of the partner's period would add.
-#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/consent-offer",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = ConsentOffer), Problems))]
+#[utoipa::path(
+    get,
+    path = "/consent-offer",
+    tag = "fields",
+    params(FieldPath),
+    responses((status = 200, body = ConsentOffer), Problems)
+)]
 pub async fn show_consent_offer(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ConsentOffer>, Problem> {
-    let (key, now) = (key(path), now());
+    let (key, now) = (path.into_key(), now());
     let offer = api
         .desk
         .read(move |books| {

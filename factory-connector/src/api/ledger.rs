@@ -15,7 +15,7 @@ use daemon::web::{ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{Api, problems::Problems};
+use super::{Api, problems::Problems, roles::Viewer};
 use crate::store::{LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, ledger_recipients};
 use disclosure::StatementPart;
 use ledger::EventKind;
@@ -180,9 +180,15 @@ impl From<LedgerRow> for EntryView {
 
 /// Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
 /// by name where none is named.
-#[utoipa::path(get, path = "/ledger", tag = "ledger", security(("session" = [])), params(LedgerSelection, LedgerPlace),
-    responses((status = 200, body = LedgerView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/ledger",
+    tag = "ledger",
+    params(LedgerSelection, LedgerPlace),
+    responses((status = 200, body = LedgerView), Problems)
+)]
 pub async fn list_ledger_entries(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(wanted): ApiQuery<LedgerSelection>,
     ApiQuery(place): ApiQuery<LedgerPlace>,

@@ -2,16 +2,16 @@
 
 use asi_model::{FieldKey, messages::ValueSource};
 use axum::{Json, extract::State};
-use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiPath, ApiQuery, Problem};
 use mapping_engine::{MappingHealth, MappingId, MappingStatus, MappingSurvey};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
-    fields::{FieldPath, key},
+    Api,
+    paths::FieldPath,
     problems::{Problems, engine},
+    roles::{Engineer, Viewer},
 };
 
 /// Mappings told without being told how many, and at most.
@@ -29,9 +29,15 @@ pub struct SurveyQuery {
 }
 
 /// How all published mappings are doing: how many do how, and the worst of them.
-#[utoipa::path(get, path = "/mappings/survey", tag = "mappings", security(("session" = [])), params(SurveyQuery),
-    responses((status = 200, body = MappingSurvey), Problems))]
+#[utoipa::path(
+    get,
+    path = "/mappings/survey",
+    tag = "mappings",
+    params(SurveyQuery),
+    responses((status = 200, body = MappingSurvey), Problems)
+)]
 pub async fn survey_mappings(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<SurveyQuery>,
 ) -> Result<Json<MappingSurvey>, Problem> {
@@ -40,34 +46,38 @@ pub async fn survey_mappings(
 }
 
 /// How a field's mapping is doing: last values in and out, counts, faults, time spent.
-#[utoipa::path(get,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = MappingStatus), Problems))]
+#[utoipa::path(
+    get,
+    path = "/mapping-status",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 200, body = MappingStatus), Problems)
+)]
 pub async fn show_mapping_status(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
-    let id = at_work(&api, key(path)).await?;
+    let id = at_work(&api, path.into_key()).await?;
     let status = api.engine.status(&id).await.map_err(engine)?;
     status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
 }
 
 /// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
 /// once.
-#[utoipa::path(post,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/mapping-status/restart",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = MappingStatus), Problems))]
+#[utoipa::path(
+    post,
+    path = "/mapping-status/restart",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 200, body = MappingStatus), Problems)
+)]
 pub async fn restart_mapping(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
-    engineer_only(&who)?;
-    let id = at_work(&api, key(path)).await?;
+    let id = at_work(&api, path.into_key()).await?;
     api.engine.reset(&id).await.map_err(engine)?;
     let status = api.engine.status(&id).await.map_err(engine)?;
     status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))

@@ -14,6 +14,7 @@ use utoipa::ToSchema;
 use super::{
     Api,
     problems::Problems,
+    roles::Viewer,
     view::{Page, RequestView, requests},
 };
 use crate::{desk::now, store::revisions};
@@ -35,9 +36,14 @@ pub struct NetworkSummary {
 }
 
 /// Lists all networks, withdrawn ones included.
-#[utoipa::path(get, path = "/operation-networks", tag = "inbox", security(("session" = [])),
-    responses((status = 200, body = Page<NetworkSummary>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operation-networks",
+    tag = "inbox",
+    responses((status = 200, body = Page<NetworkSummary>), Problems)
+)]
 pub async fn list_operation_networks(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<NetworkSummary>>, Problem> {
     let items = api
@@ -89,9 +95,15 @@ pub struct NetworkView {
 }
 
 /// Shows a network as received, and how its fields stand.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}", tag = "inbox", security(("session" = [])),
-    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operation-networks/{operationNetworkId}",
+    tag = "inbox",
+    params(("operationNetworkId" = String, Path)),
+    responses((status = 200, body = NetworkView), Problems)
+)]
 pub async fn show_operation_network(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkView>, Problem> {
@@ -127,9 +139,15 @@ pub struct NetworkNews {
 }
 
 /// What is new in a network against the revision before.
-#[utoipa::path(get, path = "/operation-networks/{operationNetworkId}/news", tag = "inbox", security(("session" = [])),
-    params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkNews), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operation-networks/{operationNetworkId}/news",
+    tag = "inbox",
+    params(("operationNetworkId" = String, Path)),
+    responses((status = 200, body = NetworkNews), Problems)
+)]
 pub async fn show_revision_difference(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkNews>, Problem> {

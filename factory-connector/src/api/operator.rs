@@ -8,12 +8,16 @@ use asi_model::{
     network::{Operation, OperationState, Semantic},
 };
 use axum::{Json, extract::State};
-use daemon::web::{ApiJson, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal, accounts::operator_only, fields::Entered, problems::Problems, view::Page,
+    Api,
+    fields::Entered,
+    problems::Problems,
+    roles::{Operator, Viewer},
+    view::Page,
 };
 use crate::{
     books::{Books, EntryOutcome, Field},
@@ -104,9 +108,15 @@ pub struct OperatorField {
 
 /// Lists the operations of a day that have fields for people to fill, and those that are running or
 /// interrupted.
-#[utoipa::path(get, path = "/operator/operations", tag = "operator", security(("session" = [])),
-    params(OperationsQuery), responses((status = 200, body = Page<OperatorOperation>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operator/operations",
+    tag = "operator",
+    params(OperationsQuery),
+    responses((status = 200, body = Page<OperatorOperation>), Problems)
+)]
 pub async fn list_operator_operations(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<OperationsQuery>,
 ) -> Result<Json<Page<OperatorOperation>>, Problem> {
@@ -246,9 +256,15 @@ pub struct EntriesQuery {
 }
 
 /// Lists what was entered about an operation, newest first: the last 200 entries.
-#[utoipa::path(get, path = "/operator/entries", tag = "operator", security(("session" = [])), params(EntriesQuery),
-    responses((status = 200, body = Page<OperatorEntry>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/operator/entries",
+    tag = "operator",
+    params(EntriesQuery),
+    responses((status = 200, body = Page<OperatorEntry>), Problems)
+)]
 pub async fn list_operator_entries(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<EntriesQuery>,
 ) -> Result<Json<Page<OperatorEntry>>, Problem> {
@@ -326,14 +342,18 @@ pub struct FieldResult {
 
 /// Takes entries. They are stored together when the answer comes; without an answer the page
 /// delivers them again.
-#[utoipa::path(post, path = "/operator/entries", tag = "operator", security(("session" = [])), request_body = Delivery,
-    responses((status = 200, body = Page<EntryResult>), Problems))]
+#[utoipa::path(
+    post,
+    path = "/operator/entries",
+    tag = "operator",
+    request_body = Delivery,
+    responses((status = 200, body = Page<EntryResult>), Problems)
+)]
 pub async fn deliver_operator_entries(
+    Operator(user): Operator,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(delivery): ApiJson<Delivery>,
 ) -> Result<Json<Page<EntryResult>>, Problem> {
-    operator_only(&who)?;
     if delivery.entries.len() > ENTRIES_MAX {
         return Err(Problem::bad_request(
             "TOO_MANY",
@@ -354,7 +374,7 @@ pub async fn deliver_operator_entries(
                     operation: entry.operation,
                     made_at: corrected(entry.made_at, delivery.sent_at, now),
                     received_at: now,
-                    made_by: who.principal.user_name.clone(),
+                    made_by: user.principal.user_name.clone(),
                     action: entry.action,
                 });
             }

@@ -2,11 +2,16 @@
 
 use asi_model::OrganisationId;
 use axum::{Json, extract::State, http::HeaderMap};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::engineer_only, documents, problems::Problems, view::Page};
+use super::{
+    Api, documents,
+    problems::Problems,
+    roles::{Engineer, Viewer},
+    view::Page,
+};
 use crate::{
     books::{Books, RecipientPolicy},
     store::DocumentVersions,
@@ -55,9 +60,16 @@ fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
 }
 
 /// Lists the named policies in their newest version, retired ones included.
-#[utoipa::path(get, path = "/policies", tag = "policies", security(("session" = [])),
-    responses((status = 200, body = Page<PolicyView>), Problems))]
-pub async fn list_policies(State(api): State<Api>) -> Result<Json<Page<PolicyView>>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/policies",
+    tag = "policies",
+    responses((status = 200, body = Page<PolicyView>), Problems)
+)]
+pub async fn list_policies(
+    _: Viewer,
+    State(api): State<Api>,
+) -> Result<Json<Page<PolicyView>>, Problem> {
     let items = api
         .desk
         .read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect())
@@ -68,12 +80,17 @@ pub async fn list_policies(State(api): State<Api>) -> Result<Json<Page<PolicyVie
 /// Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
 /// at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
 /// version read (`"0"` for a new one) keeps two engineers from overwriting each other.
-#[utoipa::path(put, path = "/policies/{policyId}", tag = "policies", security(("session" = [])),
-    params(("policyId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = NamedPolicy,
-    responses((status = 200, body = DocumentVersion), Problems))]
+#[utoipa::path(
+    put,
+    path = "/policies/{policyId}",
+    tag = "policies",
+    params(("policyId" = String, Path), ("If-Match" = Option<String>, Header)),
+    request_body = NamedPolicy,
+    responses((status = 200, body = DocumentVersion), Problems)
+)]
 pub async fn put_policy(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,
     ApiJson(policy): ApiJson<NamedPolicy>,
@@ -81,13 +98,19 @@ pub async fn put_policy(
     let put = move |books: &mut Books, expected, by: &str, now| {
         books.put_policy(&id, policy, expected, by, now)
     };
-    documents::keep(&api, &who, &headers, put).await.map(Json)
+    documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
 
 /// Every version of a named policy, newest first.
-#[utoipa::path(get, path = "/policies/{policyId}/versions", tag = "policies", security(("session" = [])),
-    params(("policyId" = String, Path)), responses((status = 200, body = Page<Versioned<NamedPolicy>>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/policies/{policyId}/versions",
+    tag = "policies",
+    params(("policyId" = String, Path)),
+    responses((status = 200, body = Page<Versioned<NamedPolicy>>), Problems)
+)]
 pub async fn list_policy_versions(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<NamedPolicy>>>, Problem> {
@@ -111,16 +134,20 @@ pub struct PolicyUse {
 }
 
 /// The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
-#[utoipa::path(post, path = "/policies/{policyId}/preview", tag = "policies", security(("session" = [])),
-    params(("policyId" = String, Path)), request_body = NamedPolicy,
-    responses((status = 200, body = Page<PolicyUse>), Problems))]
+#[utoipa::path(
+    post,
+    path = "/policies/{policyId}/preview",
+    tag = "policies",
+    params(("policyId" = String, Path)),
+    request_body = NamedPolicy,
+    responses((status = 200, body = Page<PolicyUse>), Problems)
+)]
 pub async fn preview_policy(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
     ApiJson(draft): ApiJson<NamedPolicy>,
 ) -> Result<Json<Page<PolicyUse>>, Problem> {
-    engineer_only(&who)?;
     let uses = api
         .desk
         .read(move |books| {
@@ -159,9 +186,16 @@ pub struct RecipientView {
 }
 
 /// Lists every organisation that may get anything, with the policy set for it.
-#[utoipa::path(get, path = "/recipients", tag = "policies", security(("session" = [])),
-    responses((status = 200, body = Page<RecipientView>), Problems))]
-pub async fn list_recipients(State(api): State<Api>) -> Result<Json<Page<RecipientView>>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/recipients",
+    tag = "policies",
+    responses((status = 200, body = Page<RecipientView>), Problems)
+)]
+pub async fn list_recipients(
+    _: Viewer,
+    State(api): State<Api>,
+) -> Result<Json<Page<RecipientView>>, Problem> {
     let items = api
         .desk
         .read(|books| {
@@ -215,12 +249,17 @@ pub struct RecipientVersion {
 /// Sets a named policy for everything a recipient gets: all recipients of a request get the same
 /// values, so that the strictest of the field's and of all its recipients' policies holds. Changes
 /// at once what leaves.
-#[utoipa::path(put, path = "/recipients/{recipient}/policy", tag = "policies", security(("session" = [])),
-    params(("recipient" = String, Path), ("If-Match" = Option<String>, Header)), request_body = RecipientBody,
-    responses((status = 200, body = RecipientVersion), Problems))]
+#[utoipa::path(
+    put,
+    path = "/recipients/{recipient}/policy",
+    tag = "policies",
+    params(("recipient" = String, Path), ("If-Match" = Option<String>, Header)),
+    request_body = RecipientBody,
+    responses((status = 200, body = RecipientVersion), Problems)
+)]
 pub async fn put_recipient_policy(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(recipient): ApiPath<OrganisationId>,
     headers: HeaderMap,
     ApiJson(body): ApiJson<RecipientBody>,
@@ -228,6 +267,6 @@ pub async fn put_recipient_policy(
     let set = move |books: &mut Books, expected, by: &str, now| {
         books.set_recipient_policy(&recipient, body.policy_id, expected, by, now)
     };
-    let version = documents::keep(&api, &who, &headers, set).await?;
+    let version = documents::keep(&api, &user.principal.user_name, &headers, set).await?;
     Ok(Json(RecipientVersion { version }))
 }

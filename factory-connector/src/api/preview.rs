@@ -12,16 +12,17 @@ use asi_model::{
     },
 };
 use axum::{Json, extract::State};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem};
 use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
-    fields::{FieldPath, MappingDraft, key, mapping_of},
+    Api,
+    fields::{MappingDraft, mapping_of},
+    paths::FieldPath,
     problems::{Problems, engine, shop_floor},
+    roles::Engineer,
 };
 use crate::{
     books::{Books, new_message_id},
@@ -105,18 +106,21 @@ pub struct Preview {
 }
 
 /// Runs a draft on the live values of its inputs; nothing is changed and nothing leaves.
-#[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/preview",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = Draft, responses((status = 200, body = Preview), Problems))]
+#[utoipa::path(
+    post,
+    path = "/preview",
+    tag = "fields",
+    params(FieldPath),
+    request_body = Draft,
+    responses((status = 200, body = Preview), Problems)
+)]
 pub async fn preview_decision(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<Draft>,
 ) -> Result<Json<Preview>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let now = now();
     let policy = effective(&api, &field, draft.disclosure, draft.policy_id).await?;
     let mut preview = Preview {

@@ -12,13 +12,18 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
 use receipt_page::receipt_page;
 
-use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use super::{
+    Api,
+    problems::Problems,
+    roles::{Engineer, Viewer},
+    view::Page,
+};
 use crate::{
     books::{Books, Verdict},
     store::{StoredRevocation, revocation_by_id, revocations},
@@ -57,14 +62,18 @@ pub struct RevocationBody {
 
 /// Ends consents: values stop at once, what waits is taken back, the partner is told, and the
 /// receipt says what had left.
-#[utoipa::path(post, path = "/revocations", tag = "revocations", security(("session" = [])),
-    request_body = RevocationBody, responses((status = 201, body = StoredRevocation), Problems))]
+#[utoipa::path(
+    post,
+    path = "/revocations",
+    tag = "revocations",
+    request_body = RevocationBody,
+    responses((status = 201, body = StoredRevocation), Problems)
+)]
 pub async fn revoke_consents(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(body): ApiJson<RevocationBody>,
 ) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {
-    engineer_only(&who)?;
     let verdict = match body.mapping_state {
         None | Some(MappingState::Pending) => Verdict::LeavePending,
         Some(MappingState::Refused) => Verdict::Refuse,
@@ -88,7 +97,7 @@ pub async fn revoke_consents(
     } else {
         body.fields
     };
-    let id = api.desk.revoke(fields, verdict, reason, &who.principal.user_name).await?;
+    let id = api.desk.revoke(fields, verdict, reason, &user.principal.user_name).await?;
     let receipt = revocation_by_id(&api.readers, &id.to_string()).await?;
     receipt
         .map(|receipt| (StatusCode::CREATED, Json(receipt)))
@@ -128,9 +137,15 @@ pub struct RevocationsQuery {
 }
 
 /// Lists the receipts of ended consents, newest first.
-#[utoipa::path(get, path = "/revocations", tag = "revocations", security(("session" = [])), params(RevocationsQuery),
-    responses((status = 200, body = Page<StoredRevocation>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/revocations",
+    tag = "revocations",
+    params(RevocationsQuery),
+    responses((status = 200, body = Page<StoredRevocation>), Problems)
+)]
 pub async fn list_revocations(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<RevocationsQuery>,
 ) -> Result<Json<Page<StoredRevocation>>, Problem> {
@@ -140,9 +155,15 @@ pub async fn list_revocations(
 }
 
 /// Shows one receipt.
-#[utoipa::path(get, path = "/revocations/{revocationId}", tag = "revocations", security(("session" = [])),
-    params(("revocationId" = String, Path)), responses((status = 200, body = StoredRevocation), Problems))]
+#[utoipa::path(
+    get,
+    path = "/revocations/{revocationId}",
+    tag = "revocations",
+    params(("revocationId" = String, Path)),
+    responses((status = 200, body = StoredRevocation), Problems)
+)]
 pub async fn show_revocation(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<String>,
 ) -> Result<Json<StoredRevocation>, Problem> {
@@ -163,10 +184,15 @@ pub struct PrintQuery {
 }
 
 /// A receipt as a page to print.
-#[utoipa::path(get, path = "/revocations/{revocationId}/print", tag = "revocations", security(("session" = [])),
+#[utoipa::path(
+    get,
+    path = "/revocations/{revocationId}/print",
+    tag = "revocations",
     params(("revocationId" = String, Path), PrintQuery),
-    responses((status = 200, content_type = "text/html", body = String), Problems))]
+    responses((status = 200, content_type = "text/html", body = String), Problems)
+)]
 pub async fn print_revocation(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<String>,
     ApiQuery(query): ApiQuery<PrintQuery>,

@@ -2,15 +2,14 @@
 
 use asi_model::FieldKey;
 use axum::{Json, extract::State, http::HeaderMap};
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
-    documents,
+    Api, documents,
     problems::Problems,
+    roles::{Engineer, Viewer},
     view::{Page, RuleOfferView},
 };
 use crate::{
@@ -25,20 +24,32 @@ const MATCHES_MAX: usize = 500;
 const PAGE: u32 = 100;
 
 /// Lists the standing rules in their newest version.
-#[utoipa::path(get, path = "/rules", tag = "policies", security(("session" = [])),
-    responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
-pub async fn list_rules(State(api): State<Api>) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/rules",
+    tag = "policies",
+    responses((status = 200, body = Page<Versioned<Rule>>), Problems)
+)]
+pub async fn list_rules(
+    _: Viewer,
+    State(api): State<Api>,
+) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
     Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
 }
 
 /// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
 /// already is decided by `POST /rules/apply`. `If-Match` as for policies.
-#[utoipa::path(put, path = "/rules/{ruleId}", tag = "policies", security(("session" = [])),
-    params(("ruleId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = Rule,
-    responses((status = 200, body = DocumentVersion), Problems))]
+#[utoipa::path(
+    put,
+    path = "/rules/{ruleId}",
+    tag = "policies",
+    params(("ruleId" = String, Path), ("If-Match" = Option<String>, Header)),
+    request_body = Rule,
+    responses((status = 200, body = DocumentVersion), Problems)
+)]
 pub async fn put_rule(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,
     ApiJson(rule): ApiJson<Rule>,
@@ -46,13 +57,19 @@ pub async fn put_rule(
     let put = move |books: &mut Books, expected, by: &str, now| {
         books.put_rule(&id, rule, expected, by, now)
     };
-    documents::keep(&api, &who, &headers, put).await.map(Json)
+    documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
 
 /// Every version of a rule, newest first.
-#[utoipa::path(get, path = "/rules/{ruleId}/versions", tag = "policies", security(("session" = [])),
-    params(("ruleId" = String, Path)), responses((status = 200, body = Page<Versioned<Rule>>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/rules/{ruleId}/versions",
+    tag = "policies",
+    params(("ruleId" = String, Path)),
+    responses((status = 200, body = Page<Versioned<Rule>>), Problems)
+)]
 pub async fn list_rule_versions(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
@@ -88,14 +105,18 @@ pub struct RulePreview {
 }
 
 /// What a draft of a rule means among the fields that are there; nothing is changed.
-#[utoipa::path(post, path = "/rules/preview", tag = "policies", security(("session" = [])), request_body = Rule,
-    responses((status = 200, body = RulePreview), Problems))]
+#[utoipa::path(
+    post,
+    path = "/rules/preview",
+    tag = "policies",
+    request_body = Rule,
+    responses((status = 200, body = RulePreview), Problems)
+)]
 pub async fn preview_rule(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(rule): ApiJson<Rule>,
 ) -> Result<Json<RulePreview>, Problem> {
-    engineer_only(&who)?;
     let faults = rule.faults();
     if !faults.is_empty() {
         return Err(documents::document_problem(DocumentError::Faults(faults)));
@@ -135,13 +156,13 @@ pub struct Applied {
 }
 
 /// Applies the enabled rules to all undecided fields; what an engineer left open stays open.
-#[utoipa::path(post, path = "/rules/apply", tag = "policies", security(("session" = [])),
-    responses((status = 200, body = Applied), Problems))]
-pub async fn apply_rules(
-    State(api): State<Api>,
-    who: SignedIn<Principal>,
-) -> Result<Json<Applied>, Problem> {
-    engineer_only(&who)?;
+#[utoipa::path(
+    post,
+    path = "/rules/apply",
+    tag = "policies",
+    responses((status = 200, body = Applied), Problems)
+)]
+pub async fn apply_rules(_: Engineer, State(api): State<Api>) -> Result<Json<Applied>, Problem> {
     let decided_count = api.desk.change(|books, now| books.apply_rules(None, now)).await?;
     Ok(Json(Applied { decided_count }))
 }
@@ -157,9 +178,15 @@ pub struct DecisionsQuery {
 }
 
 /// Lists what rules have decided by themselves, newest first.
-#[utoipa::path(get, path = "/rule-decisions", tag = "policies", security(("session" = [])), params(DecisionsQuery),
-    responses((status = 200, body = Page<RuleDecision>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/rule-decisions",
+    tag = "policies",
+    params(DecisionsQuery),
+    responses((status = 200, body = Page<RuleDecision>), Problems)
+)]
 pub async fn list_rule_decisions(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<DecisionsQuery>,
 ) -> Result<Json<Page<RuleDecision>>, Problem> {
@@ -170,20 +197,24 @@ pub async fn list_rule_decisions(
 
 /// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
 /// where something else was decided since.
-#[utoipa::path(post, path = "/rule-decisions/{id}/undo", tag = "policies", security(("session" = [])),
-    params(("id" = String, Path)), responses((status = 204, description = "Undone"), Problems))]
+#[utoipa::path(
+    post,
+    path = "/rule-decisions/{id}/undo",
+    tag = "policies",
+    params(("id" = String, Path)),
+    responses((status = 204, description = "Undone"), Problems)
+)]
 pub async fn undo_rule_decision(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<i64>,
 ) -> Result<axum::http::StatusCode, Problem> {
-    engineer_only(&who)?;
     let unknown = || Problem::not_found(format_args!("decision {id} of a rule"));
     let decision = rule_decision(&api.readers, id).await?.ok_or_else(unknown)?;
     if decision.undone_at.is_some() {
         return Ok(axum::http::StatusCode::NO_CONTENT);
     }
-    let by = who.principal.user_name.clone();
+    let by = user.principal.user_name.clone();
     let undone = api
         .desk
         .change(move |books, now| {

@@ -12,6 +12,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::{
     Api,
     problems::{Problems, shop_floor},
+    roles::Viewer,
 };
 
 /// Finds without being told how many, and at most.
@@ -50,9 +51,15 @@ pub struct Finds {
 
 /// Finds variables of a server by words of their paths, in the list of its variables that the
 /// connector keeps.
-#[utoipa::path(get, path = "/sources/{sourceId}/search", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path), SearchQuery), responses((status = 200, body = Finds), Problems))]
+#[utoipa::path(
+    get,
+    path = "/sources/{sourceId}/search",
+    tag = "sources",
+    params(("sourceId" = String, Path), SearchQuery),
+    responses((status = 200, body = Finds), Problems)
+)]
 pub async fn search_source(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<SearchQuery>,

@@ -15,7 +15,7 @@ use daemon::{
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, problems::Problems};
+use super::{Api, Principal, problems::Problems, roles::Viewer};
 use crate::store::Role;
 
 /// Who wants to sign in.
@@ -48,8 +48,13 @@ impl From<SignedIn<Principal>> for Session {
 }
 
 /// Signs in; the answer sets the session's cookie.
-#[utoipa::path(post, path = "/session", tag = "session", request_body = SignIn,
-    responses((status = 200, body = Session), Problems))]
+#[utoipa::path(
+    post,
+    path = "/session",
+    tag = "session",
+    request_body = SignIn,
+    responses((status = 200, body = Session), Problems)
+)]
 pub async fn sign_in(
     State(api): State<Api>,
     ConnectInfo(client): ConnectInfo<SocketAddr>,
@@ -61,20 +66,28 @@ pub async fn sign_in(
 }
 
 /// Says who is signed in.
-#[utoipa::path(get, path = "/session", tag = "session", security(("session" = [])),
-    responses((status = 200, body = Session), Problems))]
-pub async fn show_session(who: SignedIn<Principal>) -> Json<Session> {
-    Json(who.into())
+#[utoipa::path(
+    get,
+    path = "/session",
+    tag = "session",
+    responses((status = 200, body = Session), Problems)
+)]
+pub async fn show_session(Viewer(user): Viewer) -> Json<Session> {
+    Json(user.into())
 }
 
 /// Signs out.
-#[utoipa::path(delete, path = "/session", tag = "session", security(("session" = [])),
-    responses((status = 204, description = "Signed out"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/session",
+    tag = "session",
+    responses((status = 204, description = "Signed out"), Problems)
+)]
 pub async fn sign_out(
+    Viewer(user): Viewer,
     State(api): State<Api>,
     jar: CookieJar,
-    who: SignedIn<Principal>,
 ) -> Result<(CookieJar, StatusCode), Problem> {
-    let removal = api.sessions.sign_out(&who.session).await?;
+    let removal = api.sessions.sign_out(&user.session).await?;
     Ok((jar.add(removal), StatusCode::NO_CONTENT))
 }

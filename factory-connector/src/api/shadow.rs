@@ -2,7 +2,7 @@
 
 use asi_model::{DateTime, messages::ValueSource};
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem};
 use mapping_engine::{
     Mapping, MappingStatus,
     comparison::{MappingChange, compare},
@@ -11,11 +11,12 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     exchange::{Wanted, place},
-    fields::{FieldPath, MappingDraft, checked, field_view, key},
+    fields::{MappingDraft, checked, field_view},
+    paths::FieldPath,
     problems::{Problems, engine},
+    roles::{Engineer, Viewer},
     view::FieldView,
 };
 
@@ -39,63 +40,73 @@ pub struct ShadowView {
 }
 
 /// Lets a mapping run on live values without writing, in place of the one on trial so far.
-#[utoipa::path(put, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = MappingDraft, responses((status = 200, body = ShadowView), Problems))]
+#[utoipa::path(
+    put,
+    path = "/shadow",
+    tag = "mappings",
+    params(FieldPath),
+    request_body = MappingDraft,
+    responses((status = 200, body = ShadowView), Problems)
+)]
 pub async fn start_shadow_mapping(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<MappingDraft>,
 ) -> Result<Json<ShadowView>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let mapping = checked(&api, &field, draft).await?;
-    api.desk.shadow(field.clone(), Some(mapping), &who.principal.user_name).await?;
+    api.desk.shadow(field.clone(), Some(mapping), &user.principal.user_name).await?;
     view(&api, field).await
 }
 
 /// Shows the mapping on trial, with its values beside those of the published one.
-#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = ShadowView), Problems))]
+#[utoipa::path(
+    get,
+    path = "/shadow",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 200, body = ShadowView), Problems)
+)]
 pub async fn show_shadow_mapping(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ShadowView>, Problem> {
-    view(&api, key(path)).await
+    view(&api, path.into_key()).await
 }
 
 /// Ends the trial.
-#[utoipa::path(delete, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 204, description = "Ended"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/shadow",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 204, description = "Ended"), Problems)
+)]
 pub async fn end_shadow_mapping(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
-    api.desk.shadow(key(path), None, &who.principal.user_name).await?;
+    api.desk.shadow(path.into_key(), None, &user.principal.user_name).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
 /// Publishes the mapping on trial as the next version, under the consent in force; the trial ends.
-#[utoipa::path(post,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/shadow/publish",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = FieldView), Problems))]
+#[utoipa::path(
+    post,
+    path = "/shadow/publish",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 200, body = FieldView), Problems)
+)]
 pub async fn publish_shadow_mapping(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let wanted = field.clone();
     let known = api
         .desk
@@ -111,7 +122,7 @@ pub async fn publish_shadow_mapping(
         let message = "The field is not mapped: decide about it with this mapping, which includes what partners may see.";
         return Err(Problem::conflict("NOT_MAPPED", message));
     }
-    let author = &who.principal.user_name;
+    let author = &user.principal.user_name;
     let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
     place(&api, vec![wanted], author, Some("tried as a shadow".to_owned()), false).await?;
     api.desk.shadow(field.clone(), None, author).await?;

@@ -2,7 +2,7 @@
 
 use asi_model::NodeId;
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use shop_floor::{
     BrowsedNode, Identity, PeerCertificate, SourceConfig, SourceId, SourceStatus, TrustState,
@@ -10,9 +10,9 @@ use shop_floor::{
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     problems::{Problems, shop_floor},
+    roles::{Engineer, Viewer},
     view::Page,
 };
 use crate::{store::SourceRow, values::ShownValue};
@@ -35,9 +35,16 @@ pub struct SourceView {
 }
 
 /// Lists the sources with their state.
-#[utoipa::path(get, path = "/sources", tag = "sources", security(("session" = [])),
-    responses((status = 200, body = Page<SourceView>), Problems))]
-pub async fn list_sources(State(api): State<Api>) -> Result<Json<Page<SourceView>>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/sources",
+    tag = "sources",
+    responses((status = 200, body = Page<SourceView>), Problems)
+)]
+pub async fn list_sources(
+    _: Viewer,
+    State(api): State<Api>,
+) -> Result<Json<Page<SourceView>>, Problem> {
     let configs = crate::store::sources(&api.readers).await?;
     let items = api
         .shop_floor
@@ -54,14 +61,18 @@ pub async fn list_sources(State(api): State<Api>) -> Result<Json<Page<SourceView
 }
 
 /// Adds a source; the connector connects to it at once.
-#[utoipa::path(post, path = "/sources", tag = "sources", security(("session" = [])), request_body = SourceConfig,
-    responses((status = 201, body = Object), Problems))]
+#[utoipa::path(
+    post,
+    path = "/sources",
+    tag = "sources",
+    request_body = SourceConfig,
+    responses((status = 201, body = Object), Problems)
+)]
 pub async fn add_source(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiJson(source): ApiJson<SourceConfig>,
 ) -> Result<(StatusCode, Json<SourceConfig>), Problem> {
-    engineer_only(&who)?;
     if api.shop_floor.states().iter().any(|status| status.source_id == source.source_id) {
         return Err(Problem::conflict("ALREADY_EXISTS", "There is a source with this id already."));
     }
@@ -70,15 +81,20 @@ pub async fn add_source(
 }
 
 /// Changes a source; mappings that use it go on under the new settings.
-#[utoipa::path(put, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path)), request_body = SourceConfig, responses((status = 200, body = Object), Problems))]
+#[utoipa::path(
+    put,
+    path = "/sources/{sourceId}",
+    tag = "sources",
+    params(("sourceId" = String, Path)),
+    request_body = SourceConfig,
+    responses((status = 200, body = Object), Problems)
+)]
 pub async fn change_source(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<SourceId>,
     ApiJson(source): ApiJson<SourceConfig>,
 ) -> Result<Json<SourceConfig>, Problem> {
-    engineer_only(&who)?;
     if source.source_id != id {
         return Err(Problem::bad_request(
             "OTHER_ID",
@@ -102,14 +118,18 @@ async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
 }
 
 /// Removes a source; mappings that use it keep their last value with a status that says so.
-#[utoipa::path(delete, path = "/sources/{sourceId}", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/sources/{sourceId}",
+    tag = "sources",
+    params(("sourceId" = String, Path)),
+    responses((status = 204, description = "Removed"), Problems)
+)]
 pub async fn remove_source(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(id): ApiPath<SourceId>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
     api.desk.remove_source(id.to_string()).await?;
     api.shop_floor.remove_source(&id);
     Ok(StatusCode::NO_CONTENT)
@@ -129,9 +149,15 @@ pub struct NodesQuery {
 }
 
 /// Browses a source's address space.
-#[utoipa::path(get, path = "/sources/{sourceId}/nodes", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path), NodesQuery), responses((status = 200, body = Page<BrowsedNode>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/sources/{sourceId}/nodes",
+    tag = "sources",
+    params(("sourceId" = String, Path), NodesQuery),
+    responses((status = 200, body = Page<BrowsedNode>), Problems)
+)]
 pub async fn browse_source(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<NodesQuery>,
@@ -153,9 +179,15 @@ pub struct ValueQuery {
 }
 
 /// Reads a variable of a source.
-#[utoipa::path(get, path = "/sources/{sourceId}/value", tag = "sources", security(("session" = [])),
-    params(("sourceId" = String, Path), ValueQuery), responses((status = 200, body = ShownValue), Problems))]
+#[utoipa::path(
+    get,
+    path = "/sources/{sourceId}/value",
+    tag = "sources",
+    params(("sourceId" = String, Path), ValueQuery),
+    responses((status = 200, body = ShownValue), Problems)
+)]
 pub async fn read_source_value(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,
@@ -169,9 +201,14 @@ pub async fn read_source_value(
 }
 
 /// Lists the certificates that servers have shown.
-#[utoipa::path(get, path = "/source-certificates", tag = "sources", security(("session" = [])),
-    responses((status = 200, body = Page<PeerCertificate>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/source-certificates",
+    tag = "sources",
+    responses((status = 200, body = Page<PeerCertificate>), Problems)
+)]
 pub async fn list_source_certificates(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<PeerCertificate>>, Problem> {
     Ok(Json(Page::whole(api.shop_floor.certificates().await.map_err(shop_floor)?)))
@@ -186,16 +223,20 @@ pub struct TrustBody {
 }
 
 /// Trusts or rejects a server's certificate.
-#[utoipa::path(put, path = "/source-certificates/{thumbprint}", tag = "sources", security(("session" = [])),
-    params(("thumbprint" = String, Path)), request_body = TrustBody,
-    responses((status = 200, body = PeerCertificate), Problems))]
+#[utoipa::path(
+    put,
+    path = "/source-certificates/{thumbprint}",
+    tag = "sources",
+    params(("thumbprint" = String, Path)),
+    request_body = TrustBody,
+    responses((status = 200, body = PeerCertificate), Problems)
+)]
 pub async fn trust_source_certificate(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(thumbprint): ApiPath<String>,
     ApiJson(body): ApiJson<TrustBody>,
 ) -> Result<Json<PeerCertificate>, Problem> {
-    engineer_only(&who)?;
     let trust = if body.is_trusted { TrustState::Trusted } else { TrustState::Rejected };
     Ok(Json(api.shop_floor.set_trust(&thumbprint, trust).await.map_err(shop_floor)?))
 }

@@ -5,16 +5,23 @@ use daemon::web::{ApiQuery, Problem};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use super::{Api, problems::Problems, view::Page};
+use super::{Api, problems::Problems, roles::Viewer, view::Page};
 use crate::store::{DeadLetter, SpoolReader, dead_letters as stored};
 
 /// Letters per page.
 const PAGE: u32 = 100;
 
 /// Shows how much waits to leave.
-#[utoipa::path(get, path = "/spool", tag = "spool", security(("session" = [])),
-    responses((status = 200, body = Object), Problems))]
-pub async fn show_spool(State(api): State<Api>) -> Result<Json<serde_json::Value>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/spool",
+    tag = "spool",
+    responses((status = 200, body = Object), Problems)
+)]
+pub async fn show_spool(
+    _: Viewer,
+    State(api): State<Api>,
+) -> Result<Json<serde_json::Value>, Problem> {
     let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
     Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
 }
@@ -28,9 +35,15 @@ pub struct LettersQuery {
 }
 
 /// Lists messages that were received or sent and rejected, newest first.
-#[utoipa::path(get, path = "/dead-letters", tag = "spool", security(("session" = [])), params(LettersQuery),
-    responses((status = 200, body = Page<DeadLetter>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/dead-letters",
+    tag = "spool",
+    params(LettersQuery),
+    responses((status = 200, body = Page<DeadLetter>), Problems)
+)]
 pub async fn list_dead_letters(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LettersQuery>,
 ) -> Result<Json<Page<DeadLetter>>, Problem> {

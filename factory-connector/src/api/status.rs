@@ -7,7 +7,7 @@ use serde::Serialize;
 use shop_floor::SourceStatus;
 use utoipa::ToSchema;
 
-use super::{Api, problems::Problems};
+use super::{Api, problems::Problems, roles::Viewer};
 use crate::{desk::now, store::SpoolReader};
 
 /// How the connector stands.
@@ -40,9 +40,13 @@ pub struct Status {
 }
 
 /// Says how the connector stands.
-#[utoipa::path(get, path = "/status", tag = "status", security(("session" = [])),
-    responses((status = 200, body = Status), Problems))]
-pub async fn show_status(State(api): State<Api>) -> Result<Json<Status>, Problem> {
+#[utoipa::path(
+    get,
+    path = "/status",
+    tag = "status",
+    responses((status = 200, body = Status), Problems)
+)]
+pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Status>, Problem> {
     let link = api.link.as_ref().map(|link| link.state().borrow().clone());
     let mut link = link.and_then(|state| serde_json::to_value(state).ok()).unwrap_or_default();
     // The phase is an object `{state, ...}`: its members belong to the link itself.

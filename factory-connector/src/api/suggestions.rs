@@ -4,7 +4,7 @@ use std::{collections::HashMap, time::Duration};
 
 use asi_model::{DateTime, FieldKey, NodeId};
 use axum::{Json, extract::State};
-use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiPath, ApiQuery, Problem};
 use futures::future::join_all;
 use mapping_engine::{
     MappingInput, TypeName,
@@ -15,12 +15,7 @@ use serde::{Deserialize, Serialize};
 use shop_floor::{BrowsePath, BrowsedNode, MonitorOptions, SourceId, SourceState};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{
-    Api, Principal,
-    accounts::engineer_only,
-    fields::{FieldPath, MappingDraft, key},
-    problems::Problems,
-};
+use super::{Api, fields::MappingDraft, paths::FieldPath, problems::Problems, roles::Engineer};
 use crate::{catalog::Listing, values::ShownValue};
 
 /// Suggestions without being told how many, and at most.
@@ -88,18 +83,20 @@ pub struct SearchedSource {
 }
 
 /// Suggests variables for a field, each with its reasons.
-#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/suggestions",
-    tag = "fields", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
-    SuggestionsQuery), responses((status = 200, body = Suggestions), Problems))]
+#[utoipa::path(
+    get,
+    path = "/suggestions",
+    tag = "fields",
+    params(FieldPath, SuggestionsQuery),
+    responses((status = 200, body = Suggestions), Problems)
+)]
 pub async fn list_suggestions(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiQuery(query): ApiQuery<SuggestionsQuery>,
 ) -> Result<Json<Suggestions>, Problem> {
-    engineer_only(&who)?;
-    let field: FieldKey = key(path);
+    let field: FieldKey = path.into_key();
     let known =
         api.desk.read(move |books| Some((books.wanted(&field)?, books.past_decisions()))).await?;
     let (wanted, past) = known.ok_or_else(|| Problem::not_found("such field"))?;

@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, problem::ProblemFault, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, problem::ProblemFault};
 use mapping_engine::exchange::{MappingTemplate, numbers};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     exchange::{ImportOutcome, Wanted, place, refused},
-    fields::{FieldPath, key},
+    paths::FieldPath,
     problems::Problems,
+    roles::{Engineer, Viewer},
     view::Page,
 };
 use crate::{
@@ -42,9 +42,14 @@ pub struct TemplateView {
 }
 
 /// Lists the templates.
-#[utoipa::path(get, path = "/mapping-templates", tag = "mappings", security(("session" = [])),
-    responses((status = 200, body = Page<TemplateView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/mapping-templates",
+    tag = "mappings",
+    responses((status = 200, body = Page<TemplateView>), Problems)
+)]
 pub async fn list_mapping_templates(
+    _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<TemplateView>>, Problem> {
     let rows = store::templates(&api.readers).await?;
@@ -60,16 +65,20 @@ pub async fn list_mapping_templates(
 }
 
 /// Keeps a template, in place of the one with the same id.
-#[utoipa::path(put, path = "/mapping-templates/{templateId}", tag = "mappings", security(("session" = [])),
-    params(("templateId" = String, Path)), request_body = MappingTemplate,
-    responses((status = 200, body = MappingTemplate), Problems))]
+#[utoipa::path(
+    put,
+    path = "/mapping-templates/{templateId}",
+    tag = "mappings",
+    params(("templateId" = String, Path)),
+    request_body = MappingTemplate,
+    responses((status = 200, body = MappingTemplate), Problems)
+)]
 pub async fn put_mapping_template(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,
     ApiJson(template): ApiJson<MappingTemplate>,
 ) -> Result<Json<MappingTemplate>, Problem> {
-    engineer_only(&who)?;
     if template.template_id != template_id {
         return Err(Problem::bad_request(
             "OTHER_ID",
@@ -80,19 +89,23 @@ pub async fn put_mapping_template(
     if !faults.is_empty() {
         return Err(Problem::unprocessable("INVALID_TEMPLATE", "The template has errors.", faults));
     }
-    take(&api, vec![template.clone()], &who.principal.user_name, false).await?;
+    take(&api, vec![template.clone()], &user.principal.user_name, false).await?;
     Ok(Json(template))
 }
 
 /// Forgets a template; mappings made from it stay.
-#[utoipa::path(delete, path = "/mapping-templates/{templateId}", tag = "mappings", security(("session" = [])),
-    params(("templateId" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/mapping-templates/{templateId}",
+    tag = "mappings",
+    params(("templateId" = String, Path)),
+    responses((status = 204, description = "Removed"), Problems)
+)]
 pub async fn remove_mapping_template(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
     api.desk.remove_template(template_id).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -110,18 +123,21 @@ pub struct TemplateDraft {
 }
 
 /// Makes a template of a field's mapping; it is not kept yet.
-#[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/template",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = TemplateDraft, responses((status = 200, body = MappingTemplate), Problems))]
+#[utoipa::path(
+    post,
+    path = "/template",
+    tag = "mappings",
+    params(FieldPath),
+    request_body = TemplateDraft,
+    responses((status = 200, body = MappingTemplate), Problems)
+)]
 pub async fn make_mapping_template(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<TemplateDraft>,
 ) -> Result<Json<MappingTemplate>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let mapping = api
         .desk
         .read(move |books| books.field(&field).map(|field| field.decision.mapping.clone()))
@@ -158,17 +174,21 @@ pub struct FillQuery {
 
 /// Fills a template once per member of a series and takes the mappings, as an import does: all or
 /// none.
-#[utoipa::path(post, path = "/mapping-templates/{templateId}/fill", tag = "mappings", security(("session" = [])),
-    params(("templateId" = String, Path), FillQuery), request_body = Series,
-    responses((status = 200, body = ImportOutcome), Problems))]
+#[utoipa::path(
+    post,
+    path = "/mapping-templates/{templateId}/fill",
+    tag = "mappings",
+    params(("templateId" = String, Path), FillQuery),
+    request_body = Series,
+    responses((status = 200, body = ImportOutcome), Problems)
+)]
 pub async fn fill_mapping_template(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(template_id): ApiPath<String>,
     ApiQuery(query): ApiQuery<FillQuery>,
     ApiJson(series): ApiJson<Series>,
 ) -> Result<Json<ImportOutcome>, Problem> {
-    engineer_only(&who)?;
     let template =
         all(&api).await?.into_iter().find(|template| template.template_id == template_id);
     let template = template.ok_or_else(|| Problem::not_found("such template"))?;
@@ -190,7 +210,7 @@ pub async fn fill_mapping_template(
         return Err(refused(faults));
     }
     let note = Some(format!("from the template {template_id}"));
-    Ok(Json(place(&api, wanted, &who.principal.user_name, note, query.dry_run).await?))
+    Ok(Json(place(&api, wanted, &user.principal.user_name, note, query.dry_run).await?))
 }
 
 /// The values of each member.

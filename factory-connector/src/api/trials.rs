@@ -2,16 +2,17 @@
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
-use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, Problem};
 use mapping_engine::{DryRunSample, Mapping, Trace};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
-    fields::{FieldPath, MappingDraft, key, mapping_of},
+    Api,
+    fields::{MappingDraft, mapping_of},
+    paths::FieldPath,
     problems::{Problems, engine, shop_floor},
+    roles::Engineer,
 };
 use crate::desk::now;
 
@@ -69,18 +70,21 @@ pub struct Trial {
 
 /// Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
 /// and nothing leaves.
-#[utoipa::path(post, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/trial",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    request_body = TrialBody, responses((status = 200, body = Trial), Problems))]
+#[utoipa::path(
+    post,
+    path = "/trial",
+    tag = "mappings",
+    params(FieldPath),
+    request_body = TrialBody,
+    responses((status = 200, body = Trial), Problems)
+)]
 pub async fn dry_run_mapping(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<TrialBody>,
 ) -> Result<Json<Trial>, Problem> {
-    engineer_only(&who)?;
-    let field = key(path);
+    let field = path.into_key();
     let mapping = mapping_of(&api, &field, body.mapping).await?;
     let (samples, state) = match body.on {
         TrialOn::Live => {

@@ -6,17 +6,17 @@ use daemon::{
     web::{
         ApiJson, ApiPath, Problem,
         problem::ProblemFault,
-        session::{PasswordError, PasswordHash, PasswordPolicy, SignedIn},
+        session::{PasswordError, PasswordHash, PasswordPolicy},
     },
 };
 use serde::{Deserialize, Serialize};
 use sqlx::SqliteConnection;
 use utoipa::ToSchema;
 
-use super::{Api, Principal, accounts::engineer_only, problems::Problems, view::Page};
+use super::{Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
     desk::now,
-    store::{self, Role, Store, StoreError, User, user, users},
+    store::{self, Role, Store, StoreError, User, users},
 };
 
 /// Longest name, in characters.
@@ -33,13 +33,16 @@ pub struct UserView {
 }
 
 /// Lists everybody who may sign in.
-#[utoipa::path(get, path = "/users", tag = "users", security(("session" = [])),
-    responses((status = 200, body = Page<UserView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/users",
+    tag = "users",
+    responses((status = 200, body = Page<UserView>), Problems)
+)]
 pub async fn list_users(
+    _: Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
 ) -> Result<Json<Page<UserView>>, Problem> {
-    engineer_only(&who)?;
     Ok(Json(Page::whole(everybody(&api).await?)))
 }
 
@@ -55,19 +58,24 @@ pub struct UserBody {
 
 /// Adds a person, or changes role or password. With a new password the person's sessions end,
 /// except the one in which the person did it; those of OPC UA clients also end with another role.
-#[utoipa::path(put, path = "/users/{userName}", tag = "users", security(("session" = [])),
-    params(("userName" = String, Path)), request_body = UserBody, responses((status = 200, body = UserView), Problems))]
+#[utoipa::path(
+    put,
+    path = "/users/{userName}",
+    tag = "users",
+    params(("userName" = String, Path)),
+    request_body = UserBody,
+    responses((status = 200, body = UserView), Problems)
+)]
 pub async fn put_user(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(user_name): ApiPath<String>,
     ApiJson(body): ApiJson<UserBody>,
 ) -> Result<Json<UserView>, Problem> {
-    engineer_only(&who)?;
     check_name(&user_name)?;
     // Two engineers who take each other's role at once must not both succeed.
     let _change = api.accounts.change().await;
-    let known = user(&api.readers, &user_name).await?;
+    let known = store::user(&api.readers, &user_name).await?;
     let everybody = everybody(&api).await?;
     if known.is_none() && everybody.len() >= USERS_MAX {
         return Err(Problem::conflict(
@@ -84,8 +92,8 @@ pub async fn put_user(
         (None, Some(known)) => known.password_hash,
         (None, None) => return Err(fault("/password", "A new person needs a password.")),
     };
-    if has_new_password && user_name == who.principal.user_name {
-        api.accounts.stay_good_for(&who.session, &password_hash);
+    if has_new_password && user_name == user.principal.user_name {
+        api.accounts.stay_good_for(&user.session, &password_hash);
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
     on_store(&api, move |mut connection| async move {
@@ -93,27 +101,31 @@ pub async fn put_user(
     })
     .await?;
     if has_new_password {
-        api.accounts.end_sessions_of(&user_name, Some(&who.session));
+        api.accounts.end_sessions_of(&user_name, Some(&user.session));
     }
     api.users_changed.notify_one();
     tracing::info!(
         user.name = user_name,
         user.role = body.role.name(),
-        by = who.principal.user_name,
+        by = user.principal.user_name,
         "A user was changed."
     );
     Ok(Json(UserView { user_name, role: body.role }))
 }
 
 /// Removes a person; the person's sessions end.
-#[utoipa::path(delete, path = "/users/{userName}", tag = "users", security(("session" = [])),
-    params(("userName" = String, Path)), responses((status = 204, description = "Removed"), Problems))]
+#[utoipa::path(
+    delete,
+    path = "/users/{userName}",
+    tag = "users",
+    params(("userName" = String, Path)),
+    responses((status = 204, description = "Removed"), Problems)
+)]
 pub async fn remove_user(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
     ApiPath(user_name): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    engineer_only(&who)?;
     let _change = api.accounts.change().await;
     keep_an_engineer(&everybody(&api).await?, &user_name)?;
     let name = user_name.clone();
@@ -126,7 +138,7 @@ pub async fn remove_user(
     }
     api.accounts.end_sessions_of(&user_name, None);
     api.users_changed.notify_one();
-    tracing::info!(user.name = user_name, by = who.principal.user_name, "A user was removed.");
+    tracing::info!(user.name = user_name, by = user.principal.user_name, "A user was removed.");
     Ok(StatusCode::NO_CONTENT)
 }
 

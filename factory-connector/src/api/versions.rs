@@ -2,7 +2,7 @@
 
 use asi_model::{DateTime, FieldKey};
 use axum::{Json, extract::State};
-use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiPath, ApiQuery, Problem};
 use mapping_engine::{
     Mapping,
     comparison::{MappingChange, compare},
@@ -11,23 +11,22 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, Principal,
-    accounts::engineer_only,
+    Api,
     exchange::{Wanted, place},
-    fields::{FieldPath, field_view, key},
+    fields::field_view,
+    paths::FieldPath,
     problems::Problems,
+    roles::{Engineer, Viewer},
     view::{FieldView, Page},
 };
 use crate::store;
 
-/// A version's path.
-type VersionPath = (
-    asi_model::OperationNetworkId,
-    asi_model::OperationId,
-    asi_model::DynamicDataRequestId,
-    asi_model::FieldName,
-    u32,
-);
+/// Number of a version in a path.
+#[derive(Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct VersionPath {
+    version: u32,
+}
 
 /// A published mapping.
 #[derive(Serialize, ToSchema)]
@@ -51,15 +50,19 @@ pub struct VersionView {
 }
 
 /// Lists the versions of a field's mapping, newest first; the last hundred are kept.
-#[utoipa::path(get, path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path)),
-    responses((status = 200, body = Page<VersionView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/versions",
+    tag = "mappings",
+    params(FieldPath),
+    responses((status = 200, body = Page<VersionView>), Problems)
+)]
 pub async fn list_mapping_versions(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<Page<VersionView>>, Problem> {
-    let (stored, current) = versions(&api, key(path)).await?;
+    let (stored, current) = versions(&api, path.into_key()).await?;
     let items = stored.iter().enumerate().map(|(place, (row, mapping))| VersionView {
         version: row.version,
         author: row.author.clone(),
@@ -97,17 +100,20 @@ pub struct Difference {
 }
 
 /// Compares two versions of a field's mapping.
-#[utoipa::path(get,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/version-difference",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
-    DifferenceQuery), responses((status = 200, body = Difference), Problems))]
+#[utoipa::path(
+    get,
+    path = "/version-difference",
+    tag = "mappings",
+    params(FieldPath, DifferenceQuery),
+    responses((status = 200, body = Difference), Problems)
+)]
 pub async fn compare_mapping_versions(
+    _: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiQuery(query): ApiQuery<DifferenceQuery>,
 ) -> Result<Json<Difference>, Problem> {
-    let (stored, current) = versions(&api, key(path)).await?;
+    let (stored, current) = versions(&api, path.into_key()).await?;
     let find = |version: u32| {
         stored.iter().find(|(row, _)| row.version == version).map(|(_, mapping)| mapping.clone())
     };
@@ -117,18 +123,20 @@ pub async fn compare_mapping_versions(
 }
 
 /// Goes back to a version: it is published again as the newest one, under the consent in force.
-#[utoipa::path(post,
-    path = "/fields/{operationNetworkId}/{operationId}/{dynamicDataRequestId}/{fieldName}/versions/{version}/rollback",
-    tag = "mappings", security(("session" = [])), params(("operationNetworkId" = String, Path),
-    ("operationId" = String, Path), ("dynamicDataRequestId" = String, Path), ("fieldName" = String, Path),
-    ("version" = u32, Path)), responses((status = 200, body = FieldView), Problems))]
+#[utoipa::path(
+    post,
+    path = "/versions/{version}/rollback",
+    tag = "mappings",
+    params(FieldPath, VersionPath),
+    responses((status = 200, body = FieldView), Problems)
+)]
 pub async fn roll_mapping_back(
+    Engineer(user): Engineer,
     State(api): State<Api>,
-    who: SignedIn<Principal>,
-    ApiPath((network, operation, request, field_name, version)): ApiPath<VersionPath>,
+    ApiPath(path): ApiPath<FieldPath>,
+    ApiPath(VersionPath { version }): ApiPath<VersionPath>,
 ) -> Result<Json<FieldView>, Problem> {
-    engineer_only(&who)?;
-    let field = key((network, operation, request, field_name));
+    let field = path.into_key();
     let (stored, _) = versions(&api, field.clone()).await?;
     let (_, mapping) = stored
         .into_iter()
@@ -136,7 +144,7 @@ pub async fn roll_mapping_back(
         .ok_or_else(|| Problem::not_found("such version"))?;
     let note = Some(format!("as version {version}"));
     let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
-    place(&api, vec![wanted], &who.principal.user_name, note, false).await?;
+    place(&api, vec![wanted], &user.principal.user_name, note, false).await?;
     field_view(&api, field).await
 }
 

@@ -6,4 +6,5 @@ mod events;
 mod ledger;
 mod mappings;
 mod plant;
+mod roles;
 mod trust;

@@ -156,6 +156,12 @@ impl SignedIn {
         Self::new(self.base.clone(), user_name, password).await
     }
 
+    /// A client of the same API without a session.
+    pub fn signed_out(&self) -> Self {
+        let http = reqwest::Client::builder().no_proxy().build().expect("a client");
+        Self { base: self.base.clone(), http, csrf: String::new() }
+    }
+
     pub async fn get(&self, path: &str) -> Value {
         self.expect(Method::GET, path, None).await
     }
@@ -182,6 +188,21 @@ impl SignedIn {
         body: Option<String>,
     ) -> (StatusCode, String) {
         Self::answer(self.request(method, path, body)).await
+    }
+
+    /// Any call; its status, and the problem where it failed. A stream of events is not awaited.
+    pub async fn status(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<String>,
+    ) -> (StatusCode, Value) {
+        let answer = self.request(method, path, body).send().await.expect("an answer");
+        let status = answer.status();
+        if status.is_success() {
+            return (status, Value::Null);
+        }
+        (status, answer.json().await.unwrap_or_default())
     }
 
     /// A call that holds for this version only.

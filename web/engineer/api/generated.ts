@@ -8,7 +8,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows the OPC UA server's own certificate. */
+        /**
+         * Shows the OPC UA server's own certificate.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -18,6 +21,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description The certificate that the OPC UA server shows its clients. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -28,7 +32,10 @@ export interface paths {
                 };
             };
         };
-        /** Installs an issued certificate; the server shows it from the next connection on. */
+        /**
+         * Installs an issued certificate; the server shows it from the next connection on.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -42,6 +49,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description The certificate that the OPC UA server shows its clients. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -71,6 +79,7 @@ export interface paths {
         /**
          * Makes a request for a certificate with the server's application URI and host names. The key
          *     stays here.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -85,6 +94,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A request to be given to an authority. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -111,6 +121,7 @@ export interface paths {
         /**
          * Lists the authorities whose clients may connect, and those in between. They are added with the
          *     clients' certificates.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -121,6 +132,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -149,7 +161,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes an authority: its clients stay outside from the next connection on. */
+        /**
+         * Removes an authority: its clients stay outside from the next connection on.
+         * @description Least role: ENGINEER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -185,6 +200,7 @@ export interface paths {
         /**
          * Lists the certificates of OPC UA clients, those that wait for an approval first. A local
          *     discovery server's is among them.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -195,6 +211,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -206,7 +223,10 @@ export interface paths {
             };
         };
         put?: never;
-        /** Adds a certificate or a revocation list to the trust list. */
+        /**
+         * Adds a certificate or a revocation list to the trust list.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -243,7 +263,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Trusts or rejects a client's certificate. */
+        /**
+         * Trusts or rejects a client's certificate.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -259,6 +282,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A certificate that the OPC UA server has seen or was given. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -283,7 +307,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the authorities' lists of revoked certificates. */
+        /**
+         * Lists the authorities' lists of revoked certificates.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -293,6 +320,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -324,6 +352,7 @@ export interface paths {
         /**
          * Removes a list of revoked certificates: clients of its authority stay outside until there is a
          *     new one.
+         * @description Least role: ENGINEER.
          */
         delete: {
             parameters: {
@@ -357,7 +386,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists every setting with its meaning, default and value, and who set it. Secrets are not shown. */
+        /**
+         * Lists every setting with its meaning, default and value, and who set it. Secrets are not shown.
+         * @description Least role: ENGINEER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -367,6 +399,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -392,7 +425,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists messages that were received or sent and rejected, newest first. */
+        /**
+         * Lists messages that were received or sent and rejected, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -405,6 +441,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -437,6 +474,7 @@ export interface paths {
          *     with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
          *     the link or a local server changes its state, and `reset` where events were missed and the page
          *     must load afresh.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -447,6 +485,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -472,7 +511,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows a field as it stands. */
+        /**
+         * Shows a field as it stands.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -487,6 +529,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A requested field with its decision and value. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -512,7 +555,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What a consent begins with, and what "every change" instead of the partner's period would add. */
+        /**
+         * What a consent begins with, and what "every change" instead of the partner's period would add.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -527,6 +573,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description With what the consent for a field begins. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -553,7 +600,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Decides about a field. The partner is told; values flow or stop at once. */
+        /**
+         * Decides about a field. The partner is told; values flow or stop at once.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -572,6 +622,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A requested field with its decision and value. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -596,7 +647,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** How a field's mapping is doing: last values in and out, counts, faults, time spent. */
+        /**
+         * How a field's mapping is doing: last values in and out, counts, faults, time spent.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -611,6 +665,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Status of a mapping, for its page. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -641,6 +696,7 @@ export interface paths {
         /**
          * Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
          *     once.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -656,6 +712,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Status of a mapping, for its page. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -681,7 +738,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Runs a draft on the live values of its inputs; nothing is changed and nothing leaves. */
+        /**
+         * Runs a draft on the live values of its inputs; nothing is changed and nothing leaves.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -700,6 +760,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Side by side: machine, mapping, what is disclosed, and the message. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -723,7 +784,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows the mapping on trial, with its values beside those of the published one. */
+        /**
+         * Shows the mapping on trial, with its values beside those of the published one.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -738,6 +802,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A mapping on trial beside the published one. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -748,7 +813,10 @@ export interface paths {
                 };
             };
         };
-        /** Lets a mapping run on live values without writing, in place of the one on trial so far. */
+        /**
+         * Lets a mapping run on live values without writing, in place of the one on trial so far.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -767,6 +835,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A mapping on trial beside the published one. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -778,7 +847,10 @@ export interface paths {
             };
         };
         post?: never;
-        /** Ends the trial. */
+        /**
+         * Ends the trial.
+         * @description Least role: ENGINEER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -816,7 +888,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Publishes the mapping on trial as the next version, under the consent in force; the trial ends. */
+        /**
+         * Publishes the mapping on trial as the next version, under the consent in force; the trial ends.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -831,6 +906,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A requested field with its decision and value. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -854,7 +930,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Suggests variables for a field, each with its reasons. */
+        /**
+         * Suggests variables for a field, each with its reasons.
+         * @description Least role: ENGINEER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -872,6 +951,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Variables that might be meant, best first, and where they were looked for. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -899,7 +979,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Makes a template of a field's mapping; it is not kept yet. */
+        /**
+         * Makes a template of a field's mapping; it is not kept yet.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -918,6 +1001,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A mapping with gaps. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -946,6 +1030,7 @@ export interface paths {
         /**
          * Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
          *     and nothing leaves.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -965,6 +1050,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What became of a trial. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -989,7 +1075,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Enters a value for a field that was decided Manual. It goes through the same gate as any other. */
+        /**
+         * Enters a value for a field that was decided Manual. It goes through the same gate as any other.
+         * @description Least role: OPERATOR.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -1008,6 +1097,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What became of it. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1032,7 +1122,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Compares two versions of a field's mapping. */
+        /**
+         * Compares two versions of a field's mapping.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query: {
@@ -1052,6 +1145,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description What differs between two versions. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1077,7 +1171,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the versions of a field's mapping, newest first; the last hundred are kept. */
+        /**
+         * Lists the versions of a field's mapping, newest first; the last hundred are kept.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1092,6 +1189,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1119,7 +1217,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Goes back to a version: it is published again as the newest one, under the consent in force. */
+        /**
+         * Goes back to a version: it is published again as the newest one, under the consent in force.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -1135,6 +1236,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A requested field with its decision and value. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1161,6 +1263,7 @@ export interface paths {
         /**
          * Lists the requests of all active networks with their fields, filtered, in pages, in the order of
          *     their addresses.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1189,6 +1292,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of the inbox, and how many there are. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1217,6 +1321,7 @@ export interface paths {
         /**
          * What each partner learns in sum from all open fields, and what it can conclude from them
          *     together.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1230,6 +1335,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1258,6 +1364,7 @@ export interface paths {
         /**
          * What each partner learns in short: how many fields, how much at most, how exactly, and how many
          *     conclusions.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1271,6 +1378,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1299,6 +1407,7 @@ export interface paths {
         /**
          * Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
          *     by name where none is named.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1336,6 +1445,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Entries of one chain, newest first. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1361,7 +1471,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the signed checkpoints over all chains, newest first. */
+        /**
+         * Lists the signed checkpoints over all chains, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1376,6 +1489,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1404,6 +1518,7 @@ export interface paths {
         /**
          * Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
          *     order of the chains.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1441,6 +1556,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1469,6 +1585,7 @@ export interface paths {
         /**
          * Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
          *     requests included.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -1484,6 +1601,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1511,7 +1629,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Reads every chain from its beginning and finds any change, deletion or reordering. */
+        /**
+         * Reads every chain from its beginning and finds any change, deletion or reordering.
+         * @description Least role: VIEWER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -1521,6 +1642,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description The outcome of a verification. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1544,7 +1666,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the templates. */
+        /**
+         * Lists the templates.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1554,6 +1679,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1580,7 +1706,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Keeps a template, in place of the one with the same id. */
+        /**
+         * Keeps a template, in place of the one with the same id.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -1596,6 +1725,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A mapping with gaps. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1607,7 +1737,10 @@ export interface paths {
             };
         };
         post?: never;
-        /** Forgets a template; mappings made from it stay. */
+        /**
+         * Forgets a template; mappings made from it stay.
+         * @description Least role: ENGINEER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -1645,6 +1778,7 @@ export interface paths {
         /**
          * Fills a template once per member of a series and takes the mappings, as an import does: all or
          *     none.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -1664,6 +1798,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What an import did, or would do. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1690,6 +1825,7 @@ export interface paths {
         /**
          * All mappings, in force and proposed, in a form that can be imported again; the file has the
          *     templates too.
+         * @description Least role: ENGINEER.
          */
         get: {
             parameters: {
@@ -1703,6 +1839,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Mappings and templates as one JSON document. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1735,6 +1872,7 @@ export interface paths {
          * Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported.
          *     Either everything is taken or, where anything is wrong, nothing, and every fault is named with
          *     its place. Consents stay as they are: mappings of fields that are not mapped are proposals.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -1753,6 +1891,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What an import did, or would do. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1776,7 +1915,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** How all published mappings are doing: how many do how, and the worst of them. */
+        /**
+         * How all published mappings are doing: how many do how, and the worst of them.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -1791,6 +1933,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Health of the published mappings, without shadow mappings. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1816,7 +1959,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists all networks, withdrawn ones included. */
+        /**
+         * Lists all networks, withdrawn ones included.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1826,6 +1972,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1851,7 +1998,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows a network as received, and how its fields stand. */
+        /**
+         * Shows a network as received, and how its fields stand.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1863,6 +2013,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A network with its requests. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1888,7 +2039,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the remarks about a network, oldest first. */
+        /**
+         * Lists the remarks about a network, oldest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1900,6 +2054,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1911,7 +2066,10 @@ export interface paths {
             };
         };
         put?: never;
-        /** Says something to the partners of a network. */
+        /**
+         * Says something to the partners of a network.
+         * @description Least role: OPERATOR.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -1949,7 +2107,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What is new in a network against the revision before. */
+        /**
+         * What is new in a network against the revision before.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -1961,6 +2122,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description What the revision in force changed. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1986,7 +2148,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists what was entered about an operation, newest first: the last 200 entries. */
+        /**
+         * Lists what was entered about an operation, newest first: the last 200 entries.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query: {
@@ -2001,6 +2166,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2015,6 +2181,7 @@ export interface paths {
         /**
          * Takes entries. They are stored together when the answer comes; without an answer the page
          *     delivers them again.
+         * @description Least role: OPERATOR.
          */
         post: {
             parameters: {
@@ -2029,6 +2196,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2055,6 +2223,7 @@ export interface paths {
         /**
          * Lists the operations of a day that have fields for people to fill, and those that are running or
          *     interrupted.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -2070,6 +2239,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2095,7 +2265,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the named policies in their newest version, retired ones included. */
+        /**
+         * Lists the named policies in their newest version, retired ones included.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2105,6 +2278,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2135,6 +2309,7 @@ export interface paths {
          * Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
          *     at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
          *     version read (`"0"` for a new one) keeps two engineers from overwriting each other.
+         * @description Least role: ENGINEER.
          */
         put: {
             parameters: {
@@ -2153,6 +2328,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description One version of a policy or rule. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2179,7 +2355,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** The mapped fields that a draft of a named policy would change, at most 500; nothing is changed. */
+        /**
+         * The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -2195,6 +2374,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2218,7 +2398,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Every version of a named policy, newest first. */
+        /**
+         * Every version of a named policy, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2230,6 +2413,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2255,7 +2439,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists every organisation that may get anything, with the policy set for it. */
+        /**
+         * Lists every organisation that may get anything, with the policy set for it.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2265,6 +2452,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2295,6 +2483,7 @@ export interface paths {
          * Sets a named policy for everything a recipient gets: all recipients of a request get the same
          *     values, so that the strictest of the field's and of all its recipients' policies holds. Changes
          *     at once what leaves.
+         * @description Least role: ENGINEER.
          */
         put: {
             parameters: {
@@ -2313,6 +2502,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What was set. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2337,7 +2527,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows one request of an active network with its fields. */
+        /**
+         * Shows one request of an active network with its fields.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2351,6 +2544,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A request of a partner. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2376,7 +2570,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the receipts of ended consents, newest first. */
+        /**
+         * Lists the receipts of ended consents, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -2391,6 +2588,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2405,6 +2603,7 @@ export interface paths {
         /**
          * Ends consents: values stop at once, what waits is taken back, the partner is told, and the
          *     receipt says what had left.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -2419,6 +2618,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A receipt with its signature, and what is known today of what was on its way. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -2442,7 +2642,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows one receipt. */
+        /**
+         * Shows one receipt.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2454,6 +2657,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A receipt with its signature, and what is known today of what was on its way. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2479,7 +2683,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** A receipt as a page to print. */
+        /**
+         * A receipt as a page to print.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -2494,6 +2701,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2519,7 +2727,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists what rules have decided by themselves, newest first. */
+        /**
+         * Lists what rules have decided by themselves, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -2534,6 +2745,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2564,6 +2776,7 @@ export interface paths {
         /**
          * Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
          *     where something else was decided since.
+         * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
@@ -2598,7 +2811,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the standing rules in their newest version. */
+        /**
+         * Lists the standing rules in their newest version.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2608,6 +2824,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2635,7 +2852,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Applies the enabled rules to all undecided fields; what an engineer left open stays open. */
+        /**
+         * Applies the enabled rules to all undecided fields; what an engineer left open stays open.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -2645,6 +2865,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description What was decided. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2670,7 +2891,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** What a draft of a rule means among the fields that are there; nothing is changed. */
+        /**
+         * What a draft of a rule means among the fields that are there; nothing is changed.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -2684,6 +2908,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description What a rule would match. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2711,6 +2936,7 @@ export interface paths {
         /**
          * Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
          *     already is decided by `POST /rules/apply`. `If-Match` as for policies.
+         * @description Least role: ENGINEER.
          */
         put: {
             parameters: {
@@ -2729,6 +2955,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description One version of a policy or rule. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2753,7 +2980,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Every version of a rule, newest first. */
+        /**
+         * Every version of a rule, newest first.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2765,6 +2995,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2790,7 +3021,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Says who is signed in. */
+        /**
+         * Says who is signed in.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2800,6 +3034,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Who is signed in. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2825,6 +3060,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Who is signed in. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2835,7 +3071,10 @@ export interface paths {
                 };
             };
         };
-        /** Signs out. */
+        /**
+         * Signs out.
+         * @description Least role: VIEWER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -2866,7 +3105,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the certificates that servers have shown. */
+        /**
+         * Lists the certificates that servers have shown.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2876,6 +3118,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2902,7 +3145,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Trusts or rejects a server's certificate. */
+        /**
+         * Trusts or rejects a server's certificate.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -2918,6 +3164,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Certificate that a server has presented. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2942,7 +3189,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the sources with their state. */
+        /**
+         * Lists the sources with their state.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -2952,6 +3202,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2963,7 +3214,10 @@ export interface paths {
             };
         };
         put?: never;
-        /** Adds a source; the connector connects to it at once. */
+        /**
+         * Adds a source; the connector connects to it at once.
+         * @description Least role: ENGINEER.
+         */
         post: {
             parameters: {
                 query?: never;
@@ -2977,6 +3231,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Created */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -3001,7 +3256,10 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Changes a source; mappings that use it go on under the new settings. */
+        /**
+         * Changes a source; mappings that use it go on under the new settings.
+         * @description Least role: ENGINEER.
+         */
         put: {
             parameters: {
                 query?: never;
@@ -3017,6 +3275,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3028,7 +3287,10 @@ export interface paths {
             };
         };
         post?: never;
-        /** Removes a source; mappings that use it keep their last value with a status that says so. */
+        /**
+         * Removes a source; mappings that use it keep their last value with a status that says so.
+         * @description Least role: ENGINEER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -3061,7 +3323,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Browses a source's address space. */
+        /**
+         * Browses a source's address space.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: {
@@ -3080,6 +3345,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3108,6 +3374,7 @@ export interface paths {
         /**
          * Finds variables of a server by words of their paths, in the list of its variables that the
          *     connector keeps.
+         * @description Least role: VIEWER.
          */
         get: {
             parameters: {
@@ -3125,6 +3392,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description What was found. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3150,7 +3418,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Reads a variable of a source. */
+        /**
+         * Reads a variable of a source.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query: {
@@ -3165,6 +3436,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A value as pages show it. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3190,7 +3462,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows how much waits to leave. */
+        /**
+         * Shows how much waits to leave.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -3200,6 +3475,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3225,7 +3501,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Says how the connector stands. */
+        /**
+         * Says how the connector stands.
+         * @description Least role: VIEWER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -3235,6 +3514,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description How the connector stands. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3260,7 +3540,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists everybody who may sign in. */
+        /**
+         * Lists everybody who may sign in.
+         * @description Least role: ENGINEER.
+         */
         get: {
             parameters: {
                 query?: never;
@@ -3270,6 +3553,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3299,6 +3583,7 @@ export interface paths {
         /**
          * Adds a person, or changes role or password. With a new password the person's sessions end,
          *     except the one in which the person did it; those of OPC UA clients also end with another role.
+         * @description Least role: ENGINEER.
          */
         put: {
             parameters: {
@@ -3315,6 +3600,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A person who may sign in. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3326,7 +3612,10 @@ export interface paths {
             };
         };
         post?: never;
-        /** Removes a person; the person's sessions end. */
+        /**
+         * Removes a person; the person's sessions end.
+         * @description Least role: ENGINEER.
+         */
         delete: {
             parameters: {
                 query?: never;
@@ -6273,12 +6562,11 @@ export interface components {
          * @enum {string}
          */
         TrustState: "trusted" | "rejected";
-        /** @description A type's identity and name. */
-        TypeName: {
-            /** @description Its browse name without the namespace; empty where the server does not know the type. */
-            name: string;
-            nodeId: string;
-        };
+        /**
+         * @description An OPC UA built-in type by its name.
+         * @enum {string}
+         */
+        TypeName: "Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo";
         /** @description From one unit of measurement to another of the same kind, by UNECE codes. */
         UnitConversion: {
             /** @description The unit that comes in; the first input's unit where absent. */
@@ -6529,7 +6817,71 @@ export interface components {
             changedAt: string;
         };
     };
-    responses: never;
+    responses: {
+        /** @description The request cannot be understood. */
+        BadRequest: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description It does not fit the present state. */
+        Conflict: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description The role does not allow it, or the CSRF token is wrong. */
+        Forbidden: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description It does not exist. */
+        NotFound: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description A part that is needed is not there at the moment. */
+        ServiceUnavailable: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Nobody is signed in. */
+        Unauthorized: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Understood, but wrong in its meaning; each fault with its JSON pointer. */
+        UnprocessableEntity: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+    };
     parameters: never;
     requestBodies: never;
     headers: never;

@@ -18,6 +18,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -43,6 +44,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A collaboration with its members and factories. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -80,6 +82,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A collaboration with its members and factories. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -118,6 +121,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A collaboration with its members and factories. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -160,6 +164,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -202,6 +207,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Result of a replay. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -241,6 +247,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Endpoint and credential of a connector, shown this once. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -277,6 +284,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -302,6 +310,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A factory: one connector, with the evidence of its life. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -340,6 +349,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Result of a revocation. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -376,6 +386,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A token to enrol with, shown this once. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -414,6 +425,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Lease of a factory with the connectors that were refused. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -460,6 +472,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Lease of a factory with the connectors that were refused. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -498,6 +511,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -542,6 +556,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description OK */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -582,6 +597,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -619,6 +635,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A network with its parts, progress and fields. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -651,6 +668,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Result of a change. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -674,6 +692,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Result of a change. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -713,6 +732,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -740,6 +760,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A comment as members of the collaboration see it. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -783,6 +804,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description Result of a change. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -826,6 +848,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Result of a change. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -858,6 +881,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -883,6 +907,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A company, institute or person that takes part. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -930,6 +955,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -965,6 +991,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description The signed-in user and the token of its session. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -990,6 +1017,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description The signed-in user and the token of its session. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1041,6 +1069,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Status of the platform, with evidence. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1076,6 +1105,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description A page of a list. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1101,6 +1131,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -1138,6 +1169,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Endpoint and credential of a tool, shown this once. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -1160,6 +1192,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
+                /** @description Result of a revocation. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1200,6 +1233,7 @@ export interface paths {
                 };
             };
             responses: {
+                /** @description A user. */
                 200: {
                     headers: {
                         [name: string]: unknown;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{Api, problems::Problems, view::Page},
+    api::{Api, problems::Problems, roles::Viewer, view::Page},
     store::{StoredCheckpoint, ledger_checkpoints},
 };
 use ledger::{Checkpoint, CheckpointHead};
@@ -61,9 +61,15 @@ impl From<StoredCheckpoint> for CheckpointView {
 }
 
 /// Lists the signed checkpoints over all chains, newest first.
-#[utoipa::path(get, path = "/ledger/checkpoints", tag = "ledger", security(("session" = [])), params(CheckpointsQuery),
-    responses((status = 200, body = Page<CheckpointView>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/ledger/checkpoints",
+    tag = "ledger",
+    params(CheckpointsQuery),
+    responses((status = 200, body = Page<CheckpointView>), Problems)
+)]
 pub async fn list_checkpoints(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<CheckpointsQuery>,
 ) -> Result<Json<Page<CheckpointView>>, Problem> {

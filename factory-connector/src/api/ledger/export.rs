@@ -14,7 +14,7 @@ use utoipa::IntoParams;
 use super::LedgerSelection;
 use crate::ledger_export::{ExportFormat, Exporter};
 use crate::{
-    api::{Api, problems::Problems},
+    api::{Api, problems::Problems, roles::Viewer},
     store::{LedgerReader, StoreError},
 };
 use disclosure::Language;
@@ -33,9 +33,15 @@ pub struct ExportQuery {
 
 /// Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
 /// order of the chains.
-#[utoipa::path(get, path = "/ledger/export", tag = "ledger", security(("session" = [])), params(LedgerSelection, ExportQuery),
-    responses((status = 200, content_type = "text/csv", body = String), Problems))]
+#[utoipa::path(
+    get,
+    path = "/ledger/export",
+    tag = "ledger",
+    params(LedgerSelection, ExportQuery),
+    responses((status = 200, content_type = "text/csv", body = String), Problems)
+)]
 pub async fn export_ledger(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(wanted): ApiQuery<LedgerSelection>,
     ApiQuery(query): ApiQuery<ExportQuery>,

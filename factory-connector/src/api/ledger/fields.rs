@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{Api, problems::Problems, view::Page},
+    api::{Api, problems::Problems, roles::Viewer, view::Page},
     store::ledger_fields,
 };
 
@@ -37,9 +37,15 @@ pub struct LedgerField {
 
 /// Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
 /// requests included.
-#[utoipa::path(get, path = "/ledger/fields", tag = "ledger", security(("session" = [])), params(LedgerFieldsQuery),
-    responses((status = 200, body = Page<LedgerField>), Problems))]
+#[utoipa::path(
+    get,
+    path = "/ledger/fields",
+    tag = "ledger",
+    params(LedgerFieldsQuery),
+    responses((status = 200, body = Page<LedgerField>), Problems)
+)]
 pub async fn search_ledger_fields(
+    _: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LedgerFieldsQuery>,
 ) -> Result<Json<Page<LedgerField>>, Problem> {

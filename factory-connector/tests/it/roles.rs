@@ -1,0 +1,234 @@
+//! Role matrix: each operation of the API's description against each role.
+//!
+//! [`ROLES`] is the reviewed table. An operation that is missing in it, a description that names
+//! another role, and an answer that does not follow from the role fail the test.
+
+use std::collections::BTreeMap;
+
+use reqwest::Method;
+use serde_json::{Value, json};
+
+use crate::plant::{Plant, SignedIn};
+
+/// Least role of an operation, weakest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Least {
+    Anonymous,
+    Viewer,
+    Operator,
+    Engineer,
+}
+
+use Least::{Anonymous, Engineer, Operator, Viewer};
+
+/// The least role of each operation, by operation id.
+const ROLES: &[(&str, Least)] = &[
+    // The session.
+    ("signIn", Anonymous),
+    ("showSession", Viewer),
+    ("signOut", Viewer),
+    // State of the connector.
+    ("showStatus", Viewer),
+    ("streamEvents", Viewer),
+    ("showSpool", Viewer),
+    ("listDeadLetters", Viewer),
+    ("showConfiguration", Engineer),
+    // People.
+    ("listUsers", Engineer),
+    ("putUser", Engineer),
+    ("removeUser", Engineer),
+    // Networks and requests.
+    ("listInbox", Viewer),
+    ("showRequest", Viewer),
+    ("listOperationNetworks", Viewer),
+    ("showOperationNetwork", Viewer),
+    ("showRevisionDifference", Viewer),
+    ("listComments", Viewer),
+    ("addComment", Operator),
+    // Entered values.
+    ("listOperatorOperations", Viewer),
+    ("listOperatorEntries", Viewer),
+    ("deliverOperatorEntries", Operator),
+    ("enterValue", Operator),
+    // Decisions.
+    ("showField", Viewer),
+    ("showConsentOffer", Viewer),
+    ("decideField", Engineer),
+    ("previewDecision", Engineer),
+    ("listSuggestions", Engineer),
+    // Mappings.
+    ("listMappingVersions", Viewer),
+    ("compareMappingVersions", Viewer),
+    ("rollMappingBack", Engineer),
+    ("showShadowMapping", Viewer),
+    ("startShadowMapping", Engineer),
+    ("publishShadowMapping", Engineer),
+    ("endShadowMapping", Engineer),
+    ("dryRunMapping", Engineer),
+    ("surveyMappings", Viewer),
+    ("showMappingStatus", Viewer),
+    ("restartMapping", Engineer),
+    ("exportMappings", Engineer),
+    ("importMappings", Engineer),
+    ("listMappingTemplates", Viewer),
+    ("putMappingTemplate", Engineer),
+    ("removeMappingTemplate", Engineer),
+    ("makeMappingTemplate", Engineer),
+    ("fillMappingTemplate", Engineer),
+    // Local OPC UA servers.
+    ("listSources", Viewer),
+    ("addSource", Engineer),
+    ("changeSource", Engineer),
+    ("removeSource", Engineer),
+    ("browseSource", Viewer),
+    ("searchSource", Viewer),
+    ("readSourceValue", Viewer),
+    ("listSourceCertificates", Viewer),
+    ("trustSourceCertificate", Engineer),
+    // The OPC UA server.
+    ("showApplicationCertificate", Viewer),
+    ("requestApplicationCertificate", Engineer),
+    ("installApplicationCertificate", Engineer),
+    ("listClientCertificates", Viewer),
+    ("addClientCertificate", Engineer),
+    ("trustClientCertificate", Engineer),
+    ("listClientAuthorities", Viewer),
+    ("removeClientAuthority", Engineer),
+    ("listClientRevocationLists", Viewer),
+    ("removeClientRevocationList", Engineer),
+    // The ledger.
+    ("listLedgerEntries", Viewer),
+    ("searchLedgerFields", Viewer),
+    ("listCheckpoints", Viewer),
+    ("verifyLedger", Viewer),
+    ("exportLedger", Viewer),
+    ("listRevocations", Viewer),
+    ("showRevocation", Viewer),
+    ("printRevocation", Viewer),
+    ("revokeConsents", Engineer),
+    // Policies and standing rules.
+    ("listLeakBudgets", Viewer),
+    ("summariseLeakBudgets", Viewer),
+    ("listPolicies", Viewer),
+    ("putPolicy", Engineer),
+    ("listPolicyVersions", Viewer),
+    ("previewPolicy", Engineer),
+    ("listRecipients", Viewer),
+    ("putRecipientPolicy", Engineer),
+    ("listRules", Viewer),
+    ("putRule", Engineer),
+    ("listRuleVersions", Viewer),
+    ("previewRule", Engineer),
+    ("applyRules", Engineer),
+    ("listRuleDecisions", Viewer),
+    ("undoRuleDecision", Engineer),
+];
+
+/// An operation of the description.
+struct Operation {
+    id: String,
+    method: Method,
+    /// Its path below `/api/v1`, with `unknown` for each parameter.
+    path: String,
+    /// The least role that the description names.
+    described: Least,
+}
+
+/// Returns every operation of the description.
+fn operations() -> Vec<Operation> {
+    let description =
+        serde_json::to_value(factory_connector::api::openapi()).expect("it serialises");
+    let paths = description["paths"].as_object().expect("paths");
+    let mut operations = Vec::new();
+    for (path, methods) in paths {
+        let path = path.strip_prefix("/api/v1").expect("all operations are under /api/v1");
+        for (method, operation) in methods.as_object().expect("methods") {
+            operations.push(Operation {
+                id: operation["operationId"].as_str().expect("an id").to_owned(),
+                method: method.to_uppercase().parse().expect("a method"),
+                path: filled(path),
+                described: described(operation),
+            });
+        }
+    }
+    operations
+}
+
+/// Replaces each parameter of a path by `unknown`.
+fn filled(path: &str) -> String {
+    let segments = path.split('/').map(|part| if part.starts_with('{') { "unknown" } else { part });
+    segments.collect::<Vec<_>>().join("/")
+}
+
+/// Returns the role beside the security scheme of an operation.
+fn described(operation: &Value) -> Least {
+    match operation["security"][0]["session"][0].as_str() {
+        None => Anonymous,
+        Some("VIEWER") => Viewer,
+        Some("OPERATOR") => Operator,
+        Some("ENGINEER") => Engineer,
+        Some(other) => panic!("{other} is no role"),
+    }
+}
+
+/// Adds a person with a role and returns the person's session.
+async fn person(plant: &Plant, role: &str) -> SignedIn {
+    let (name, password) = (role.to_lowercase(), format!("a password of the {role}"));
+    let body = json!({ "role": role, "password": password });
+    plant.put(&format!("/users/its-{name}"), body).await;
+    plant.signed_in(&format!("its-{name}"), &password).await.expect("the person signs in")
+}
+
+/// Calls an operation without parameters and with an empty document; status and problem code.
+async fn call(user: &SignedIn, operation: &Operation) -> (u16, String) {
+    let body = (operation.method != Method::GET).then(|| "{}".to_owned());
+    let (status, problem) = user.status(operation.method.clone(), &operation.path, body).await;
+    (status.as_u16(), problem["code"].as_str().unwrap_or_default().to_owned())
+}
+
+#[test]
+fn the_description_names_the_role_of_each_operation() {
+    let described: BTreeMap<String, Least> =
+        operations().into_iter().map(|operation| (operation.id, operation.described)).collect();
+    let reviewed: BTreeMap<String, Least> =
+        ROLES.iter().map(|(id, least)| ((*id).to_owned(), *least)).collect();
+    assert_eq!(reviewed.len(), ROLES.len(), "the table names each operation once");
+    for (id, least) in &described {
+        assert_eq!(reviewed.get(id), Some(least), "{id}: review it and add it to the table");
+    }
+    for id in reviewed.keys() {
+        assert!(described.contains_key(id), "{id} is in the table but not in the description");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_operation_admits_its_least_role_and_none_below() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let reviewed: BTreeMap<&str, Least> = ROLES.iter().copied().collect();
+    let people = [
+        (Anonymous, plant.signed_out()),
+        (Viewer, person(&plant, "VIEWER").await),
+        (Operator, person(&plant, "OPERATOR").await),
+        (Engineer, person(&plant, "ENGINEER").await),
+    ];
+    let mut operations = operations();
+    // Last, since each session ends with it.
+    operations.sort_by_key(|operation| operation.id == "signOut");
+    for operation in &operations {
+        let least = reviewed[operation.id.as_str()];
+        for (role, user) in &people {
+            let (status, code) = call(user, operation).await;
+            let is_rejected = matches!(code.as_str(), "NOT_SIGNED_IN" | "FORBIDDEN");
+            let expected = match role {
+                _ if *role >= least => (is_rejected, false),
+                Anonymous => (status == 401 && code == "NOT_SIGNED_IN", true),
+                _ => (status == 403 && code == "FORBIDDEN", true),
+            };
+            let Operation { id, method, path, .. } = operation;
+            assert_eq!(
+                expected.0, expected.1,
+                "{id} for {role:?}: {method} {path} answers {status} {code}"
+            );
+        }
+    }
+}
