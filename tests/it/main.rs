@@ -5,4 +5,5 @@ mod chaos;
 mod demo;
 mod former_store;
 mod house;
+mod openapi;
 mod promises;
