@@ -1,18 +1,18 @@
-//! Logical addresses: who speaks to whom, independent of any broker.
+//! Logical addresses: sender and receiver of messages, independent of any broker.
 
 use std::{fmt, str::FromStr};
 
 use asi_model::{FactoryId, ToolId};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A place that messages are sent to and received from. Only one side writes it, so the address
-/// tells the sender.
+/// Address that messages are sent to and received from. Only one side sends to it, so the address
+/// identifies the sender.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LogicalAddress {
     /// `factory.<factoryId>.requests`: the platform writes, the factory's connector reads.
     FactoryRequests(FactoryId),
-    /// `factory.<factoryId>.leases`: the platform writes who speaks for the factory, every
-    /// connector of it reads.
+    /// `factory.<factoryId>.leases`: the platform writes the holder of the factory's lease, every
+    /// connector of the factory reads.
     FactoryLeases(FactoryId),
     /// `factory.<factoryId>.ingress`: the factory's connector writes, the platform reads.
     FactoryIngress(FactoryId),
@@ -20,12 +20,12 @@ pub enum LogicalAddress {
     ToolRequests(ToolId),
     /// `tool.<toolId>.reports`: the platform writes, the tool reads.
     ToolReports(ToolId),
-    /// `dead-letters`: what was rejected or exceeded its deliveries.
+    /// `dead-letters`: messages that were rejected or delivered too often.
     DeadLetters,
 }
 
 impl LogicalAddress {
-    /// The factory at one end of the address, if there is one.
+    /// Returns the factory at one end of the address.
     #[must_use]
     pub const fn factory_id(&self) -> Option<&FactoryId> {
         match self {
@@ -36,7 +36,7 @@ impl LogicalAddress {
         }
     }
 
-    /// The tool at one end of the address, if there is one.
+    /// Returns the tool at one end of the address.
     #[must_use]
     pub const fn tool_id(&self) -> Option<&ToolId> {
         match self {
@@ -45,21 +45,21 @@ impl LogicalAddress {
         }
     }
 
-    /// Whether only one consumer gets messages at a time, so that they keep their order whoever
-    /// connects besides.
+    /// Returns whether only one consumer gets messages at a time: messages keep their order though
+    /// another consumer connects.
     #[must_use]
     pub const fn has_single_active_consumer(&self) -> bool {
         !matches!(self, Self::FactoryLeases(_))
     }
 }
 
-/// Why a text is not a logical address.
+/// Fault of a text that is not a logical address.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an address is factory.<id>.requests, factory.<id>.leases, factory.<id>.ingress, tool.<id>.requests, tool.<id>.reports or dead-letters, but this is {found:?}"
 )]
 pub struct InvalidAddress {
-    /// What was found, cut after 160 characters.
+    /// The text, cut after 160 characters.
     pub found: String,
 }
 

@@ -1,9 +1,9 @@
-//! What an external broker must be told before anybody connects: queues, routing, who may do what,
-//! dead letters, limits. Generated, so that no broker's configuration is written by hand and none
-//! can drift from the [profiles](crate::profile).
+//! Definitions of external brokers: queues, routing, permissions, dead letters, limits. Generated,
+//! so that no broker's configuration is written by hand or drifts from the
+//! [profiles](crate::profile).
 //!
-//! The rights keep factories apart by the broker alone: a factory's user reads its own requests and
-//! writes its own ingress, and can declare nothing.
+//! The permissions alone separate the factories: a factory's user reads its own requests and writes
+//! its own ingress, and cannot declare anything.
 
 mod activemq;
 mod mosquitto;
@@ -18,25 +18,20 @@ pub use rabbitmq::rabbitmq_definitions;
 
 use crate::address::LogicalAddress;
 
-/// Who uses the broker.
+/// The users of a broker, with the bounds of its queues.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The platform's own account.
     pub platform: Account,
-    /// Each factory with its account.
     pub factories: Vec<(FactoryId, Account)>,
-    /// Each tool with its account.
     pub tools: Vec<(ToolId, Account)>,
-    /// Bounds of every queue.
     pub limits: QueueLimits,
 }
 
 /// A user of the broker with its secret.
 #[derive(Clone)]
 pub struct Account {
-    /// The user's name.
     pub user_name: String,
-    /// Its password; wiped from memory when dropped, never shown.
+    /// Wiped from memory when dropped; not in the debug output.
     pub password: Zeroizing<String>,
 }
 
@@ -49,11 +44,11 @@ impl std::fmt::Debug for Account {
 /// Bounds of one queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueLimits {
-    /// Most bytes kept; beyond it publishers are refused and keep their messages.
+    /// Most bytes stored. Beyond them the broker refuses messages, which stay with the publishers.
     pub bytes_max: u64,
-    /// A message delivered so often without success is set aside. Some brokers count lost
-    /// connections, too, so this is generous: a connector that is restarted often must not turn
-    /// sound requests into dead letters.
+    /// Deliveries without success after which a message becomes a dead letter. Some brokers count
+    /// lost connections, too, so this is large: a connector that is restarted often must not turn
+    /// good requests into dead letters.
     pub deliveries_max: u32,
 }
 
@@ -63,7 +58,7 @@ impl Default for QueueLimits {
     }
 }
 
-/// What one user may do.
+/// Permissions of one user.
 struct Rights<'a> {
     account: &'a Account,
     consume: Vec<LogicalAddress>,
@@ -71,7 +66,7 @@ struct Rights<'a> {
 }
 
 impl Plan {
-    /// Every queue there must be, the dead letters not among them.
+    /// Returns the addresses of all queues but that of the dead letters.
     fn queues(&self) -> Vec<LogicalAddress> {
         let factories = self.factories.iter().flat_map(|(id, _)| {
             [
@@ -86,7 +81,7 @@ impl Plan {
         factories.chain(tools).collect()
     }
 
-    /// What each user may do, the platform first.
+    /// Returns the permissions of all users, the platform's first.
     fn rights(&self) -> Vec<Rights<'_>> {
         let (to_platform, from_platform): (Vec<_>, Vec<_>) =
             self.queues().into_iter().partition(|a| {

@@ -1,4 +1,4 @@
-//! A message as it travels: the body and those headers that every broker can carry. Bodies are
+//! Message on the wire: the body and those headers that every broker can carry. Bodies are
 //! self-contained; nothing depends on a header that a broker may drop.
 
 use std::{io::Read, time::Duration};
@@ -10,15 +10,15 @@ use time::OffsetDateTime;
 /// The content type of all bodies of the wire contract.
 pub const JSON: &str = "application/json";
 
-/// How a body is packed for the way.
+/// Compression of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContentEncoding {
-    /// RFC 1952.
+    /// Gzip of RFC 1952.
     Gzip,
 }
 
 impl ContentEncoding {
-    /// The name on the wire.
+    /// Returns the name on the wire.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -34,32 +34,32 @@ pub struct Envelope {
     pub message_id: Option<MessageId>,
     /// The message type, as `operation-network`.
     pub subject: String,
-    /// The media type of the unpacked body.
+    /// The media type of the decompressed body.
     pub content_type: String,
-    /// How the body is packed.
     pub content_encoding: Option<ContentEncoding>,
     /// The message this one answers.
     pub correlation_id: Option<MessageId>,
-    /// When the sender made it.
+    /// Time at which the sender created the message.
     pub creation_time: Option<OffsetDateTime>,
-    /// How long after its creation it is of use; none for ever.
+    /// Time from its creation to its expiry; none when it never expires.
     pub ttl: Option<Duration>,
-    /// Whether it belongs to the backlog after an outage, behind newer messages already sent.
+    /// True when it belongs to the backlog after an outage: newer messages may have been sent
+    /// before.
     pub replay: bool,
-    /// The number of the lease under which a factory's connector sends; none where it asks for one,
-    /// and of all others.
+    /// The number of the lease under which a factory's connector sends; none when it requests one,
+    /// and for all other senders.
     pub lease: Option<u64>,
-    /// The body as it travels, packed as `content_encoding` says.
+    /// The bytes on the wire, compressed as `content_encoding` says.
     pub body: Bytes,
 }
 
-/// Why a body could not be unpacked.
+/// Fault of a body that cannot be decompressed.
 #[derive(Debug, thiserror::Error)]
 pub enum BodyError {
-    /// The packed bytes are damaged.
+    /// The compressed bytes are damaged.
     #[error("the body is not valid gzip")]
     Damaged(#[source] std::io::Error),
-    /// Unpacked, it is larger than the receiver allows.
+    /// Decompressed, it is larger than the receiver allows.
     #[error("the unpacked body exceeds {limit} bytes")]
     TooLarge {
         /// The receiver's limit, in bytes.
@@ -68,7 +68,7 @@ pub enum BodyError {
 }
 
 impl Envelope {
-    /// A JSON message without anything optional.
+    /// Creates a JSON message without any optional header.
     #[must_use]
     pub fn new(message_id: MessageId, subject: impl Into<String>, body: impl Into<Bytes>) -> Self {
         Self {
@@ -85,20 +85,20 @@ impl Envelope {
         }
     }
 
-    /// When the message stops being of use; none when it never does or its creation is unknown.
+    /// Returns the time of expiry; none when it never expires or its creation is unknown.
     #[must_use]
     pub fn expires_at(&self) -> Option<OffsetDateTime> {
         let ttl = time::Duration::try_from(self.ttl?).ok()?;
         self.creation_time?.checked_add(ttl)
     }
 
-    /// Whether the message is of no more use.
+    /// Returns whether the message has expired.
     #[must_use]
     pub fn is_expired(&self, now: OffsetDateTime) -> bool {
         self.expires_at().is_some_and(|at| at <= now)
     }
 
-    /// Packs the body with gzip where that makes it smaller.
+    /// Compresses the body with gzip if that makes it smaller.
     #[must_use]
     pub fn compressed(mut self) -> Self {
         if self.content_encoding.is_none() {
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_told() {
+    fn damage_is_an_error() {
         let mut broken = envelope("not gzip");
         broken.content_encoding = Some(ContentEncoding::Gzip);
         assert!(matches!(broken.unpacked(1024), Err(BodyError::Damaged(_))));

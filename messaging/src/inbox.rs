@@ -1,5 +1,5 @@
-//! What receives. A message is stored before it is settled: the link settles only what
-//! [`Inbox::receive`] has answered.
+//! Receiving side of a daemon. A message is stored before it is settled: the link settles a message
+//! only after [`Inbox::receive`] has answered.
 
 use async_trait::async_trait;
 use time::OffsetDateTime;
@@ -9,31 +9,31 @@ use crate::{address::LogicalAddress, envelope::Envelope, spool::Rejection};
 /// A received message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Delivery {
-    /// The message.
     pub envelope: Envelope,
-    /// The user that the broker vouches for as the sender, where it does (`x-opt-principal`).
+    /// The sending user as authenticated by the broker (`x-opt-principal`); none from brokers that
+    /// do not report it.
     pub principal: Option<String>,
-    /// Whether somebody may have received it before.
+    /// True when a consumer may have received it before.
     pub is_redelivered: bool,
-    /// How often it was delivered before without success, as far as the broker counts.
+    /// Number of earlier deliveries without success, as far as the broker counts them.
     pub delivery_count: u32,
-    /// When it arrived here.
+    /// Time of arrival in this process.
     pub received_at: OffsetDateTime,
 }
 
-/// What becomes of a received message.
+/// Settlement of a received message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Settlement {
-    /// Stored, or stored before: the broker may forget it.
+    /// Stored, now or earlier: the broker may delete it.
     Accept,
-    /// Will never be of use here: the broker moves it to its dead letters.
+    /// Can never be processed: the broker moves it to its dead letters.
     Reject(Rejection),
-    /// Cannot be stored at the moment: the broker keeps it and delivers it again.
+    /// Cannot be stored at the moment: the broker delivers it again.
     Release,
 }
 
 impl Settlement {
-    /// A rejection with its reason.
+    /// Creates a rejection with its reason.
     #[must_use]
     pub fn reject(code: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::Reject(Rejection { code: code.into(), reason: reason.into() })
@@ -43,12 +43,13 @@ impl Settlement {
 /// The receiving side of a daemon.
 #[async_trait]
 pub trait Inbox: Send + Sync + 'static {
-    /// Takes a batch in the order of its arrival and answers for each delivery, by position.
+    /// Stores a batch in the order of its arrival. Returns the settlement of each delivery, by
+    /// position.
     ///
-    /// Calls for one address never overlap, so the order of messages is that of the broker. What is
-    /// missing in the answer counts as released. A released message makes the link pause before it
-    /// goes on with that address, and it comes again *behind* those already delivered: a receiver
-    /// that needs order releases the rest of the batch, too.
+    /// Calls for one address never overlap, so the order of messages is that of the broker.
+    /// Deliveries without an answer count as released. A released message makes the link pause
+    /// before it receives from that address again, and it is delivered *after* those already
+    /// delivered: an inbox that needs order releases the remaining batch, too.
     ///
     /// Repeats are normal after every interruption. Discard them by message id in the transaction
     /// of their effect and accept them.

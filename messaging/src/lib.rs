@@ -1,15 +1,14 @@
-//! How the two sides talk: one supervised [`Link`] from a connector or the platform to its broker.
+//! Messaging between connectors and the platform: one supervised [`Link`] from each to its broker.
 //!
-//! This crate knows how a message travels, never what it means.
+//! This crate transports messages and never reads their bodies.
 //!
-//! - [`address`]: logical addresses; [`profile`]: what they are called on each kind of broker.
-//! - [`definitions`]: what an external broker must be told beforehand, generated.
+//! - [`address`]: logical addresses; [`profile`]: their names on each kind of broker.
+//! - [`definitions`]: generated configuration of external brokers.
 //! - [`envelope`]: a message with the headers that every broker can carry.
 //! - [`spool`]: the pure decisions about messages that wait to be sent, and the [`SpoolStore`] that
-//!   holds them. The SQL lives with the owner, in the owner's transaction.
-//! - [`inbox`]: what receives; a message is stored there before it is settled.
-//! - [`link`]: connects, sends from the spool, feeds the inbox, reconnects, and says truthfully how
-//!   it stands.
+//!   stores them. The SQL is the owner's, in the owner's transaction.
+//! - [`inbox`]: the receiving side; it stores a message before the link settles it.
+//! - [`link`]: connects, sends from the spool, feeds the inbox, reconnects, and reports its state.
 //!
 //! Delivery is at least once in both directions. Nothing here relies on a broker's deduplication,
 //! on link resumption or on transactions: a receiver discards repeats by message id in the

@@ -1,10 +1,10 @@
-//! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, tells
-//! how it stands.
+//! One supervised connection to a broker: sends from the spool, feeds the inbox, reconnects, and
+//! reports its state.
 
 mod backoff;
+mod consumers;
 mod cursor;
-mod incoming;
-mod outgoing;
+mod sender;
 mod shared;
 mod state;
 mod supervisor;
@@ -28,19 +28,19 @@ use supervisor::Supervisor;
 
 pub use state::{LinkPhase, LinkState};
 
-/// The link; [`run`](Self::run) it.
+/// A link that does nothing until it [runs](Self::run).
 pub struct Link {
     supervisor: Supervisor,
 }
 
-/// Speaks to a running [`Link`].
+/// Handle of a running [`Link`].
 #[derive(Clone)]
 pub struct LinkHandle {
     shared: Arc<Shared>,
 }
 
 impl Link {
-    /// Makes a link that does nothing before it runs.
+    /// Creates a link and its handle.
     ///
     /// # Errors
     /// [`LinkError`] when the configuration can never work.
@@ -64,37 +64,38 @@ impl Link {
 }
 
 impl LinkHandle {
-    /// How the link stands, and every change of it.
+    /// Returns the state of the link, and every change of it.
     #[must_use]
     pub fn state(&self) -> watch::Receiver<LinkState> {
         self.shared.state.subscribe()
     }
 
-    /// Tells that new rows were committed to the spool.
+    /// Signals that new rows were committed to the spool.
     pub fn wake(&self) {
         self.shared.wake.notify_one();
     }
 
-    /// Tells that rows which were sent, parked or skipped before wait (again).
+    /// Signals that rows which were sent, parked or skipped before wait (again).
     pub fn rewind(&self) {
         self.shared.rewind.notify_one();
     }
 
-    /// Tells that the store shows rows that it hid before. They are looked for as after an outage:
-    /// the newest first.
-    pub fn begin_anew(&self) {
-        self.shared.anew.notify_one();
+    /// Reads the spool from its beginning, as after an outage: the newest rows first. For a store
+    /// that returns rows which it hid before.
+    pub fn restart_reading(&self) {
+        self.shared.restart.notify_one();
     }
 
-    /// Sends a message that is not kept, ahead of what waits. It is lost with the connection, or
-    /// where the broker rejects it: whoever posts it repeats it until it is answered.
-    pub fn post(&self, address: LogicalAddress, envelope: Envelope) {
-        self.shared.post(address, envelope);
+    /// Sends a message that is not in the spool, ahead of those that are. It is lost with the
+    /// connection, or when the broker rejects it: the sender repeats it until it is answered.
+    pub fn send_volatile(&self, address: LogicalAddress, envelope: Envelope) {
+        self.shared.send_volatile(address, envelope);
     }
 
-    /// Ends the connection for a while, as when another one is to have the broker for itself.
-    pub fn rest(&self, reason: impl Into<String>, pause: Duration) {
-        self.shared.rest(reason.into(), pause);
+    /// Ends the connection and stays away for a while, as when another process is to have the
+    /// broker for itself.
+    pub fn back_off(&self, reason: impl Into<String>, pause: Duration) {
+        self.shared.back_off(reason.into(), pause);
     }
 
     /// Replaces the set of addresses to receive from, without disturbing those that stay.
@@ -106,12 +107,12 @@ impl LinkHandle {
         });
     }
 
-    /// Tells that a receipt of the platform arrived.
+    /// Notes that a receipt of the platform arrived.
     pub fn receipted(&self, at: OffsetDateTime) {
         self.shared.state.send_modify(|state| state.last_receipted_at = Some(at));
     }
 
-    /// Tries now instead of at the end of the pause, as after somebody mended the cause.
+    /// Connects now instead of at the end of the pause, as after a person removed the cause.
     pub fn reconnect_now(&self) {
         self.shared.reconnect.notify_one();
     }

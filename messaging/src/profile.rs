@@ -1,5 +1,4 @@
-//! What logical addresses are called on each kind of broker. No broker's prefix appears anywhere
-//! else.
+//! Names of logical addresses on each kind of broker. No broker's prefix appears anywhere else.
 
 use std::fmt;
 
@@ -7,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::address::LogicalAddress;
 
-/// How one kind of broker names the places to read from and write to.
+/// Naming scheme of one kind of broker for the addresses to receive from and send to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BrokerProfile {
     name: String,
@@ -16,7 +15,7 @@ pub struct BrokerProfile {
     capability: Option<String>,
 }
 
-/// A place on a concrete broker: an AMQP terminus.
+/// An address on a concrete broker: an AMQP terminus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Terminus {
     /// The broker's address.
@@ -30,25 +29,19 @@ pub struct Terminus {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Template(String);
 
-/// Why a template of an own profile cannot be used.
+/// Fault of a profile's name or template.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidTemplate {
-    /// The same broker address would stand for every logical one.
+    /// All logical addresses would have the same name.
     #[error(
         "the template {template:?} contains none of {{address}}, {{address:percent}} and {{address:path}}"
     )]
-    NoPlaceholder {
-        /// The template.
-        template: String,
-    },
+    NoPlaceholder { template: String },
     /// There is no profile of that name.
     #[error(
         "there is no broker profile {name:?}; choose embedded, rabbitmq-3, rabbitmq-4, activemq or mqtt, or give templates"
     )]
-    UnknownName {
-        /// The name.
-        name: String,
-    },
+    UnknownName { name: String },
 }
 
 impl BrokerProfile {
@@ -88,7 +81,7 @@ impl BrokerProfile {
         Self::built_in("mqtt", "verbund/v1/{address:path}", "verbund/v1/{address:path}", None)
     }
 
-    /// A profile of one's own.
+    /// Creates a profile from templates.
     ///
     /// # Errors
     /// [`InvalidTemplate::NoPlaceholder`] when a template does not contain the address.
@@ -106,7 +99,7 @@ impl BrokerProfile {
         })
     }
 
-    /// The built-in profile of that name.
+    /// Returns the built-in profile of that name.
     ///
     /// # Errors
     /// [`InvalidTemplate::UnknownName`] for any other name.
@@ -127,13 +120,13 @@ impl BrokerProfile {
         &self.name
     }
 
-    /// Where the messages of an address are read.
+    /// Returns the terminus to receive the messages of an address from.
     #[must_use]
     pub fn consume(&self, address: &LogicalAddress) -> Terminus {
         Terminus { address: self.consume.fill(address), capability: self.capability.clone() }
     }
 
-    /// Where messages for an address are written.
+    /// Returns the terminus to send messages for an address to.
     #[must_use]
     pub fn produce(&self, address: &LogicalAddress) -> Terminus {
         Terminus { address: self.produce.fill(address), capability: self.capability.clone() }

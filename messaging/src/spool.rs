@@ -21,7 +21,6 @@ pub type StoreError = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpoolRow {
     pub id: RowId,
-    /// The destination.
     pub address: LogicalAddress,
     /// The message. The link sets `replay` itself.
     pub envelope: Envelope,

@@ -1,4 +1,4 @@
-//! For the tests of this and other rooms; never part of a daemon.
+//! Brokers and an inbox for the tests of this and other crates; never part of a daemon.
 
 mod mosquitto;
 mod rabbitmq;
@@ -16,26 +16,26 @@ use crate::{
     inbox::{Delivery, Inbox, Settlement},
 };
 
-/// An inbox that remembers what it received and answers as told.
+/// An inbox that records its deliveries and answers as configured.
 #[derive(Debug, Default)]
 pub struct RecordingInbox {
-    /// Everything received, repeats included.
+    /// All deliveries, repeats included.
     pub received: Mutex<Vec<(LogicalAddress, Delivery)>>,
-    /// Answers by message id, the last one first and each used once; everything else is accepted.
+    /// Answers by message id, the last one first and each used once; all others are accepted.
     pub answers: Mutex<HashMap<String, Vec<Settlement>>>,
-    /// Time each batch takes.
+    /// Duration of each batch.
     pub delay: Mutex<Duration>,
 }
 
 impl RecordingInbox {
-    /// The ids of the received messages, repeats included.
+    /// Returns the ids of the received messages, repeats included.
     #[must_use]
     pub fn ids(&self) -> Vec<String> {
         let received = self.received.lock();
         received.iter().map(|(_, delivery)| id_of(delivery)).collect()
     }
 
-    /// Gives a message with that id this answer, once.
+    /// Adds an answer to a message with that id, used once.
     pub fn answer(&self, id: &str, settlement: Settlement) {
         self.answers.lock().entry(id.to_owned()).or_default().push(settlement);
     }

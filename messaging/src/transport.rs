@@ -9,7 +9,8 @@ mod tls;
 use crate::config::{BrokerUrl, LinkConfig, LinkError};
 
 pub(crate) use connection::{
-    Connection, ConnectionFault, Incoming, LaneFault, Outcome, Outgoing, Token, Transport,
+    Connection, ConnectionFault, DeliveryToken, EndpointFault, MessageReceiver, MessageSender,
+    Outcome, Transport,
 };
 
 /// Chooses the transport for the configured brokers.

@@ -169,14 +169,14 @@ impl LeaseKeeper {
                 let message = FactoryMessage::LeaseRequest(request);
                 let body = serde_json::to_string(&message)
                     .expect("messages have text keys and finite numbers");
-                self.link.post(
+                self.link.send_volatile(
                     self.ingress.clone(),
                     Envelope::new(message_id, message.message_type(), body),
                 );
             }
             Action::Open(number) => {
                 self.gate.open(number);
-                self.link.begin_anew();
+                self.link.restart_reading();
                 self.store(true).await;
             }
             Action::Close => {
@@ -194,7 +194,7 @@ impl LeaseKeeper {
                     "another connector speaks for this factory: {holder}. Stop one of the two; if that one is gone for \
                      good, an administrator of the platform can hand the lease over to this one"
                 );
-                self.link.rest(reason, pause);
+                self.link.back_off(reason, pause);
             }
         }
     }

@@ -1,5 +1,5 @@
-//! A definitions file for RabbitMQ 3.10 and later (`load_definitions`, or import by its
-//! management).
+//! A definitions file for RabbitMQ 3.10 and later (`load_definitions`, or import in its management
+//! page).
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
@@ -10,17 +10,17 @@ use crate::address::LogicalAddress;
 
 /// The exchange that all messages are written to; the routing key is the logical address.
 const EXCHANGE: &str = "verbund";
-/// Where messages go that no queue is bound for: without it, the broker would accept and forget
+/// The exchange of messages that no queue is bound for: without it, the broker would accept and drop
 /// them.
 const UNROUTED: &str = "verbund.unrouted";
-/// Where rejected messages go.
+/// The exchange of rejected messages.
 const DEAD: &str = "verbund.dead";
 
-/// The definitions for one virtual host. `salt` gives four fresh random bytes per call, for the
-/// password hashes.
+/// Generates the definitions of one virtual host. `salt` returns four new random bytes per call,
+/// for the password hashes.
 ///
-/// Queues are quorum queues with a single active consumer. Who may write is decided by the routing
-/// key, so the users need no rights on any other exchange; in particular none on the default
+/// Queues are quorum queues with a single active consumer. Permissions to write are decided by the
+/// routing key, so the users need none on any other exchange; in particular none on the default
 /// exchange, which reaches every queue.
 #[must_use]
 pub fn rabbitmq_definitions(

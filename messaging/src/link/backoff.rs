@@ -1,4 +1,4 @@
-//! How long to wait before the next attempt.
+//! Pauses between attempts to connect.
 
 use std::time::Duration;
 
@@ -17,8 +17,8 @@ impl Backoff {
         Self { min, max, permanent, failures: 0 }
     }
 
-    /// The pause after one more failure. `jitter` in [0, 1) spreads it between its half and its
-    /// whole.
+    /// Returns the pause after one more failure. `jitter` in [0, 1) spreads it between half and
+    /// all of its length.
     pub(crate) fn after_failure(&mut self, is_permanent: bool, jitter: f64) -> Duration {
         let whole = if is_permanent {
             self.permanent
@@ -29,7 +29,7 @@ impl Backoff {
         whole.mul_f64(0.5 + jitter.clamp(0.0, 1.0) / 2.0)
     }
 
-    /// Data flowed.
+    /// Notes that data flowed: the next failure is the first again.
     pub(crate) const fn reset(&mut self) {
         self.failures = 0;
     }
@@ -58,7 +58,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_pause_lies_between_half_and_whole(failures in 0u32..100, jitter in 0.0f64..1.0) {
+        fn a_pause_is_between_half_and_all_of_its_length(failures in 0u32..100, jitter in 0.0f64..1.0) {
             let mut backoff = Backoff::new(MIN, MAX, PERMANENT);
             for _ in 0..failures { backoff.after_failure(false, jitter); }
             let pause = backoff.after_failure(false, jitter);

@@ -1,9 +1,9 @@
-//! Which rows of the spool to fetch next: pure positions, so that no row is sent twice while it is
-//! under way and none is forgotten.
+//! Positions in the spool: the next rows to fetch and to send. No row is sent twice while it is in
+//! flight, and none is forgotten.
 //!
-//! At the start of a connection everything up to the *watermark* is backlog: the newest row of each
-//! writer first, then the rest in order as replay. What is written later is live. Rows whose
-//! outcome is not yet recorded are *open* and are passed over when they are met again.
+//! At the start of a connection all rows up to the *watermark* are backlog: the newest row of each
+//! writer first, then the others in order as replay. Rows written later are live. Rows whose
+//! outcome is not yet recorded are *open* and are skipped when they are read again.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -12,7 +12,7 @@ use crate::spool::{Fetch, Lane, LaneScheduler, NextLane, ReplayShare, RowId, Spo
 /// Rows fetched at once.
 pub(crate) const FETCH_LIMIT: usize = 128;
 
-/// A source of rows, read ahead.
+/// A selection of rows that is read ahead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Source {
     Control,
@@ -23,6 +23,7 @@ enum Source {
 
 #[derive(Debug)]
 struct Reader {
+    /// The last row that was fetched.
     after: RowId,
     is_drained: bool,
     rows: VecDeque<SpoolRow>,
@@ -38,7 +39,7 @@ impl Reader {
     }
 }
 
-/// The positions in the spool.
+/// Read positions in the spool, with the rows fetched ahead.
 #[derive(Debug)]
 pub(crate) struct Cursor {
     watermark: RowId,
@@ -47,12 +48,12 @@ pub(crate) struct Cursor {
     live: Reader,
     replay: Reader,
     lanes: LaneScheduler,
-    /// With whether they hold reports.
+    /// Open rows; true for rows with reports.
     open: HashMap<RowId, bool>,
 }
 
 impl Cursor {
-    /// For a new connection; `last` is the greatest row number at this moment.
+    /// Creates the cursor of a new connection; `last` is the greatest row id at this moment.
     pub(crate) fn new(last: RowId, share: ReplayShare) -> Self {
         Self {
             watermark: last,
@@ -65,26 +66,25 @@ impl Cursor {
         }
     }
 
-    /// Everything is looked for from the start; what is open stays so. `last` is the greatest row
-    /// number at this moment.
+    /// Restarts from the beginning of the spool; open rows stay open. `last` is the greatest row id
+    /// at this moment.
     ///
-    /// While reports are under way, none of those that wait goes first: the newest of a quiet
-    /// writer may share its message with older ones of a writer whose newer ones are among them,
-    /// and would come after these.
+    /// While reports are in flight, the newest rows do not go first: a message can carry reports of
+    /// several writers, and its older ones would arrive after newer ones that were sent already.
     pub(crate) fn begin(&mut self, last: RowId) {
         let open = std::mem::take(&mut self.open);
         let lanes = self.lanes.clone();
         *self = Self { open, lanes, ..Self::new(last, ReplayShare::default()) };
-        self.newest.is_drained = self.open.values().any(|holds_reports| *holds_reports);
+        self.newest.is_drained = self.open.values().any(|has_reports| *has_reports);
     }
 
-    /// New rows were written.
+    /// Notes that rows were written.
     pub(crate) fn on_wake(&mut self) {
         self.control.is_drained = false;
         self.live.is_drained = false;
     }
 
-    /// Rows that were passed wait again: all that was taken up to now is backlog.
+    /// Notes that earlier rows wait again: all rows taken up to now become backlog.
     pub(crate) fn on_rewind(&mut self) {
         let taken = self.live.rows.front().map_or(self.live.after, |row| RowId(row.id.0 - 1));
         self.watermark = self.watermark.max(taken);
@@ -92,9 +92,9 @@ impl Cursor {
         self.replay.restart(RowId(0));
     }
 
-    /// What to fetch before another row can be chosen; none when enough is at hand or nothing
-    /// waits.
-    pub(crate) fn wanted(&self) -> Option<(Fetch, FetchFor)> {
+    /// Returns the query that must be answered before another row can be chosen; none when enough
+    /// rows are fetched or no row waits.
+    pub(crate) fn next_fetch(&self) -> Option<(Fetch, FetchFor)> {
         let (source, reader) = [
             (Source::Control, &self.control),
             (Source::Newest, &self.newest),
@@ -102,7 +102,7 @@ impl Cursor {
             (Source::Replay, &self.replay),
         ]
         .into_iter()
-        // The backlog waits until the newest rows are out.
+        // The backlog waits until the newest rows are sent.
         .filter(|(source, _)| *source != Source::Replay || self.is_newest_done())
         .find(|(_, reader)| reader.rows.is_empty() && !reader.is_drained)?;
         let (lane, through) = match source {
@@ -114,7 +114,7 @@ impl Cursor {
         Some((Fetch { lane, after: reader.after, through, limit: FETCH_LIMIT }, FetchFor(source)))
     }
 
-    /// Takes what was fetched.
+    /// Takes the fetched rows; open ones are dropped.
     pub(crate) fn on_fetched(&mut self, fetched: FetchFor, rows: Vec<SpoolRow>) {
         let reader = match fetched.0 {
             Source::Control => &mut self.control,
@@ -129,11 +129,11 @@ impl Cursor {
         reader.rows.extend(rows.into_iter().filter(|row| !self.open.contains_key(&row.id)));
     }
 
-    /// The row to send next, marked as replay where it is; it is open from now on.
+    /// Takes the row to send next, marked as replay when it is one. It is open from now on.
     pub(crate) fn next(&mut self) -> Option<SpoolRow> {
         loop {
             let (mut row, lane) = self.choose()?;
-            // The newest rows are met again in the backlog.
+            // The newest rows are read once more with the backlog.
             if self.open.insert(row.id, lane.is_some()).is_none() {
                 row.envelope.replay = lane == Some(NextLane::Replay);
                 return Some(row);
@@ -141,22 +141,22 @@ impl Cursor {
         }
     }
 
-    /// The row's outcome is recorded, or it was not sent at all.
+    /// Closes a row: its outcome is recorded, or it was not sent at all.
     pub(crate) fn close(&mut self, id: RowId) {
         self.open.remove(&id);
     }
 
-    /// Rows whose outcome is not yet recorded.
+    /// Returns the number of open rows.
     pub(crate) fn open(&self) -> usize {
         self.open.len()
     }
 
-    /// Whether nothing waits, as far as is known.
+    /// Returns whether no row waits, as far as the cursor knows.
     pub(crate) fn is_idle(&self) -> bool {
-        self.wanted().is_none() && self.open.is_empty()
+        self.next_fetch().is_none() && self.open.is_empty()
     }
 
-    /// The row, with the lane where it holds reports.
+    /// Takes the next row, with its lane when it has reports.
     fn choose(&mut self) -> Option<(SpoolRow, Option<NextLane>)> {
         if let Some(row) = self.control.rows.pop_front() {
             return Some((row, None));
@@ -175,7 +175,7 @@ impl Cursor {
     }
 }
 
-/// Which part of the cursor a fetch is for.
+/// The selection that a fetch is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct FetchFor(Source);
 
@@ -225,7 +225,7 @@ mod tests {
         }
 
         fn next(&mut self) -> Option<(i64, bool)> {
-            while let Some((fetch, target)) = self.cursor.wanted() {
+            while let Some((fetch, target)) = self.cursor.next_fetch() {
                 let rows = block_on(self.spool.fetch(fetch)).expect("rows");
                 self.cursor.on_fetched(target, rows);
             }
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_whose_successor_has_left_is_not_the_newest() {
+    fn a_row_whose_successor_was_sent_is_not_the_newest() {
         let mut bench = Bench::new(&[Some(1), Some(1), Some(2)]);
         assert_eq!([bench.next(), bench.next()], [Some((2, false)), Some((3, false))]);
         bench.accept(2);
@@ -301,27 +301,27 @@ mod tests {
     }
 
     #[test]
-    fn what_was_hidden_goes_as_after_an_outage() {
+    fn rows_that_were_hidden_go_as_after_an_outage() {
         let mut bench = Bench::new(&[Some(1), None]);
-        assert_eq!(bench.next(), Some((2, false)), "under way all the time");
+        assert_eq!(bench.next(), Some((2, false)), "in flight all the time");
         bench.push(&[Some(1), None, Some(2), Some(1)]);
         bench.cursor.begin(RowId(6));
         assert_eq!(bench.all(), [(4, false), (5, false), (6, false), (1, true), (3, true)]);
     }
 
     #[test]
-    fn nothing_goes_first_while_reports_are_under_way() {
+    fn no_newest_row_goes_first_while_reports_are_in_flight() {
         let mut bench = Bench::new(&[]);
         bench.push(&[Some(1)]);
         bench.cursor.on_wake();
-        assert_eq!(bench.next(), Some((1, false)), "under way all the time");
+        assert_eq!(bench.next(), Some((1, false)), "in flight all the time");
         bench.push(&[Some(2), Some(1), Some(1)]);
         bench.cursor.begin(RowId(4));
         assert_eq!(bench.all(), [(2, true), (3, true), (4, true)]);
     }
 
     #[test]
-    fn a_rewind_does_not_send_what_is_under_way() {
+    fn a_rewind_does_not_send_rows_in_flight() {
         let mut bench = Bench::new(&[Some(1), None, Some(2)]);
         assert_eq!(bench.all().len(), 3);
         bench.cursor.on_rewind();
@@ -332,8 +332,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever happens in between, every row is sent, none twice without a rewind or while
-        /// under way, and each lane keeps its order.
+        /// For any order of events every row is sent, none twice without a rewind or while in
+        /// flight, and each lane keeps its order.
         #[test]
         fn every_row_is_sent(
             first in proptest::collection::vec(proptest::option::of(0u16..3), 0..300),

@@ -1,4 +1,4 @@
-//! What the link's tasks and its handles share.
+//! State shared by the link's tasks and its handles.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -13,23 +13,30 @@ use tokio::sync::{Notify, watch};
 use super::state::{LinkPhase, LinkState};
 use crate::{address::LogicalAddress, envelope::Envelope, spool::Backlog};
 
-/// Most messages that wait without being kept; beyond, the oldest go.
-pub(crate) const POSTED_MAX: usize = 4;
+/// Most volatile messages that wait; beyond, the oldest are dropped.
+pub(crate) const VOLATILE_MAX: usize = 4;
 
+/// Signals to the link's tasks, and the state they report.
 pub(crate) struct Shared {
     pub state: watch::Sender<LinkState>,
+    /// Addresses to receive from.
     pub consumed: watch::Sender<Vec<LogicalAddress>>,
+    /// Rows were added to the spool.
     pub wake: Notify,
+    /// Rows of the spool wait again.
     pub rewind: Notify,
+    /// The pause before the next attempt to connect ends now.
     pub reconnect: Notify,
-    pub anew: Notify,
-    /// Something was posted.
-    pub post: Notify,
-    /// The link is to rest.
-    pub rest: Notify,
-    posted: Mutex<VecDeque<(LogicalAddress, Envelope)>>,
-    resting: Mutex<Option<(String, Duration)>>,
-    hindrances: Mutex<BTreeMap<String, String>>,
+    /// The spool is to be read from its beginning.
+    pub restart: Notify,
+    /// Volatile messages wait.
+    pub has_volatile: Notify,
+    has_backoff: Notify,
+    volatile: Mutex<VecDeque<(LogicalAddress, Envelope)>>,
+    /// A requested back-off of the whole link: its reason and length.
+    backoff: Mutex<Option<(String, Duration)>>,
+    /// Activities that fail though the link is up, each with the reason.
+    obstacles: Mutex<BTreeMap<String, String>>,
     has_data_flowed: AtomicBool,
 }
 
@@ -41,12 +48,12 @@ impl Shared {
             wake: Notify::new(),
             rewind: Notify::new(),
             reconnect: Notify::new(),
-            anew: Notify::new(),
-            post: Notify::new(),
-            rest: Notify::new(),
-            posted: Mutex::default(),
-            resting: Mutex::default(),
-            hindrances: Mutex::default(),
+            restart: Notify::new(),
+            has_volatile: Notify::new(),
+            has_backoff: Notify::new(),
+            volatile: Mutex::default(),
+            backoff: Mutex::default(),
+            obstacles: Mutex::default(),
             has_data_flowed: AtomicBool::new(false),
         }
     }
@@ -55,19 +62,19 @@ impl Shared {
         metrics::gauge!("link_up").set(if phase == LinkPhase::Up { 1.0 } else { 0.0 });
         if phase == LinkPhase::Up {
             metrics::counter!("link_connects_total").increment(1);
-            self.hindrances.lock().clear();
+            self.obstacles.lock().clear();
             self.has_data_flowed.store(false, Ordering::Relaxed);
         }
-        // Some brokers close the connection over what they refuse: what was refused is the reason
-        // to be told.
-        let hindrance = if matches!(phase, LinkPhase::Down { .. }) {
-            told(&self.hindrances.lock())
+        // Some brokers close the connection over a request that they refuse. Without the obstacle
+        // the reason would not say which.
+        let obstacle = if matches!(phase, LinkPhase::Down { .. }) {
+            summary(&self.obstacles.lock())
         } else {
             None
         };
-        let reason = match (reason, hindrance) {
-            (Some(reason), Some(hindrance)) => Some(format!("{reason}; before that, {hindrance}")),
-            (reason, hindrance) => reason.or(hindrance),
+        let reason = match (reason, obstacle) {
+            (Some(reason), Some(obstacle)) => Some(format!("{reason}; before that, {obstacle}")),
+            (reason, obstacle) => reason.or(obstacle),
         };
         self.state.send_modify(|state| {
             if phase == LinkPhase::Up {
@@ -88,48 +95,48 @@ impl Shared {
         self.state.send_modify(|state| state.last_received_at = Some(at));
     }
 
-    /// Lets a message go with the present connection, or with the next one.
-    pub(crate) fn post(&self, address: LogicalAddress, envelope: Envelope) {
-        self.put_back(address, envelope);
-        self.post.notify_one();
+    /// Queues a volatile message for the present connection, or for the next one.
+    pub(crate) fn send_volatile(&self, address: LogicalAddress, envelope: Envelope) {
+        self.put_back_volatile(address, envelope);
+        self.has_volatile.notify_one();
     }
 
-    /// Keeps a posted message that cannot go yet.
-    pub(crate) fn put_back(&self, address: LogicalAddress, envelope: Envelope) {
-        let mut posted = self.posted.lock();
-        posted.push_back((address, envelope));
-        while posted.len() > POSTED_MAX {
-            posted.pop_front();
+    /// Queues a volatile message that cannot be sent at the moment, without a signal.
+    pub(crate) fn put_back_volatile(&self, address: LogicalAddress, envelope: Envelope) {
+        let mut volatile = self.volatile.lock();
+        volatile.push_back((address, envelope));
+        while volatile.len() > VOLATILE_MAX {
+            volatile.pop_front();
         }
     }
 
-    /// What was posted and has not been sent.
-    pub(crate) fn take_posted(&self) -> VecDeque<(LogicalAddress, Envelope)> {
-        std::mem::take(&mut self.posted.lock())
+    /// Takes the volatile messages that wait, oldest first.
+    pub(crate) fn take_volatile(&self) -> VecDeque<(LogicalAddress, Envelope)> {
+        std::mem::take(&mut self.volatile.lock())
     }
 
-    /// Asks for a rest.
-    pub(crate) fn rest(&self, reason: String, pause: Duration) {
-        *self.resting.lock() = Some((reason, pause));
-        self.rest.notify_one();
+    /// Requests a back-off of the whole link.
+    pub(crate) fn back_off(&self, reason: String, pause: Duration) {
+        *self.backoff.lock() = Some((reason, pause));
+        self.has_backoff.notify_one();
     }
 
-    /// Waits until a rest is asked for.
-    pub(crate) async fn rest_wanted(&self) {
+    /// Waits until a back-off is requested.
+    pub(crate) async fn backoff_requested(&self) {
         loop {
-            self.rest.notified().await;
-            if self.resting.lock().is_some() {
+            self.has_backoff.notified().await;
+            if self.backoff.lock().is_some() {
                 return;
             }
         }
     }
 
-    /// The rest that was asked for, once.
-    pub(crate) fn take_rest(&self) -> Option<(String, Duration)> {
-        self.resting.lock().take()
+    /// Takes the requested back-off.
+    pub(crate) fn take_backoff(&self) -> Option<(String, Duration)> {
+        self.backoff.lock().take()
     }
 
-    /// Whether anything was sent or received since the connection is up.
+    /// Returns whether a message was accepted or received since the connection is up.
     pub(crate) fn has_data_flowed(&self) -> bool {
         self.has_data_flowed.load(Ordering::Relaxed)
     }
@@ -144,30 +151,42 @@ impl Shared {
         });
     }
 
-    /// Notes what hinders the link though it is up, or that it does so no more.
-    pub(crate) fn hinder(&self, what: &str, reason: Option<String>) {
-        let told = {
-            let mut hindrances = self.hindrances.lock();
-            match reason {
-                Some(reason) => hindrances.insert(what.to_owned(), reason),
-                None => hindrances.remove(what),
-            };
-            told(&hindrances)
+    /// Notes that an activity of the link fails though the link is up.
+    pub(crate) fn report_obstacle(&self, activity: &str, reason: String) {
+        let reason = {
+            let mut obstacles = self.obstacles.lock();
+            obstacles.insert(activity.to_owned(), reason);
+            summary(&obstacles)
         };
+        self.set_reason(reason);
+    }
+
+    /// Notes that an activity works again.
+    pub(crate) fn clear_obstacle(&self, activity: &str) {
+        let reason = {
+            let mut obstacles = self.obstacles.lock();
+            obstacles.remove(activity);
+            summary(&obstacles)
+        };
+        self.set_reason(reason);
+    }
+
+    /// Sets the reason that is shown while the link is up.
+    fn set_reason(&self, reason: Option<String>) {
         self.state.send_if_modified(|state| {
-            let is_new = state.is_up() && state.reason != told;
+            let is_new = state.is_up() && state.reason != reason;
             if is_new {
-                state.reason = told;
+                state.reason = reason;
             }
             is_new
         });
     }
 }
 
-/// One hindrance in words, and how many there are besides.
-fn told(hindrances: &BTreeMap<String, String>) -> Option<String> {
-    hindrances.iter().next().map(|(what, reason)| match hindrances.len() {
-        1 => format!("{what}: {reason}"),
-        n => format!("{what}: {reason} (and {} more)", n - 1),
+/// Describes one obstacle, with the number of others.
+fn summary(obstacles: &BTreeMap<String, String>) -> Option<String> {
+    obstacles.iter().next().map(|(activity, reason)| match obstacles.len() {
+        1 => format!("{activity}: {reason}"),
+        n => format!("{activity}: {reason} (and {} more)", n - 1),
     })
 }

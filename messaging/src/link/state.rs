@@ -1,39 +1,38 @@
-//! How the link stands: evidence, not a green dot.
+//! State of a link, with the evidence for it: times, backlog and reason.
 
 use serde::Serialize;
 use time::OffsetDateTime;
 
 use crate::spool::Backlog;
 
-/// How the link stands.
+/// State of a link and the evidence for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct LinkState {
-    /// The state.
     pub phase: LinkPhase,
-    /// Since when.
+    /// Time at which the phase was entered.
     #[serde(with = "time::serde::rfc3339")]
     pub since: OffsetDateTime,
-    /// Which broker address it concerns.
+    /// Address of the broker that the phase is about.
     pub broker: String,
-    /// When the broker accepted a message last.
+    /// Time at which the broker last accepted a message.
     #[serde(with = "time::serde::rfc3339::option")]
     pub last_accepted_at: Option<OffsetDateTime>,
-    /// When a receipt of the platform arrived last, as the owner told.
+    /// Time at which the last receipt of the platform arrived, as the owner reported.
     #[serde(with = "time::serde::rfc3339::option")]
     pub last_receipted_at: Option<OffsetDateTime>,
-    /// When a message was received last.
+    /// Time at which the last message was received.
     #[serde(with = "time::serde::rfc3339::option")]
     pub last_received_at: Option<OffsetDateTime>,
-    /// What waits, as of the last look into the store.
+    /// Waiting and sent rows, as last counted.
     pub backlog: Backlog,
-    /// Why the link is not up, or what hinders it though it is; a sentence for people.
+    /// Cause for which the link is not up, or an obstacle though it is; a sentence for people.
     pub reason: Option<String>,
-    /// How often the connection was established.
+    /// Number of connections established so far.
     pub connects: u64,
 }
 
-/// The state of a link.
+/// Phase of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(tag = "state", rename_all = "camelCase")]
 pub enum LinkPhase {
@@ -41,17 +40,16 @@ pub enum LinkPhase {
     Connecting,
     /// Connected and signed in.
     Up,
-    /// Not connected.
     #[serde(rename_all = "camelCase")]
     Down {
-        /// When the next attempt is made.
+        /// Time of the next attempt.
         #[serde(with = "time::serde::rfc3339")]
         retry_at: OffsetDateTime,
-        /// Whether somebody must act (credentials, permissions, certificates) before an attempt can
-        /// succeed.
+        /// True when a person must act (credentials, permissions, certificates) before an attempt
+        /// can succeed.
         is_permanent: bool,
     },
-    /// Shut down.
+    /// The link was shut down and stays so.
     Stopped,
 }
 
@@ -70,13 +68,13 @@ impl LinkState {
         }
     }
 
-    /// Whether messages can flow.
+    /// Returns whether messages can flow.
     #[must_use]
     pub const fn is_up(&self) -> bool {
         matches!(self.phase, LinkPhase::Up)
     }
 
-    /// Enters a phase; `since` moves only when the phase is another one.
+    /// Enters a phase; `since` changes only when the phase is another one.
     pub(crate) fn enter(&mut self, phase: LinkPhase, reason: Option<String>, now: OffsetDateTime) {
         if std::mem::discriminant(&self.phase) != std::mem::discriminant(&phase) {
             self.since = now;

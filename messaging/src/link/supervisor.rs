@@ -1,4 +1,4 @@
-//! Connects, serves, and begins anew whatever happens.
+//! Supervision: connects, serves the connection, and reconnects after every failure.
 
 use std::{sync::Arc, time::Duration};
 
@@ -7,7 +7,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
 use super::{
-    backoff::Backoff, incoming::Consumers, outgoing::Pump, shared::Shared, state::LinkPhase,
+    backoff::Backoff, consumers::Consumers, sender::Sender, shared::Shared, state::LinkPhase,
 };
 use crate::{
     config::LinkConfig,
@@ -16,9 +16,10 @@ use crate::{
     transport::{Connection, ConnectionFault, Transport},
 };
 
-/// How long the inbox may take to finish what it holds when the connection ends.
+/// Time limit of the inbox to finish its batch when the connection ends.
 const INBOX_GRACE: Duration = Duration::from_secs(30);
 
+/// A link with its dependencies.
 pub(super) struct Supervisor {
     pub config: LinkConfig,
     pub transport: Box<dyn Transport>,
@@ -46,7 +47,7 @@ impl Supervisor {
             };
             let fault = match connecting {
                 Ok(connection) => {
-                    info!(broker = name, "the link is up");
+                    info!(broker = name, "The link is up.");
                     self.store.connected();
                     self.shared.enter(LinkPhase::Up, &name, None);
                     let up_since = tokio::time::Instant::now();
@@ -76,7 +77,7 @@ impl Supervisor {
         backoff: &mut Backoff,
         shutdown: &CancellationToken,
     ) {
-        let (fault, pause) = match self.shared.take_rest() {
+        let (fault, pause) = match self.shared.take_backoff() {
             Some((reason, pause)) => (ConnectionFault::permanent(reason), pause),
             None => {
                 let pause = backoff.after_failure(fault.is_permanent, rand::random());
@@ -89,7 +90,7 @@ impl Supervisor {
             reason = fault.reason,
             permanent = fault.is_permanent,
             pause_ms,
-            "the link is down"
+            "The link is down."
         );
         metrics::counter!("link_failures_total", "kind" => if fault.is_permanent { "permanent" } else { "passing" })
             .increment(1);
@@ -125,7 +126,7 @@ impl Supervisor {
             stalls: stalls.clone(),
             stop: stop.clone(),
         };
-        let pump = Pump::new(
+        let sender = Sender::new(
             Arc::clone(&connection),
             Arc::clone(&self.store),
             Arc::clone(&self.shared),
@@ -134,19 +135,19 @@ impl Supervisor {
             stalls,
         );
         let mut consuming = tokio::spawn(consumers.run());
-        let mut pumping = tokio::spawn(pump.run(stop.clone()));
+        let mut sending = tokio::spawn(sender.run(stop.clone()));
         let fault = tokio::select! {
             fault = connection.lost() => fault,
-            Some(reason) = stalled.recv() => ConnectionFault::passing(reason),
-            () = shutdown.cancelled() => ConnectionFault::passing("shut down"),
-            () = self.shared.rest_wanted() => ConnectionFault::passing("it is to rest"),
-            // Both run until they are stopped; else they have panicked.
-            _ = &mut consuming => ConnectionFault::passing("receiving failed unexpectedly"),
-            _ = &mut pumping => ConnectionFault::passing("sending failed unexpectedly"),
+            Some(reason) = stalled.recv() => ConnectionFault::transient(reason),
+            () = shutdown.cancelled() => ConnectionFault::transient("shut down"),
+            () = self.shared.backoff_requested() => ConnectionFault::transient("a pause was requested"),
+            // Both tasks run until they are stopped, so one that ends before has panicked.
+            _ = &mut consuming => ConnectionFault::transient("receiving failed unexpectedly"),
+            _ = &mut sending => ConnectionFault::transient("sending failed unexpectedly"),
         };
         stop.cancel();
-        // Senders first: their outcomes resolve only when they are dropped.
-        finish(pumping, INBOX_GRACE).await;
+        // The sender first: outcomes resolve only when the endpoints are dropped.
+        finish(sending, INBOX_GRACE).await;
         finish(consuming, INBOX_GRACE).await;
         connection.close().await;
         fault
@@ -158,7 +159,7 @@ async fn finish(mut task: tokio::task::JoinHandle<()>, grace: Duration) {
         return;
     }
     if tokio::time::timeout(grace, &mut task).await.is_err() {
-        warn!("a part of the link did not stop in time; it is dropped");
+        warn!("A task of the link did not stop in time. It is aborted.");
         task.abort();
     }
 }

@@ -1,4 +1,5 @@
-//! A spool in memory, for tests only: behaves as an owner's store must, but survives nothing.
+//! A spool in memory, for tests only: behaves as an owner's store must, but does not survive the
+//! process.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +13,10 @@ use super::{
 };
 use crate::{address::LogicalAddress, envelope::Envelope};
 
-/// What a [`MemorySpool`] does with an accepted report.
+/// Treatment of an accepted report by a [`MemorySpool`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AcceptedReports {
-    /// They go, as at the platform.
+    /// They are removed, as at the platform.
     Leave,
     /// They stay as *sent*, as in the connector.
     WaitForReceipt,
@@ -44,7 +45,7 @@ pub struct MemorySpool {
 }
 
 impl MemorySpool {
-    /// An empty spool.
+    /// Creates an empty spool.
     #[must_use]
     pub fn new(accepted_reports: AcceptedReports) -> Self {
         Self { accepted_reports, rows: Mutex::new((0, BTreeMap::new())) }
@@ -60,19 +61,19 @@ impl MemorySpool {
         self.insert(address, envelope, Some(writer))
     }
 
-    /// How many rows wait.
+    /// Returns the number of waiting rows.
     #[must_use]
     pub fn waiting(&self) -> usize {
         self.count(|state| *state == State::Waiting)
     }
 
-    /// How many rows are sent and kept.
+    /// Returns the number of rows that are sent and wait for a receipt.
     #[must_use]
     pub fn sent(&self) -> usize {
         self.count(|state| *state == State::Sent)
     }
 
-    /// The rows set aside, with the reason.
+    /// Returns the parked rows, with the reason.
     #[must_use]
     pub fn parked(&self) -> Vec<(RowId, Rejection)> {
         let rows = self.rows.lock();
@@ -130,12 +131,12 @@ impl SpoolStore for MemorySpool {
         });
         let newest: BTreeMap<_, _> =
             all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
-        let gone = rows.1.values().filter(|r| r.state != State::Waiting);
-        let newest_gone: BTreeMap<_, _> =
-            gone.filter_map(|r| Some((r.writer?, r.row.id))).collect();
+        let sent = rows.1.values().filter(|r| r.state != State::Waiting);
+        let newest_sent: BTreeMap<_, _> =
+            sent.filter_map(|r| Some((r.writer?, r.row.id))).collect();
         Ok(in_range
             .filter(|r| r.writer.is_some_and(|w| newest.get(&w) == Some(&r.row.id)))
-            .filter(|r| r.writer.is_some_and(|w| newest_gone.get(&w) < Some(&r.row.id)))
+            .filter(|r| r.writer.is_some_and(|w| newest_sent.get(&w) < Some(&r.row.id)))
             .take(fetch.limit)
             .map(|r| r.row.clone())
             .collect())
@@ -168,9 +169,9 @@ impl SpoolStore for MemorySpool {
 
     async fn backlog(&self) -> Result<Backlog, StoreError> {
         let rows = self.rows.lock();
-        let kept = rows.1.values().filter(|r| !matches!(r.state, State::Parked(_)));
+        let stored = rows.1.values().filter(|r| !matches!(r.state, State::Parked(_)));
         let mut backlog = Backlog::default();
-        for row in kept {
+        for row in stored {
             match row.state {
                 State::Waiting => backlog.waiting += 1,
                 _ => backlog.sent += 1,

@@ -11,12 +11,12 @@ use tempfile::TempDir;
 
 use crate::definitions::{Plan, mosquitto_acl};
 
-/// When what waits is written to disk: all of it each time.
+/// Times at which Mosquitto writes its store to disk; it writes all of it each time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Saving {
     /// Within a second of each change.
     Always,
-    /// When the broker is stopped in order; what waits may be much.
+    /// At an orderly stop of the broker; for tests with a large store.
     AtTheEnd,
 }
 
@@ -31,9 +31,7 @@ pub struct Mosquitto {
 /// A certificate for `localhost`, as PEM.
 #[derive(Debug, Clone, Copy)]
 pub struct ServerCertificate<'a> {
-    /// The chain.
     pub certificate: &'a str,
-    /// Its key.
     pub key: &'a str,
 }
 
@@ -41,7 +39,7 @@ impl Mosquitto {
     /// Starts a broker for the plan's accounts.
     ///
     /// # Panics
-    /// Where Mosquitto is not installed or does not start.
+    /// Panics when Mosquitto is not installed or does not start.
     pub async fn start(plan: &Plan, saving: Saving) -> Self {
         Self::start_with(plan, saving, None).await
     }
@@ -49,7 +47,7 @@ impl Mosquitto {
     /// Starts a broker whose WebSockets are encrypted where there is a certificate.
     ///
     /// # Panics
-    /// Where Mosquitto is not installed or does not start.
+    /// Panics when Mosquitto is not installed or does not start.
     pub async fn start_with(
         plan: &Plan,
         saving: Saving,
@@ -97,13 +95,13 @@ impl Mosquitto {
         broker
     }
 
-    /// Where it listens, for [`LinkConfig`](crate::LinkConfig).
+    /// Returns its address, for [`LinkConfig`](crate::LinkConfig).
     #[must_use]
     pub fn url(&self) -> String {
         format!("mqtt://127.0.0.1:{}", self.port)
     }
 
-    /// The port of its WebSockets.
+    /// Returns the port of its WebSockets.
     #[must_use]
     pub const fn websocket_port(&self) -> u16 {
         self.websocket_port
@@ -111,7 +109,7 @@ impl Mosquitto {
 
     async fn ready(&self) {
         let deadline = Instant::now() + Duration::from_secs(30);
-        // The WebSockets come last.
+        // The WebSockets are opened last.
         while tokio::net::TcpStream::connect(("127.0.0.1", self.websocket_port)).await.is_err() {
             let log = || fs::read_to_string(self.folder.path().join("log")).unwrap_or_default();
             assert!(Instant::now() < deadline, "Mosquitto did not start in time: {}", log());
@@ -122,7 +120,7 @@ impl Mosquitto {
     /// Stops it in order, so that its store is written, and starts it again.
     ///
     /// # Panics
-    /// Where it does not stop or start again.
+    /// Panics when it does not stop or start again.
     pub async fn restart(&mut self) {
         let pid = self.child.id().to_string();
         let asked = Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs");

@@ -49,7 +49,7 @@ impl RabbitMq {
     /// Starts a broker that has loaded the definitions.
     ///
     /// # Panics
-    /// Where RabbitMQ is not installed or does not start.
+    /// Panics when RabbitMQ is not installed or does not start.
     pub async fn start(definitions: &Value) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("definitions.json"), definitions.to_string())
@@ -61,7 +61,7 @@ impl RabbitMq {
         broker
     }
 
-    /// Where it listens, for [`LinkConfig`](crate::LinkConfig).
+    /// Returns its address, for [`LinkConfig`](crate::LinkConfig).
     #[must_use]
     pub fn url(&self) -> String {
         format!("amqp://127.0.0.1:{}", self.ports.amqp)
@@ -70,7 +70,7 @@ impl RabbitMq {
     /// Kills it without warning and starts it again on the same store.
     ///
     /// # Panics
-    /// Where it does not start again.
+    /// Panics when it does not start again.
     pub async fn kill_and_restart(&mut self) {
         self.kill();
         self.child = spawn(self.folder.path(), &self.ports);
@@ -103,7 +103,7 @@ impl RabbitMq {
         }
     }
 
-    /// The beam's process, a child of the script's shell.
+    /// Kills the process of the Erlang VM, a child of the script's shell.
     fn kill(&mut self) {
         if let Ok(pid) = fs::read_to_string(self.folder.path().join("pid")) {
             let _ = Command::new("kill").args(["-9", pid.trim()]).status();
@@ -116,7 +116,7 @@ impl RabbitMq {
 impl Drop for RabbitMq {
     fn drop(&mut self) {
         self.kill();
-        // The port mapper outlives the node; being private it goes, too.
+        // The port mapper outlives the node; it is private, so it is stopped, too.
         let _ = Command::new("epmd")
             .args(["-port", &self.ports.epmd.to_string(), "-kill"])
             .stdout(Stdio::null())

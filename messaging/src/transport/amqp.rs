@@ -1,13 +1,15 @@
 //! AMQP 1.0 over fe2o3-amqp. Nothing of that library leaves this module.
 //!
-//! What its users must know, and what is done about it here: in-flight outcomes hang when a
-//! connection dies, until the sender is dropped (lanes drop theirs with the connection); an attach
-//! error at some brokers ends the whole session (one session per lane); buffers are generous by
-//! default (set); and it has no reconnection (ours is the supervisor).
+//! Its peculiarities, and the answer of this module to each: outcomes in flight hang when a
+//! connection dies, until the sender is dropped (senders are dropped with the connection); an
+//! attach error at some brokers ends the whole session (one session per link); buffers are large by
+//! default (they are set); and it has no reconnection (the supervisor reconnects).
 
 mod codec;
 mod error;
-mod lanes;
+mod receiver;
+mod sender;
+mod terminus;
 
 use async_trait::async_trait;
 use fe2o3_amqp::{
@@ -22,7 +24,9 @@ use tokio::{
 };
 
 use super::{
-    connection::{Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport},
+    connection::{
+        Connection, ConnectionFault, EndpointFault, MessageReceiver, MessageSender, Transport,
+    },
     dial::{Dialler, Stream},
 };
 use crate::{
@@ -30,14 +34,16 @@ use crate::{
     profile::Terminus,
 };
 use error::{end_fault, open_fault};
+use receiver::AmqpReceiver;
+use sender::AmqpSender;
 
 /// Frames are cut to this size, so that one large message does not block the others.
 const FRAME_BYTES_MAX: u32 = 64 * 1024;
 /// Frames that may wait between the tasks of a connection.
 const FRAMES_BUFFERED: usize = 256;
-/// Lanes that may wait to be opened.
+/// Most sessions that wait to be opened.
 const OPENINGS_MAX: usize = 64;
-/// How long a close may take.
+/// Time limit of a close.
 const CLOSE_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
 
 /// Connects to AMQP 1.0 brokers.
@@ -87,20 +93,20 @@ impl Transport for AmqpTransport {
             let stream = self.dialler.dial(broker).await?;
             self.open(broker, stream).await
         };
-        let handle = timeout(self.limits.connect_timeout, connecting)
-            .await
-            .map_err(|_| ConnectionFault::passing(format!("{broker} did not answer in time")))??;
+        let handle = timeout(self.limits.connect_timeout, connecting).await.map_err(|_| {
+            ConnectionFault::transient(format!("{broker} did not answer in time"))
+        })??;
         let (openings, requests) = mpsc::channel(OPENINGS_MAX);
         let (lost, loss) = watch::channel(None);
         let (close, closing) = watch::channel(false);
-        tokio::spawn(keep(handle, requests, closing, lost));
+        tokio::spawn(drive(handle, requests, closing, lost));
         Ok(Box::new(Opened { openings, loss, close, limits: self.limits }))
     }
 }
 
-type Opening = oneshot::Sender<Result<SessionHandle<()>, LaneFault>>;
+type Opening = oneshot::Sender<Result<SessionHandle<()>, EndpointFault>>;
 
-/// A connection whose handle is kept by a task of its own, because opening sessions needs it
+/// A connection. A task of its own owns the library's handle, because opening sessions needs it
 /// exclusively.
 struct Opened {
     openings: mpsc::Sender<Opening>,
@@ -110,14 +116,14 @@ struct Opened {
 }
 
 impl Opened {
-    async fn session(&self) -> Result<SessionHandle<()>, LaneFault> {
-        let broken = || LaneFault::Broken("the connection is lost".to_owned());
+    async fn session(&self) -> Result<SessionHandle<()>, EndpointFault> {
+        let broken = || EndpointFault::Broken("the connection is lost".to_owned());
         let (reply, answer) = oneshot::channel();
         self.openings.send(reply).await.map_err(|_| broken())?;
         timeout(self.limits.connect_timeout, answer)
             .await
             .map_err(|_| {
-                LaneFault::Stalled("the broker did not begin a session in time".to_owned())
+                EndpointFault::Stalled("the broker did not begin a session in time".to_owned())
             })?
             .map_err(|_| broken())?
     }
@@ -125,14 +131,17 @@ impl Opened {
 
 #[async_trait]
 impl Connection for Opened {
-    async fn outgoing(&self, terminus: &Terminus) -> Result<Box<dyn Outgoing>, LaneFault> {
+    async fn sender(&self, terminus: &Terminus) -> Result<Box<dyn MessageSender>, EndpointFault> {
         let session = self.session().await?;
-        Ok(Box::new(lanes::AmqpOutgoing::attach(session, terminus, &self.limits).await?))
+        Ok(Box::new(AmqpSender::attach(session, terminus, &self.limits).await?))
     }
 
-    async fn incoming(&self, terminus: &Terminus) -> Result<Box<dyn Incoming>, LaneFault> {
+    async fn receiver(
+        &self,
+        terminus: &Terminus,
+    ) -> Result<Box<dyn MessageReceiver>, EndpointFault> {
         let session = self.session().await?;
-        Ok(Box::new(lanes::AmqpIncoming::attach(session, terminus, &self.limits).await?))
+        Ok(Box::new(AmqpReceiver::attach(session, terminus, &self.limits).await?))
     }
 
     async fn lost(&self) -> ConnectionFault {
@@ -140,7 +149,7 @@ impl Connection for Opened {
         let lost = loss.wait_for(Option::is_some).await;
         lost.ok()
             .and_then(|fault| fault.clone())
-            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+            .unwrap_or_else(|| ConnectionFault::transient("the connection ended"))
     }
 
     async fn close(&self) {
@@ -149,8 +158,8 @@ impl Connection for Opened {
     }
 }
 
-/// Begins sessions and watches the connection until it is lost or closed.
-async fn keep(
+/// Opens sessions and watches the connection until it is lost or closed.
+async fn drive(
     mut handle: ConnectionHandle<()>,
     mut requests: mpsc::Receiver<Opening>,
     mut closing: watch::Receiver<bool>,
@@ -159,16 +168,16 @@ async fn keep(
     let fault = loop {
         tokio::select! {
             ended = handle.on_close() => break end_fault(ended),
-            // Also when nobody has the connection any more.
+            // Resolves also when the connection is dropped.
             _ = closing.changed() => {
-                // Some brokers answer a close in a way the library calls an error; either way it is
-                // over.
+                // Some brokers answer a close in a way that the library calls an error. The
+                // connection is closed either way.
                 let _ = timeout(CLOSE_TIMEOUT, handle.close()).await;
-                break ConnectionFault::passing("closed by this side");
+                break ConnectionFault::transient("closed by this side");
             }
             Some(reply) = requests.recv() => {
                 let session = Session::builder().buffer_size(FRAMES_BUFFERED).begin(&mut handle).await;
-                let session = session.map_err(|e| LaneFault::Broken(format!("the broker refused a session: {e}")));
+                let session = session.map_err(|e| EndpointFault::Broken(format!("the broker refused a session: {e}")));
                 // A caller that has given up drops the session, which ends it.
                 let _ = reply.send(session);
             }

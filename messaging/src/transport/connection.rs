@@ -11,18 +11,18 @@ use crate::{
     spool::Rejection,
 };
 
-/// Why there is no connection, or no more.
+/// Fault for which there is no connection, or none any more.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}")]
 pub(crate) struct ConnectionFault {
     /// A sentence for people.
     pub reason: String,
-    /// Whether somebody must act before another attempt can succeed.
+    /// True when a person must act before another attempt can succeed.
     pub is_permanent: bool,
 }
 
 impl ConnectionFault {
-    pub(crate) fn passing(reason: impl Into<String>) -> Self {
+    pub(crate) fn transient(reason: impl Into<String>) -> Self {
         Self { reason: reason.into(), is_permanent: false }
     }
 
@@ -31,78 +31,87 @@ impl ConnectionFault {
     }
 }
 
-/// Why a lane cannot be used.
+/// Fault of a sender or receiver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum LaneFault {
+pub(crate) enum EndpointFault {
     /// The broker refused this address; others may work.
     #[error("{0}")]
     Refused(Rejection),
-    /// The lane or the connection broke; whether the connection did shows there.
+    /// The endpoint or the connection broke; [`Connection::lost`] tells the two apart.
     #[error("{0}")]
     Broken(String),
-    /// The broker does not answer any more: the connection must be taken down.
+    /// The broker does not answer any more: the connection must be closed.
     #[error("{0}")]
     Stalled(String),
 }
 
-/// What the broker said about a sent message.
+/// The broker's settlement of a sent message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Stored.
+    /// Stored by the broker.
     Accepted,
-    /// Not taken, with the reason.
+    /// Refused, with the reason.
     Rejected(Rejection),
-    /// Not taken at the moment.
+    /// Not accepted at the moment; another attempt may succeed.
     Released,
 }
 
-/// Makes connections.
+/// A protocol with its configuration: establishes connections.
 #[async_trait]
 pub(crate) trait Transport: Send + Sync {
-    /// Resolves the address anew, connects and signs in.
+    /// Resolves the address again, connects and signs in.
     async fn connect(&self, broker: &BrokerUrl) -> Result<Box<dyn Connection>, ConnectionFault>;
 }
 
 /// A connection that is up.
 #[async_trait]
 pub(crate) trait Connection: Send + Sync {
-    /// Opens a lane to send to an address.
-    async fn outgoing(&self, terminus: &Terminus) -> Result<Box<dyn Outgoing>, LaneFault>;
+    /// Opens a sender to an address.
+    async fn sender(&self, terminus: &Terminus) -> Result<Box<dyn MessageSender>, EndpointFault>;
 
-    /// Opens a lane to receive from an address.
-    async fn incoming(&self, terminus: &Terminus) -> Result<Box<dyn Incoming>, LaneFault>;
+    /// Opens a receiver from an address.
+    async fn receiver(
+        &self,
+        terminus: &Terminus,
+    ) -> Result<Box<dyn MessageReceiver>, EndpointFault>;
 
-    /// Waits until the connection is lost, and tells why.
+    /// Waits until the connection is lost, and returns the cause.
     async fn lost(&self) -> ConnectionFault;
 
-    /// Says goodbye, within a short time.
+    /// Closes the connection in order, within a short time.
     async fn close(&self);
 }
 
-/// The future of a sent message's outcome. Resolves at the latest when the lane is dropped.
-pub(crate) type OutcomeFuture = BoxFuture<'static, Result<Outcome, LaneFault>>;
+/// The future of a sent message's outcome. Resolves at the latest when the sender is dropped.
+pub(crate) type OutcomeFuture = BoxFuture<'static, Result<Outcome, EndpointFault>>;
 
-/// A lane to send to one address.
+/// A sender to one address.
 #[async_trait]
-pub(crate) trait Outgoing: Send {
-    /// Hands a message over; waits while the broker gives no room. What cannot be sent at all is an
-    /// outcome, too.
-    async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, LaneFault>;
+pub(crate) trait MessageSender: Send {
+    /// Sends a message; waits while the broker grants no credit. A message that can never be sent
+    /// is rejected in its outcome.
+    async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, EndpointFault>;
 }
 
-/// A lane to receive from one address.
+/// A receiver from one address.
 #[async_trait]
-pub(crate) trait Incoming: Send {
-    /// Waits for messages and takes those that have arrived, at most `limit`. Safe to cancel.
-    async fn receive(&mut self, limit: usize) -> Result<Vec<(Token, Delivery)>, LaneFault>;
+pub(crate) trait MessageReceiver: Send {
+    /// Waits for messages and returns those that have arrived, at most `limit`. Cancel safe.
+    async fn receive(
+        &mut self,
+        limit: usize,
+    ) -> Result<Vec<(DeliveryToken, Delivery)>, EndpointFault>;
 
-    /// Tells the broker what became of messages.
-    async fn settle(&mut self, settlements: Vec<(Token, Settlement)>) -> Result<(), LaneFault>;
+    /// Settles messages at the broker.
+    async fn settle(
+        &mut self,
+        settlements: Vec<(DeliveryToken, Settlement)>,
+    ) -> Result<(), EndpointFault>;
 
-    /// The address is not wanted any more: nothing need be kept for it.
+    /// Leaves the address for good: the broker need not store messages for this receiver.
     async fn leave(&mut self);
 }
 
-/// Names a received message to its lane.
+/// Identifies a received message to its receiver until it is settled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct Token(pub u64);
+pub(crate) struct DeliveryToken(pub u64);

@@ -1,5 +1,5 @@
-//! Opens the byte stream to a broker: fresh name resolution, TCP that notices a dead peer even
-//! while we are busy sending, TLS, and a WebSocket where the broker is reached in one.
+//! Byte streams to a broker: name resolution on every attempt, TCP that detects a dead peer even
+//! while data is being sent, TLS, and a WebSocket if the broker's address asks for one.
 
 mod proxy;
 mod stream;
@@ -17,19 +17,19 @@ use crate::config::{BrokerUrl, HttpProxy, TlsConfig};
 
 pub(super) use stream::Stream;
 
-/// What dialling needs to know.
+/// Settings of the streams.
 #[derive(Debug, Clone)]
 pub(super) struct Dialler {
     pub client: Option<Arc<ClientConfig>>,
     pub tls: TlsConfig,
     pub proxy: Option<HttpProxy>,
     pub stall_timeout: Duration,
-    /// Largest message taken, in bytes.
+    /// Largest message accepted, in bytes.
     pub message_bytes_max: u64,
 }
 
 impl Dialler {
-    /// Connects, through the proxy where there is one. The caller bounds the time.
+    /// Connects, through the proxy if there is one. The caller limits the time.
     pub(super) async fn dial(
         &self,
         broker: &BrokerUrl,
@@ -48,7 +48,7 @@ impl Dialler {
         }
     }
 
-    /// The stream as the broker's address wants it, plain or in TLS.
+    /// Wraps the stream in TLS if the broker's address asks for it.
     async fn encrypted(
         &self,
         broker: &BrokerUrl,
@@ -72,19 +72,19 @@ impl Dialler {
     async fn tcp(&self, host: &str, port: u16) -> Result<TcpStream, ConnectionFault> {
         let addresses: Vec<SocketAddr> = lookup_host((host, port))
             .await
-            .map_err(|e| ConnectionFault::passing(format!("cannot resolve {host}: {e}")))?
+            .map_err(|e| ConnectionFault::transient(format!("cannot resolve {host}: {e}")))?
             .collect();
-        let mut last = ConnectionFault::passing(format!("{host} has no address"));
+        let mut last = ConnectionFault::transient(format!("{host} has no address"));
         let count = u32::try_from(addresses.len()).unwrap_or(u32::MAX).max(1);
         for address in addresses {
-            // One dead address must not use up the time of the others.
+            // A dead address must not use up the time of the others.
             let connecting =
                 tokio::time::timeout(self.stall_timeout / count, TcpStream::connect(address)).await;
             let connected = connecting.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()));
             match connected.and_then(|tcp| tune(&tcp, self.stall_timeout).map(|()| tcp)) {
                 Ok(tcp) => return Ok(tcp),
                 Err(e) => {
-                    last = ConnectionFault::passing(format!("cannot connect to {address}: {e}"))
+                    last = ConnectionFault::transient(format!("cannot connect to {address}: {e}"))
                 }
             }
         }
@@ -92,7 +92,7 @@ impl Dialler {
     }
 }
 
-/// A certificate that is not trusted today will not be tomorrow, unless somebody acts.
+/// Converts an error of TLS. A certificate that is not trusted stays so until a person acts.
 fn tls_fault(error: io::Error) -> ConnectionFault {
     let cause = error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>());
     let reason = format!("TLS failed: {error}");
@@ -102,13 +102,13 @@ fn tls_fault(error: io::Error) -> ConnectionFault {
             | rustls::Error::AlertReceived(_)
             | rustls::Error::NoCertificatesPresented,
         ) => ConnectionFault::permanent(reason),
-        _ => ConnectionFault::passing(reason),
+        _ => ConnectionFault::transient(reason),
     }
 }
 
-/// Makes a dead peer show: by keep-alive when idle, by unacknowledged bytes when busy. The
-/// heartbeats of the protocol do not suffice, for a writer that is blocked in its socket does not
-/// look at its timer.
+/// Sets the socket to detect a dead peer: by keep-alive when idle, by unacknowledged bytes when
+/// busy. The heartbeats of the protocol do not suffice, because a writer that is blocked in its
+/// socket does not check its timer.
 fn tune(tcp: &TcpStream, stall_timeout: Duration) -> io::Result<()> {
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);

@@ -1,17 +1,18 @@
-//! MQTT 5. Of rumqttc only the codec is used: its client cannot tell which publish an
-//! acknowledgement belongs to, and would bring its own dialling. Nothing of it leaves this module.
+//! MQTT 5. Of rumqttc only the codec is used: its client does not assign acknowledgements to
+//! publishes, and connects by itself. Nothing of it leaves this module.
 //!
-//! How the promises of the link map to MQTT: QoS 1 in both directions, acknowledged after storing;
-//! persistent sessions under the user's name as client id. A rejection is acknowledged with a
-//! failure code, for MQTT has no dead letters; a release keeps the acknowledgement back and
-//! reconnects, for only that makes a broker deliver again. Two processes with one user drive each
-//! other out; a broker may say so (Mosquitto 2.0 does not).
+//! Mapping of the link's guarantees to MQTT: QoS 1 in both directions, acknowledged after storing;
+//! persistent sessions with the user's name as client id. A rejection is acknowledged with a
+//! failure code, because MQTT has no dead letters. A release sends no acknowledgement and
+//! reconnects, because only a reconnect makes a broker deliver again. Two processes with one user
+//! disconnect each other; a broker may report that (Mosquitto 2.0 does not).
 
 mod codec;
 mod config;
 mod framing;
-mod lanes;
-mod wire;
+mod network_connection;
+mod publisher;
+mod subscriber;
 
 use std::sync::Arc;
 
@@ -24,7 +25,9 @@ use tokio::time::timeout;
 use tokio_util::codec::Framed;
 
 use super::{
-    connection::{Connection, ConnectionFault, Incoming, LaneFault, Outgoing, Transport},
+    connection::{
+        Connection, ConnectionFault, EndpointFault, MessageReceiver, MessageSender, Transport,
+    },
     dial::{Dialler, Stream},
 };
 use crate::{
@@ -32,7 +35,9 @@ use crate::{
     profile::Terminus,
 };
 use config::{CLOSE_TIMEOUT, SESSION_EXPIRY, no_properties};
-use wire::Wire;
+use network_connection::NetworkConnection;
+use publisher::MqttPublisher;
+use subscriber::MqttSubscriber;
 
 /// Connects to MQTT 5 brokers.
 pub(crate) struct MqttTransport {
@@ -76,7 +81,7 @@ impl MqttTransport {
         let codec = framing::PacketCodec(codec);
         let mut framed = Framed::new(stream, codec);
         let broken = |e: &dyn std::fmt::Debug| {
-            ConnectionFault::passing(format!("the connection could not be opened: {e:?}"))
+            ConnectionFault::transient(format!("the connection could not be opened: {e:?}"))
         };
         framed.send(self.connect_packet()).await.map_err(|e| broken(&e))?;
         let answer = match framed.next().await {
@@ -88,7 +93,7 @@ impl MqttTransport {
             }
             Some(Err(e)) => return Err(broken(&e)),
             None => {
-                return Err(ConnectionFault::passing(
+                return Err(ConnectionFault::transient(
                     "the broker closed the connection without an answer",
                 ));
             }
@@ -109,14 +114,14 @@ impl MqttTransport {
                 )));
             }
             code => {
-                return Err(ConnectionFault::passing(format!(
+                return Err(ConnectionFault::transient(format!(
                     "the broker refused the connection: {code:?}"
                 )));
             }
         }
         let granted = answer.properties.unwrap_or(no_properties());
-        let wire = Wire::start(framed, &granted, &self.limits);
-        Ok(Box::new(Opened { wire, limits: self.limits }))
+        let network = NetworkConnection::start(framed, &granted, &self.limits);
+        Ok(Box::new(Opened { network, limits: self.limits }))
     }
 }
 
@@ -129,44 +134,44 @@ impl Transport for MqttTransport {
         };
         timeout(self.limits.connect_timeout, connecting)
             .await
-            .map_err(|_| ConnectionFault::passing(format!("{broker} did not answer in time")))?
+            .map_err(|_| ConnectionFault::transient(format!("{broker} did not answer in time")))?
     }
 }
 
+/// A connection that the broker has accepted.
 struct Opened {
-    wire: Arc<Wire>,
+    network: Arc<NetworkConnection>,
     limits: LinkLimits,
 }
 
 #[async_trait]
 impl Connection for Opened {
-    async fn outgoing(&self, terminus: &Terminus) -> Result<Box<dyn Outgoing>, LaneFault> {
-        Ok(Box::new(lanes::MqttOutgoing::new(
-            Arc::clone(&self.wire),
-            terminus.address.clone(),
-            self.limits,
-        )))
+    async fn sender(&self, terminus: &Terminus) -> Result<Box<dyn MessageSender>, EndpointFault> {
+        let network = Arc::clone(&self.network);
+        Ok(Box::new(MqttPublisher::new(network, terminus.address.clone(), self.limits)))
     }
 
-    async fn incoming(&self, terminus: &Terminus) -> Result<Box<dyn Incoming>, LaneFault> {
-        let wire = Arc::clone(&self.wire);
-        Ok(Box::new(
-            lanes::MqttIncoming::subscribe(wire, terminus.address.clone(), &self.limits).await?,
-        ))
+    async fn receiver(
+        &self,
+        terminus: &Terminus,
+    ) -> Result<Box<dyn MessageReceiver>, EndpointFault> {
+        let network = Arc::clone(&self.network);
+        let topic = terminus.address.clone();
+        Ok(Box::new(MqttSubscriber::subscribe(network, topic, &self.limits).await?))
     }
 
     async fn lost(&self) -> ConnectionFault {
-        self.wire.lost().await
+        self.network.lost().await
     }
 
     async fn close(&self) {
-        self.wire.close();
-        let _ = timeout(CLOSE_TIMEOUT, self.wire.lost()).await;
+        self.network.close();
+        let _ = timeout(CLOSE_TIMEOUT, self.network.lost()).await;
     }
 }
 
 impl Drop for Opened {
     fn drop(&mut self) {
-        self.wire.close();
+        self.network.close();
     }
 }

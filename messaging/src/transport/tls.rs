@@ -1,4 +1,4 @@
-//! Whom we trust and who we are, as rustls has it.
+//! TLS configuration for rustls: trusted roots and the client's identity.
 
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ fn roots(roots: &Roots) -> Result<RootCertStore, LinkError> {
     Ok(store)
 }
 
-/// The name to expect in the broker's certificate.
+/// Returns the name to expect in the broker's certificate.
 pub(super) fn server_name(config: &TlsConfig, host: &str) -> Result<ServerName<'static>, String> {
     let name = config.server_name.as_deref().unwrap_or(host);
     ServerName::try_from(name.to_owned())

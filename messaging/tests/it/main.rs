@@ -1,4 +1,4 @@
-//! The link against other people's brokers.
+//! The link against foreign brokers.
 
 mod mosquitto;
 mod rabbitmq;

@@ -1,5 +1,5 @@
-//! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all, for
-//! it starts slowly.
+//! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all checks,
+//! because it starts slowly.
 
 use messaging::{
     BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions,
@@ -9,34 +9,37 @@ use messaging::{
 use crate::support::{TestLink, eventually, plan};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_link_keeps_its_promises_on_rabbitmq() {
+async fn the_link_keeps_its_guarantees_on_rabbitmq() {
     let mut broker = RabbitMq::start(&rabbitmq_definitions(&plan(), "/", rand::random)).await;
     let url = broker.url();
-    let platform = TestLink::start(
-        BrokerProfile::rabbitmq_3(),
-        &url,
-        "platform",
-        "secret of platform",
-        &["factory.f1.ingress", "dead-letters"],
-    );
-    let factory = TestLink::start(
-        BrokerProfile::rabbitmq_3(),
-        &url,
-        "f1",
-        "secret of f1",
-        &["factory.f1.requests"],
-    );
+    let platform = start(&url, "platform", &["factory.f1.ingress", "dead-letters"]);
+    let factory = start(&url, "f1", &["factory.f1.requests"]);
+    check_settlements(&platform, &factory).await;
+    check_leases(&url, &platform, &factory).await;
+    check_access_control(&url, &platform, &factory).await;
+    check_kill(&mut broker, &platform, &factory).await;
+    platform.stop().await;
+    factory.stop().await;
+}
+
+fn start(url: &str, user: &str, consumed: &[&str]) -> TestLink {
+    let password = format!("secret of {user}");
+    TestLink::start(BrokerProfile::rabbitmq_3(), url, user, &password, consumed)
+}
+
+/// Sends in both directions, with every settlement.
+async fn check_settlements(platform: &TestLink, factory: &TestLink) {
     platform.inbox.answer("poison", Settlement::reject("verbund:rubbish", "it is not JSON"));
     platform.inbox.answer("later", Settlement::Release);
-
-    // Both ways, with every answer.
     platform.send("factory.f1.requests", "request");
     for id in ["poison", "later", "good"] {
         factory.send("factory.f1.ingress", id);
     }
     eventually("the request arrives", || factory.inbox.ids() == ["request"]).await;
-    let count = |id: &str| platform.inbox.ids().iter().filter(|seen| *seen == id).count();
-    eventually("the released one comes again", || count("later") == 2 && count("good") >= 1).await;
+    eventually("the released one is delivered again", || {
+        platform.deliveries_of("later") == 2 && platform.has_received("good")
+    })
+    .await;
     let is_dead = || {
         let received = platform.inbox.received.lock();
         received.iter().any(|(at, d)| {
@@ -46,53 +49,46 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
     eventually("the rejected one is a dead letter", is_dead).await;
     eventually("the spools are empty", || platform.spool.waiting() + factory.spool.waiting() == 0)
         .await;
+}
 
-    // A second connector of the factory gets no requests while the first is there, but hears about
-    // the lease; and what is sent under a lease says so on the other side.
-    let leases = ["factory.f1.leases"];
-    let second = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "secret of f1", &leases);
+/// A second connector of the factory gets no requests while the first is connected, but the messages
+/// about the lease. A message that is sent under a lease arrives with its number.
+async fn check_leases(url: &str, platform: &TestLink, factory: &TestLink) {
+    let second = start(url, "f1", &["factory.f1.leases"]);
     let mut state = second.handle.state();
     state.wait_for(messaging::LinkState::is_up).await.expect("the link runs");
     platform.send("factory.f1.leases", "lease");
-    eventually("the second hears about the lease", || second.inbox.ids() == ["lease"]).await;
+    eventually("the second one gets the lease", || second.inbox.ids() == ["lease"]).await;
     second.stop().await;
     factory.send_under(u64::MAX, "factory.f1.ingress", "leased");
-    let lease_of = |id: &str| {
-        let received = platform.inbox.received.lock();
-        received
-            .iter()
-            .find(|(_, d)| d.envelope.message_id == id.parse().ok())
-            .map(|(_, d)| d.envelope.lease)
-    };
-    eventually("it arrives", || lease_of("leased").is_some()).await;
-    assert_eq!((lease_of("leased"), lease_of("good")), (Some(Some(u64::MAX)), Some(None)));
+    eventually("it arrives", || platform.has_received("leased")).await;
+    assert_eq!(platform.lease_of("leased"), Some(Some(u64::MAX)));
+    assert_eq!(platform.lease_of("good"), Some(None));
+}
 
-    // Another factory's addresses are closed to it, and that hinders nothing else.
-    let intruder = TestLink::start(
-        BrokerProfile::rabbitmq_3(),
-        &url,
-        "f2",
-        "secret of f2",
-        &["factory.f1.requests"],
-    );
+/// The addresses of one factory are closed to another one, which can still use its own.
+async fn check_access_control(url: &str, platform: &TestLink, factory: &TestLink) {
+    let intruder = start(url, "f2", &["factory.f1.requests"]);
     intruder.send("factory.f1.ingress", "forged");
     intruder.send("factory.f2.ingress", "mine");
     eventually("it is refused", || intruder.reason().contains("amqp:unauthorized-access")).await;
-    eventually("its own message goes", || intruder.spool.waiting() == 1).await;
+    eventually("its own message is sent", || intruder.spool.waiting() == 1).await;
     platform.send("factory.f1.requests", "second");
-    eventually("the owner receives", || factory.inbox.ids().contains(&"second".to_owned())).await;
-    assert!(intruder.inbox.ids().is_empty() && count("forged") == 0);
+    eventually("the owner receives", || factory.has_received("second")).await;
+    assert!(intruder.inbox.ids().is_empty() && !platform.has_received("forged"));
     intruder.stop().await;
 
-    let stranger = TestLink::start(BrokerProfile::rabbitmq_3(), &url, "f1", "wrong", &[]);
+    let stranger = TestLink::start(BrokerProfile::rabbitmq_3(), url, "f1", "wrong", &[]);
     let state = stranger.handle.state();
-    eventually("a bad password is told", || {
+    eventually("a bad password is reported", || {
         matches!(state.borrow().phase, LinkPhase::Down { is_permanent: true, .. })
     })
     .await;
     stranger.stop().await;
+}
 
-    // A kill in the middle loses nothing.
+/// A kill in the middle of 600 messages loses none.
+async fn check_kill(broker: &mut RabbitMq, platform: &TestLink, factory: &TestLink) {
     for n in 0..500 {
         factory.send("factory.f1.ingress", &format!("m{n}"));
     }
@@ -109,7 +105,5 @@ async fn the_link_keeps_its_promises_on_rabbitmq() {
         ids.len() == 600
     })
     .await;
-    eventually("nothing waits", || factory.spool.waiting() == 0).await;
-    platform.stop().await;
-    factory.stop().await;
+    eventually("no row waits", || factory.spool.waiting() == 0).await;
 }

@@ -15,6 +15,7 @@ use messaging::{
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
+/// A running link with a spool and inbox in memory.
 pub struct TestLink {
     pub handle: LinkHandle,
     pub spool: Arc<MemorySpool>,
@@ -74,6 +75,23 @@ impl TestLink {
         self.handle.wake();
     }
 
+    /// Counts the deliveries of a message, repeats included.
+    pub fn deliveries_of(&self, id: &str) -> usize {
+        self.inbox.ids().iter().filter(|seen| *seen == id).count()
+    }
+
+    pub fn has_received(&self, id: &str) -> bool {
+        self.deliveries_of(id) > 0
+    }
+
+    /// The lease of a received message; none when the message was not received.
+    pub fn lease_of(&self, id: &str) -> Option<Option<u64>> {
+        let received = self.inbox.received.lock();
+        let message_id = id.parse().ok();
+        let delivery = received.iter().find(|(_, d)| d.envelope.message_id == message_id);
+        delivery.map(|(_, d)| d.envelope.lease)
+    }
+
     pub fn reason(&self) -> String {
         self.handle.state().borrow().reason.clone().unwrap_or_default()
     }
@@ -92,9 +110,10 @@ pub fn address(text: &str) -> LogicalAddress {
     text.parse().expect("an address")
 }
 
-pub async fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+/// Waits until a condition is true; panics after two minutes.
+pub async fn eventually(what: &str, mut is_true: impl FnMut() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(120);
-    while !holds() {
+    while !is_true() {
         assert!(Instant::now() < deadline, "not in time: {what}");
         tokio::time::sleep(Duration::from_millis(10)).await;
     }

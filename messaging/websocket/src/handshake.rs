@@ -1,4 +1,4 @@
-//! Opening a WebSocket on either side.
+//! Opening handshake of a WebSocket, for clients and servers.
 
 use std::{fmt, io};
 
@@ -15,20 +15,20 @@ use tokio_tungstenite::{
 
 use crate::stream::{ByteStream, configuration};
 
-/// Characters of what a stranger offers that are repeated in an error.
+/// Most characters of a peer's offer that are repeated in an error.
 const OFFER_CHARACTERS_MAX: usize = 80;
 
-/// What is spoken inside the WebSocket.
+/// Protocol inside the WebSocket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subprotocol {
-    /// AMQP 1.0.
+    /// AMQP 1.0, in the WebSocket Binding 1.0 of OASIS.
     Amqp,
     /// MQTT 3.1.1 and 5.
     Mqtt,
 }
 
 impl Subprotocol {
-    /// Its name in the IANA registry of WebSocket subprotocols.
+    /// Returns its name in the IANA registry of WebSocket subprotocols.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -44,7 +44,7 @@ impl fmt::Display for Subprotocol {
     }
 }
 
-/// Which WebSocket is asked for.
+/// Address of a WebSocket on a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Endpoint<'a> {
     /// `host` or `host:port`, IPv6 addresses in brackets.
@@ -53,69 +53,55 @@ pub struct Endpoint<'a> {
     pub path: &'a str,
 }
 
-/// Why there is no WebSocket to a server.
+/// Fault of a handshake as the client.
 #[derive(Debug, thiserror::Error)]
 pub enum ConnectError {
     /// Authority and path make no URI.
     #[error("{authority}{path} is no address of a WebSocket")]
-    Address {
-        /// The authority.
-        authority: String,
-        /// The path.
-        path: String,
-    },
-    /// The server answered as an HTTP server that has no WebSocket for us.
+    Address { authority: String, path: String },
+    /// The server answered as an HTTP server without a WebSocket for this client.
     #[error("the server answered {status} instead of opening a WebSocket")]
     Refused {
         /// The HTTP status.
         status: u16,
     },
-    /// The server opened a WebSocket for something else.
+    /// The server does not agree to the subprotocol.
     #[error("the server opens a WebSocket, but not for the subprotocol {subprotocol}")]
-    Subprotocol {
-        /// What was asked for.
-        subprotocol: Subprotocol,
-    },
-    /// What answers is not a WebSocket server.
+    Subprotocol { subprotocol: Subprotocol },
+    /// The answer is not that of a WebSocket server.
     #[error("the peer does not answer like a WebSocket server: {reason}")]
-    Protocol {
-        /// What is wrong.
-        reason: String,
-    },
+    Protocol { reason: String },
     /// The connection broke.
     #[error("the connection broke while the WebSocket was being opened")]
     Io(#[source] io::Error),
 }
 
-/// Why a client got no WebSocket.
+/// Fault of a handshake as the server.
 #[derive(Debug, thiserror::Error)]
 pub enum AcceptError {
-    /// The client does not offer what is spoken here.
+    /// The client does not offer the server's subprotocol.
     #[error(
         "the client offers the WebSocket subprotocols {offered:?}, but {subprotocol} is spoken here"
     )]
     Subprotocol {
-        /// What it offers.
+        /// Offers of the client, cut after 80 characters.
         offered: String,
-        /// What would do.
+        /// The server's subprotocol.
         subprotocol: Subprotocol,
     },
-    /// The client does not ask for a WebSocket.
+    /// The request is not for a WebSocket.
     #[error("the client does not open a WebSocket: {reason}")]
-    Protocol {
-        /// What is wrong.
-        reason: String,
-    },
+    Protocol { reason: String },
     /// The connection broke.
     #[error("the connection broke while the WebSocket was being opened")]
     Io(#[source] io::Error),
 }
 
-/// Opens a WebSocket as a client. The caller bounds the time. Messages of more than
-/// `message_bytes_max` bytes are refused later.
+/// Opens a WebSocket as a client. The caller limits the time. Messages of more than
+/// `message_bytes_max` bytes make later reads fail.
 ///
 /// # Errors
-/// [`ConnectError`].
+/// [`ConnectError`] when the server refuses or the connection breaks.
 pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
     stream: S,
     endpoint: Endpoint<'_>,
@@ -125,7 +111,7 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
     let Endpoint { authority, path } = endpoint;
     let address =
         || ConnectError::Address { authority: authority.to_owned(), path: path.to_owned() };
-    // The scheme stays on this side: whether the stream is encrypted was decided before.
+    // The scheme is not sent. The caller has encrypted the stream already, or not.
     let uri: Uri = format!("ws://{authority}{path}").parse().map_err(|_| address())?;
     let request = ClientRequestBuilder::new(uri).with_sub_protocol(subprotocol.as_str());
     let opened =
@@ -142,16 +128,16 @@ pub async fn connect<S: AsyncRead + AsyncWrite + Unpin>(
         }
         other => ConnectError::Protocol { reason: other.to_string() },
     })?;
-    // A server that agrees to no subprotocol, or to another, was refused by the library (RFC 6455
+    // The library has refused a server that agrees to no subprotocol or to another one (RFC 6455
     // §4.1).
     Ok(ByteStream::new(socket))
 }
 
-/// Opens a WebSocket as a server, whatever path the client asks for. The caller bounds the time.
-/// Messages of more than `message_bytes_max` bytes are refused later.
+/// Opens a WebSocket as a server, for any path. The caller limits the time. Messages of more than
+/// `message_bytes_max` bytes make later reads fail.
 ///
 /// # Errors
-/// [`AcceptError`]; a client that offers other subprotocols was told.
+/// [`AcceptError`]; a client that offers other subprotocols got an answer that says so.
 pub async fn accept<S: AsyncRead + AsyncWrite + Unpin>(
     stream: S,
     subprotocol: Subprotocol,
@@ -172,7 +158,7 @@ pub async fn accept<S: AsyncRead + AsyncWrite + Unpin>(
     Ok(ByteStream::new(socket))
 }
 
-/// Takes the one subprotocol of a server from what a client offers.
+/// Chooses the subprotocol of a server from a client's offers.
 struct Choice<'a> {
     subprotocol: Subprotocol,
     refused: &'a mut Option<String>,
@@ -187,14 +173,16 @@ impl tokio_tungstenite::tungstenite::handshake::server::Callback for Choice<'_> 
     ) -> Result<Response, ErrorResponse> {
         let offers = request.headers().get_all(SEC_WEBSOCKET_PROTOCOL).into_iter();
         let offers: Vec<&str> = offers.filter_map(|value| value.to_str().ok()).collect();
-        let wanted = self.subprotocol.as_str();
-        if offers.iter().flat_map(|value| value.split(',')).any(|offer| offer.trim() == wanted) {
-            response.headers_mut().insert(SEC_WEBSOCKET_PROTOCOL, HeaderValue::from_static(wanted));
+        let expected = self.subprotocol.as_str();
+        if offers.iter().flat_map(|value| value.split(',')).any(|offer| offer.trim() == expected) {
+            response
+                .headers_mut()
+                .insert(SEC_WEBSOCKET_PROTOCOL, HeaderValue::from_static(expected));
             return Ok(response);
         }
         *self.refused = Some(offers.join(", ").chars().take(OFFER_CHARACTERS_MAX).collect());
         let mut refusal = ErrorResponse::new(Some(format!(
-            "only the WebSocket subprotocol {wanted} is spoken here\n"
+            "only the WebSocket subprotocol {expected} is spoken here\n"
         )));
         *refusal.status_mut() = StatusCode::BAD_REQUEST;
         Err(refusal)

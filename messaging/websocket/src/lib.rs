@@ -1,14 +1,14 @@
-//! A stream of bytes inside a WebSocket (RFC 6455), for protocols that frame their bytes
-//! themselves: AMQP 1.0 (OASIS AMQP WebSocket Binding 1.0) and MQTT 5 (§6). So a broker can be
-//! reached where nothing but HTTPS gets out.
+//! Byte stream inside a WebSocket (RFC 6455), for protocols with a framing of their own: AMQP 1.0
+//! (OASIS AMQP WebSocket Binding 1.0) and MQTT 5 (§6). It reaches a broker through firewalls that
+//! pass only HTTPS.
 //!
-//! [`connect`] and [`accept`] do the handshake on a stream that is already there, encrypted or not;
-//! then [`ByteStream`] reads and writes like that stream. Where a message of the WebSocket ends
-//! means nothing: a peer may put many frames of its protocol into one message or cut one frame over
+//! [`connect`] and [`accept`] do the handshake on an open stream, encrypted or not. Then
+//! [`ByteStream`] reads and writes like that stream. The boundaries of the WebSocket's messages have
+//! no meaning: a peer may put many frames of its protocol into one message or one frame into
 //! several.
 //!
-//! What a peer sends is bounded, only binary messages are taken, and pings are answered by reading.
-//! Compression is never agreed upon: secrets and what others write would share its dictionary.
+//! Messages of a peer are bounded, only binary messages are accepted, and pings are answered while
+//! reading. Compression is never negotiated: secrets and text of others would share a dictionary.
 
 mod handshake;
 mod stream;

@@ -21,16 +21,16 @@ use tokio_tungstenite::{
     },
 };
 
-/// Bytes put into one message at most.
+/// Most bytes sent in one message.
 const SENT_BYTES_MAX: usize = 64 * 1024;
-/// Bytes that are read at once.
+/// Most bytes read at once.
 const READ_BYTES: usize = 16 * 1024;
-/// Bytes that wait to be written before the writer waits, too.
+/// Buffered bytes from which on the writer waits.
 const WRITE_BYTES: usize = 64 * 1024;
-/// Bytes that wait to be written at most, answers to pings included.
+/// Most buffered bytes, answers to pings included.
 const WRITE_BYTES_MAX: usize = 4 * WRITE_BYTES;
 
-/// How the library is to behave.
+/// Returns the library's configuration, with bounds on all buffers.
 pub(crate) fn configuration(message_bytes_max: usize) -> WebSocketConfig {
     WebSocketConfig::default()
         .read_buffer_size(READ_BYTES)
@@ -42,13 +42,13 @@ pub(crate) fn configuration(message_bytes_max: usize) -> WebSocketConfig {
 
 /// The bytes of the binary messages of a WebSocket, in both directions.
 ///
-/// Reading ends where the peer closes the WebSocket in order, and fails where it gives a reason,
-/// breaks off or sends what is not allowed; of the latter it is told. Shutting down closes the
-/// WebSocket and the stream beneath it.
+/// Reading ends when the peer closes the WebSocket in order. It fails when the peer gives a reason,
+/// breaks off, or sends a message that is not allowed; the last one is answered with a close frame.
+/// Shutting down closes the WebSocket and the stream beneath it.
 #[derive(Debug)]
 pub struct ByteStream<S> {
     socket: WebSocketStream<S>,
-    /// What was received and not read yet.
+    /// Received bytes that were not read yet.
     received: Bytes,
     has_ended: bool,
 }
@@ -60,7 +60,7 @@ impl<S> ByteStream<S> {
 }
 
 impl<S: AsyncRead + AsyncWrite + Unpin> ByteStream<S> {
-    /// Waits for bytes; none once the WebSocket has ended.
+    /// Waits for bytes; there are none once the WebSocket has ended.
     fn poll_received(&mut self, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         while self.received.is_empty() && !self.has_ended {
             match ready!(Pin::new(&mut self.socket).poll_next(cx)) {
@@ -77,7 +77,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> ByteStream<S> {
                 }
                 Some(Ok(Message::Close(frame))) => {
                     self.has_ended = true;
-                    // Our answer, as far as the peer takes it: nobody waits for it.
+                    // Answers the close. The peer need not read it, so no one waits for the flush.
                     let _ = Pin::new(&mut self.socket).poll_flush(cx);
                     return Poll::Ready(closed(frame));
                 }
@@ -101,23 +101,23 @@ impl<S: AsyncRead + AsyncWrite + Unpin> ByteStream<S> {
         }
     }
 
-    /// Tells the peer why its WebSocket ends, as far as it still reads.
-    fn refuse(&mut self, cx: &mut Context<'_>, code: CloseCode, why: io::Error) -> io::Error {
+    /// Sends a close frame with a code, if the peer still reads, and returns the error.
+    fn refuse(&mut self, cx: &mut Context<'_>, code: CloseCode, error: io::Error) -> io::Error {
         self.has_ended = true;
-        let farewell = Message::Close(Some(CloseFrame { code, reason: Utf8Bytes::default() }));
+        let close = Message::Close(Some(CloseFrame { code, reason: Utf8Bytes::default() }));
         let mut socket = Pin::new(&mut self.socket);
-        if socket.as_mut().start_send(farewell).is_ok() {
+        if socket.as_mut().start_send(close).is_ok() {
             let _ = socket.poll_flush(cx);
         }
-        why
+        error
     }
 }
 
-fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, why)
+fn invalid(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, error)
 }
 
-/// What a close says: the end, or a failure.
+/// Converts a close frame to the end of the stream or to an error.
 fn closed(frame: Option<CloseFrame>) -> io::Result<()> {
     match frame {
         None => Ok(()),
@@ -125,12 +125,12 @@ fn closed(frame: Option<CloseFrame>) -> io::Result<()> {
             code: CloseCode::Normal | CloseCode::Away | CloseCode::Status, ..
         }) => Ok(()),
         Some(CloseFrame { code, reason }) => {
-            let why = format!(
+            let error = format!(
                 "the peer closed the WebSocket with the code {} {:?}",
                 u16::from(code),
                 reason.as_str()
             );
-            Err(io::Error::new(io::ErrorKind::ConnectionAborted, why))
+            Err(io::Error::new(io::ErrorKind::ConnectionAborted, error))
         }
     }
 }
@@ -181,7 +181,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for ByteStream<S> {
     fn poll_shutdown(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         let this = self.get_mut();
         match ready!(Pin::new(&mut this.socket).poll_close(cx)) {
-            // The peer was first.
+            // The peer has closed it before.
             Ok(())
             | Err(WsError::AlreadyClosed | WsError::ConnectionClosed | WsError::Protocol(_)) => {}
             Err(error) => return Poll::Ready(Err(write_error(error))),

@@ -1,5 +1,5 @@
-//! Envelopes as AMQP 1.0 messages and back. Bodies of foreign senders are taken in any form that is
-//! bytes or text.
+//! Conversion of envelopes to AMQP 1.0 messages and back. Bodies of foreign senders may be any AMQP
+//! section of bytes or text.
 
 use std::time::Duration;
 
@@ -22,18 +22,20 @@ use crate::{
 
 /// The application property that marks the backlog after an outage.
 const REPLAY: &str = "replay";
-/// The application property with the number of the sender's lease. A text, for not every broker
-/// keeps all numbers.
+/// The application property with the number of the sender's lease. A text, because some brokers
+/// change numbers.
 const LEASE: &str = "lease";
 /// The annotation by which a broker vouches for the sender.
 const PRINCIPAL: &str = "x-opt-principal";
 
-/// The message to send.
+/// Converts an envelope to the message to send.
 pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Data> {
-    let left = envelope.expires_at().map(|at| at - now);
+    let remaining = envelope.expires_at().map(|at| at - now);
     let header = Header {
         durable: true,
-        ttl: left.map(|left| u32::try_from(left.whole_milliseconds().max(0)).unwrap_or(u32::MAX)),
+        ttl: remaining.map(|remaining| {
+            u32::try_from(remaining.whole_milliseconds().max(0)).unwrap_or(u32::MAX)
+        }),
         ..Header::default()
     };
     let text_id = |id: &MessageId| messaging::MessageId::String(id.as_str().to_owned());
@@ -66,7 +68,8 @@ pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Da
     }
 }
 
-/// The delivery for the inbox, or why the message cannot be one.
+/// Converts a received message for the inbox; fails for encodings and bodies that are not
+/// supported.
 pub(super) fn to_delivery(
     message: Message<Body<Value>>,
     now: OffsetDateTime,
@@ -160,7 +163,7 @@ fn moment(at: &Timestamp) -> Option<OffsetDateTime> {
     OffsetDateTime::from_unix_timestamp_nanos(i128::from(at.milliseconds()) * 1_000_000).ok()
 }
 
-/// An error condition as it stands on the wire.
+/// Returns the symbol of an error condition, as on the wire.
 pub(super) fn condition_text(condition: &ErrorCondition) -> String {
     serde_amqp::to_vec(condition)
         .ok()

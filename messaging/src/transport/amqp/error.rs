@@ -1,4 +1,4 @@
-//! Faults from the errors of the AMQP library.
+//! Conversion of the AMQP library's errors into faults.
 
 use fe2o3_amqp::{
     connection::OpenError,
@@ -15,7 +15,7 @@ use fe2o3_amqp::{
 use super::codec;
 use crate::{
     spool::Rejection,
-    transport::connection::{ConnectionFault, LaneFault},
+    transport::connection::{ConnectionFault, EndpointFault},
 };
 
 pub(super) fn open_fault(error: OpenError) -> ConnectionFault {
@@ -23,22 +23,22 @@ pub(super) fn open_fault(error: OpenError) -> ConnectionFault {
         OpenError::SaslError { code: SaslCode::Auth, .. } => {
             ConnectionFault::permanent("the broker refused the user or password")
         }
-        OpenError::SaslError { code, .. } => ConnectionFault::passing(format!(
+        OpenError::SaslError { code, .. } => ConnectionFault::transient(format!(
             "the broker could not check the credentials: {code:?}"
         )),
         OpenError::RemoteClosedWithError(error) => closed_fault(&error),
         OpenError::ProtocolHeaderMismatch(_) => ConnectionFault::permanent(
             "the peer does not speak AMQP 1.0 with SASL; is the port right?",
         ),
-        other => ConnectionFault::passing(format!("the connection could not be opened: {other}")),
+        other => ConnectionFault::transient(format!("the connection could not be opened: {other}")),
     }
 }
 
 pub(super) fn end_fault(ended: Result<(), fe2o3_amqp::connection::Error>) -> ConnectionFault {
     match ended {
-        Ok(()) => ConnectionFault::passing("the broker closed the connection"),
+        Ok(()) => ConnectionFault::transient("the broker closed the connection"),
         Err(fe2o3_amqp::connection::Error::RemoteClosedWithError(error)) => closed_fault(&error),
-        Err(error) => ConnectionFault::passing(format!("the connection was lost: {error}")),
+        Err(error) => ConnectionFault::transient(format!("the connection was lost: {error}")),
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn closed_fault(error: &definitions::Error) -> ConnectionFault {
         ErrorCondition::ConnectionError(ConnectionError::Redirect) => {
             ConnectionFault::permanent(reason)
         }
-        _ => ConnectionFault::passing(reason),
+        _ => ConnectionFault::transient(reason),
     }
 }
 
@@ -63,52 +63,54 @@ pub(super) fn rejection(error: &definitions::Error) -> Rejection {
     }
 }
 
-pub(super) fn sender_attach_fault(error: SenderAttachError) -> LaneFault {
+pub(super) fn sender_attach_fault(error: SenderAttachError) -> EndpointFault {
     match error {
         SenderAttachError::RemoteClosedWithError(error)
         | SenderAttachError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
+            EndpointFault::Refused(rejection(&error))
         }
-        other => LaneFault::Broken(format!("the broker did not attach a sender: {other}")),
+        other => EndpointFault::Broken(format!("the broker did not attach a sender: {other}")),
     }
 }
 
-pub(super) fn receiver_attach_fault(error: ReceiverAttachError) -> LaneFault {
+pub(super) fn receiver_attach_fault(error: ReceiverAttachError) -> EndpointFault {
     match error {
         ReceiverAttachError::RemoteClosedWithError(error)
         | ReceiverAttachError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
+            EndpointFault::Refused(rejection(&error))
         }
-        other => LaneFault::Broken(format!("the broker did not attach a receiver: {other}")),
+        other => EndpointFault::Broken(format!("the broker did not attach a receiver: {other}")),
     }
 }
 
-pub(super) fn send_fault(error: SendError) -> LaneFault {
+pub(super) fn send_fault(error: SendError) -> EndpointFault {
     match error {
         SendError::LinkStateError(state) => state_fault(state),
-        other => LaneFault::Broken(format!("a message could not be sent: {other}")),
+        other => EndpointFault::Broken(format!("a message could not be sent: {other}")),
     }
 }
 
-pub(super) fn recv_fault(error: RecvError) -> LaneFault {
+pub(super) fn recv_fault(error: RecvError) -> EndpointFault {
     match error {
         RecvError::LinkStateError(state) => state_fault(state),
-        other => LaneFault::Broken(format!("a message could not be received: {other}")),
+        other => EndpointFault::Broken(format!("a message could not be received: {other}")),
     }
 }
 
-pub(super) fn state_fault(state: LinkStateError) -> LaneFault {
+pub(super) fn state_fault(state: LinkStateError) -> EndpointFault {
     match state {
         LinkStateError::RemoteClosedWithError(error)
-        | LinkStateError::RemoteDetachedWithError(error) => LaneFault::Refused(rejection(&error)),
+        | LinkStateError::RemoteDetachedWithError(error) => {
+            EndpointFault::Refused(rejection(&error))
+        }
         // Some brokers end the whole session where one link is refused.
         LinkStateError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
-            LaneFault::Refused(rejection(&error))
+            EndpointFault::Refused(rejection(&error))
         }
-        other => LaneFault::Broken(format!("the link has ended: {other}")),
+        other => EndpointFault::Broken(format!("the link has ended: {other}")),
     }
 }
 
-pub(super) fn settle_fault(error: impl std::fmt::Debug) -> LaneFault {
-    LaneFault::Broken(format!("a settlement could not be sent: {error:?}"))
+pub(super) fn settle_fault(error: impl std::fmt::Debug) -> EndpointFault {
+    EndpointFault::Broken(format!("a settlement could not be sent: {error:?}"))
 }

@@ -13,7 +13,7 @@ use crate::config::HttpProxy;
 /// Longest answer of a proxy, in bytes.
 const ANSWER_BYTES_MAX: usize = 16 * 1024;
 
-/// Asks the proxy on the other end of the stream to connect to a host.
+/// Makes the proxy at the other end of the stream connect to a host.
 pub(super) async fn tunnel(
     mut tcp: TcpStream,
     proxy: &HttpProxy,
@@ -21,18 +21,18 @@ pub(super) async fn tunnel(
     port: u16,
 ) -> Result<TcpStream, ConnectionFault> {
     let broken = |e: std::io::Error| {
-        ConnectionFault::passing(format!("the proxy {} broke off: {e}", proxy.host))
+        ConnectionFault::transient(format!("the proxy {} broke off: {e}", proxy.host))
     };
     tcp.write_all(request(proxy, host, port).as_bytes()).await.map_err(broken)?;
     let mut answer = Vec::with_capacity(512);
     while !answer.ends_with(b"\r\n\r\n") {
         if answer.len() >= ANSWER_BYTES_MAX {
-            return Err(ConnectionFault::passing(format!(
+            return Err(ConnectionFault::transient(format!(
                 "the proxy {} does not end its answer",
                 proxy.host
             )));
         }
-        // Byte by byte: what follows the answer belongs to the broker.
+        // Byte by byte: the bytes after the answer belong to the broker.
         answer.push(tcp.read_u8().await.map_err(broken)?);
     }
     match status(&answer) {
@@ -46,7 +46,7 @@ pub(super) async fn tunnel(
             proxy.host
         ))),
         Some(code) => {
-            Err(ConnectionFault::passing(format!("the proxy {} answered {code}", proxy.host)))
+            Err(ConnectionFault::transient(format!("the proxy {} answered {code}", proxy.host)))
         }
         None => Err(ConnectionFault::permanent(format!(
             "{} does not answer like an HTTP proxy",
@@ -65,7 +65,7 @@ fn request(proxy: &HttpProxy, host: &str, port: u16) -> Zeroizing<String> {
     Zeroizing::new(format!("CONNECT {target} HTTP/1.1\r\nHost: {target}\r\n{authorization}\r\n"))
 }
 
-/// The status code of an answer.
+/// Parses the status code of an answer.
 fn status(answer: &[u8]) -> Option<u16> {
     let line = std::str::from_utf8(answer).ok()?.lines().next()?;
     let mut words = line.split(' ');

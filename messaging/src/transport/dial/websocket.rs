@@ -1,14 +1,14 @@
-//! A broker inside a WebSocket.
+//! Connection to a broker inside a WebSocket.
 
 use websocket::{ConnectError, Endpoint, Subprotocol};
 
 use super::{super::connection::ConnectionFault, stream::Stream};
 use crate::config::BrokerUrl;
 
-/// So many messages of the largest size may a broker put into one message of the WebSocket.
+/// Most broker messages of the largest size in one message of the WebSocket.
 const MESSAGES_TOGETHER_MAX: u64 = 4;
 
-/// Asks the HTTP server on the other end of the stream for the broker.
+/// Opens a WebSocket to the broker on a stream to its HTTP server.
 pub(super) async fn open(
     stream: Box<dyn Stream>,
     broker: &BrokerUrl,
@@ -29,7 +29,7 @@ fn fault(broker: &BrokerUrl, path: &str, error: &ConnectError) -> ConnectionFaul
     let server = broker.http_authority();
     match error {
         ConnectError::Refused { status: status @ (408 | 425 | 429 | 500..) } => {
-            ConnectionFault::passing(format!(
+            ConnectionFault::transient(format!(
                 "{server} answered {status} instead of opening a WebSocket"
             ))
         }
@@ -43,7 +43,9 @@ fn fault(broker: &BrokerUrl, path: &str, error: &ConnectError) -> ConnectionFaul
             "{server} does not answer like a WebSocket server: {reason}; is the port right?"
         )),
         ConnectError::Address { .. } => ConnectionFault::permanent(error.to_string()),
-        ConnectError::Io(cause) => ConnectionFault::passing(format!("{server} broke off: {cause}")),
+        ConnectError::Io(cause) => {
+            ConnectionFault::transient(format!("{server} broke off: {cause}"))
+        }
     }
 }
 
@@ -52,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_passes_by_itself_is_told_from_what_does_not() {
+    fn faults_that_need_a_person_are_permanent() {
         let broker: BrokerUrl = "amqp+wss://broker.example/ws".parse().expect("an address");
         let refused = |status| ConnectError::Refused { status };
         for (error, is_permanent, words) in [

@@ -1,4 +1,4 @@
-//! Envelopes as MQTT 5 publishes and back.
+//! Conversion of envelopes to MQTT 5 publishes and back.
 
 use std::time::Duration;
 
@@ -20,10 +20,10 @@ const SUBJECT: &str = "subject";
 const CONTENT_ENCODING: &str = "content-encoding";
 const CREATION_TIME: &str = "creation-time";
 const LEASE: &str = "lease";
-/// The last word of the topic that the backlog after an outage is published to.
+/// The last level of the topic that the backlog after an outage is published to.
 pub(super) const REPLAY: &str = "/replay";
 
-/// The message to publish to the topic of a lane.
+/// Converts an envelope to the message to publish; a replayed one goes to the replay topic.
 pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) -> Publish {
     let mut user_properties = vec![(SUBJECT.to_owned(), envelope.subject.clone())];
     let mut property = |name: &str, value: Option<String>| {
@@ -36,9 +36,10 @@ pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) 
     );
     property(CREATION_TIME, envelope.creation_time.and_then(|at| at.format(&Rfc3339).ok()));
     property(LEASE, envelope.lease.map(|number| number.to_string()));
-    let left = envelope.expires_at().map(|at| (at - now).whole_seconds().max(1));
+    let remaining = envelope.expires_at().map(|at| (at - now).whole_seconds().max(1));
     let properties = PublishProperties {
-        message_expiry_interval: left.map(|seconds| u32::try_from(seconds).unwrap_or(u32::MAX)),
+        message_expiry_interval: remaining
+            .map(|seconds| u32::try_from(seconds).unwrap_or(u32::MAX)),
         correlation_data: envelope.correlation_id.as_ref().map(|id| id.as_str().to_owned().into()),
         content_type: Some(envelope.content_type.clone()),
         user_properties,
@@ -48,7 +49,7 @@ pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) 
     Publish::new(topic, QoS::AtLeastOnce, envelope.body.clone(), Some(properties))
 }
 
-/// The delivery for the inbox, or why the message cannot be one.
+/// Converts a received message for the inbox; fails for encodings that are not supported.
 pub(super) fn to_delivery(publish: Publish, now: OffsetDateTime) -> Result<Delivery, Rejection> {
     let properties = publish.properties.unwrap_or_default();
     let property = |name: &str| {

@@ -1,4 +1,4 @@
-//! Packets out of bytes: the library's codec, but for a packet that it cannot read.
+//! Framing of packets: the library's codec, with a correction for one packet that it cannot read.
 
 use bytes::{Buf, BytesMut};
 use rumqttc::v5::mqttbytes::{
@@ -7,7 +7,7 @@ use rumqttc::v5::mqttbytes::{
 };
 use tokio_util::codec::{Decoder, Encoder};
 
-/// DISCONNECT as its first byte says.
+/// First byte of a DISCONNECT packet.
 const DISCONNECT: u8 = 0xE0;
 
 /// Reads and writes packets.
@@ -19,8 +19,8 @@ impl Decoder for PacketCodec {
     type Error = Error;
 
     fn decode(&mut self, source: &mut BytesMut) -> Result<Option<Packet>, Error> {
-        // The properties may be left out (MQTT 5 §3.14.2.2), which the library takes for a packet
-        // that is not complete.
+        // The properties may be absent (MQTT 5 §3.14.2.2). The library takes such a packet for an
+        // incomplete one.
         if let [DISCONNECT, length @ (0 | 1), rest @ ..] = &source[..] {
             let length = usize::from(*length);
             let Some(body) = rest.get(..length) else { return Ok(None) };

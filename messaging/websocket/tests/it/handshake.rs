@@ -1,4 +1,4 @@
-//! Who gets a WebSocket, and what the others are told.
+//! Handshakes that succeed, and the errors of the others.
 
 use std::io::ErrorKind;
 
@@ -9,7 +9,7 @@ use crate::raw::{ACCEPT, head, request};
 
 const LIMIT: usize = 64 * 1024;
 
-/// What a server by hand makes of our request, and what we make of its answer.
+/// Connects to a server with a fixed answer. Returns the request and the client's result.
 async fn connected(answer: &str) -> (String, Result<(), ConnectError>) {
     let (client, mut server) = duplex(64 * 1024);
     let answering = async {

@@ -1,4 +1,4 @@
-//! Frames that must not be taken.
+//! Frames that must be refused.
 
 use std::io::ErrorKind;
 
@@ -8,22 +8,22 @@ use crate::raw::{self, BINARY, CLOSE, CONTINUATION, FINAL, PING, TEXT, announced
 
 const LIMIT: usize = 10_000;
 
-/// What the reader gets for these bytes, and the close that the sender is told.
+/// Sends bytes. Returns the reader's error and the close frame that the sender gets.
 async fn refused(bytes: &[u8]) -> (ErrorKind, Option<Vec<u8>>) {
     let (mut client, mut server) = raw::client(LIMIT).await;
     client.write_all(bytes).await.expect("written");
     let error = server.read(&mut [0; 64]).await.expect_err("it fails");
     assert_eq!(server.read(&mut [0; 64]).await.expect("the end"), 0, "nothing follows a failure");
     drop(server);
-    let told = raw::next(&mut client).await;
+    let close = raw::next(&mut client).await;
     (
         error.kind(),
-        told.map(|(first, payload)| (first == FINAL | CLOSE).then_some(payload).expect("a close")),
+        close.map(|(first, payload)| (first == FINAL | CLOSE).then_some(payload).expect("a close")),
     )
 }
 
 #[tokio::test]
-async fn what_is_not_allowed_is_refused_and_told() {
+async fn frames_that_are_not_allowed_are_refused_with_a_close_frame() {
     let unmasked = [FINAL | BINARY, 1, b'a'];
     let fragments = [frame(BINARY, &[0; LIMIT]), frame(FINAL | CONTINUATION, b"a")].concat();
     for (what, bytes, code) in [
@@ -47,7 +47,7 @@ async fn what_is_not_allowed_is_refused_and_told() {
 }
 
 #[tokio::test]
-async fn a_message_of_just_the_limit_is_taken() {
+async fn a_message_of_exactly_the_limit_is_read() {
     let (mut client, mut server) = raw::client(LIMIT).await;
     client.write_all(&frame(FINAL | BINARY, &[7; LIMIT])).await.expect("written");
     let mut received = vec![0; LIMIT];
@@ -55,7 +55,7 @@ async fn a_message_of_just_the_limit_is_taken() {
 }
 
 #[tokio::test]
-async fn an_end_without_farewell_and_a_farewell_with_a_reason_are_failures() {
+async fn an_end_without_close_frame_and_a_close_with_a_reason_are_failures() {
     let (mut client, mut server) = raw::client(LIMIT).await;
     client.write_all(&announced(FINAL | BINARY, 100)).await.expect("written");
     drop(client);
@@ -64,8 +64,8 @@ async fn an_end_without_farewell_and_a_farewell_with_a_reason_are_failures() {
     let (mut client, mut server) = raw::client(LIMIT).await;
     let reason = [&raw::close(1008)[..], b"go away\nnow"].concat();
     client.write_all(&frame(FINAL | CLOSE, &reason)).await.expect("written");
-    let told = server.read(&mut [0; 64]).await.expect_err("a failure").to_string();
-    assert!(told.contains("1008") && told.contains(r#""go away\nnow""#), "{told}");
+    let close = server.read(&mut [0; 64]).await.expect_err("a failure").to_string();
+    assert!(close.contains("1008") && close.contains(r#""go away\nnow""#), "{close}");
 }
 
 #[tokio::test]

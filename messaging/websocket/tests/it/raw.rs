@@ -1,9 +1,9 @@
-//! A peer that writes its handshake and frames by hand, right or wrong.
+//! A peer that writes its handshake and frames by hand, also wrong ones.
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
 use websocket::{ByteStream, Subprotocol, accept};
 
-/// The answer that the key in [`request`] asks for (the example of RFC 6455 §1.3).
+/// The `Sec-WebSocket-Accept` of the key in [`request`] (the example of RFC 6455 §1.3).
 pub const ACCEPT: &str = "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=";
 
 pub const CONTINUATION: u8 = 0x0;
@@ -14,7 +14,7 @@ pub const PING: u8 = 0x9;
 pub const PONG: u8 = 0xA;
 pub const FINAL: u8 = 0x80;
 
-/// What a client asks for, with these lines besides.
+/// Returns a client's request with additional header lines.
 pub fn request(lines: &str) -> String {
     format!(
         "GET /some/path HTTP/1.1\r\nHost: broker.example\r\nUpgrade: websocket\r\nConnection: keep-alive, Upgrade\r\n\
@@ -22,7 +22,7 @@ pub fn request(lines: &str) -> String {
     )
 }
 
-/// A client by hand, and the server's side of its WebSocket.
+/// Opens a WebSocket. Returns the raw client and the server's stream.
 pub async fn client(message_bytes_max: usize) -> (DuplexStream, ByteStream<DuplexStream>) {
     let (mut client, server) = duplex(1 << 20);
     let accepting = tokio::spawn(accept(server, Subprotocol::Amqp, message_bytes_max));
@@ -34,7 +34,7 @@ pub async fn client(message_bytes_max: usize) -> (DuplexStream, ByteStream<Duple
     (client, accepting.await.expect("no panic").expect("a WebSocket"))
 }
 
-/// Everything up to the empty line.
+/// Reads up to the empty line.
 pub async fn head(stream: &mut DuplexStream) -> String {
     let mut bytes = Vec::new();
     while !bytes.ends_with(b"\r\n\r\n") {

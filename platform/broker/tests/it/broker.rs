@@ -98,7 +98,7 @@ async fn a_full_queue_refuses_until_there_is_room() {
     assert_eq!(ids[..10], sent[..10], "what the queue had taken stays in order");
     ids.sort();
     assert_eq!(ids, sent, "each once");
-    eventually("nothing hinders any more", || sender.reason().is_empty()).await;
+    eventually("no obstacle is left", || sender.reason().is_empty()).await;
     sender.stop().await;
     receiver.stop().await;
     broker.stop().await;

@@ -221,31 +221,33 @@ async fn addresses_come_and_go_while_the_link_is_up() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_post_is_not_kept_and_a_rest_leaves_the_broker() {
+async fn a_volatile_message_is_not_stored_and_a_backoff_leaves_the_broker() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;
     let platform = TestLink::start(&broker.url(), "platform", &["factory.f1.ingress"]);
     let factory = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
-    let post = |id: &str| factory.handle.post(address("factory.f1.ingress"), envelope(id, "{}"));
-    post("before-anything-else");
-    eventually("the post arrives", || platform.inbox.ids() == ["before-anything-else"]).await;
-    assert_eq!(factory.spool.waiting(), 0, "the spool never knew of it");
+    let send = |id: &str| {
+        factory.handle.send_volatile(address("factory.f1.ingress"), envelope(id, "{}"));
+    };
+    send("before-all-others");
+    eventually("the message arrives", || platform.inbox.ids() == ["before-all-others"]).await;
+    assert_eq!(factory.spool.waiting(), 0, "it was never in the spool");
 
-    factory.handle.rest("somebody else is to have it", Duration::from_secs(3600));
+    factory.handle.back_off("another one is to have it", Duration::from_secs(3600));
     let mut state = factory.handle.state();
-    let resting = state
+    let backing_off = state
         .wait_for(|state| matches!(state.phase, LinkPhase::Down { .. }))
         .await
         .expect("it runs")
         .clone();
-    assert!(matches!(resting.phase, LinkPhase::Down { is_permanent: true, .. }));
-    assert_eq!(resting.reason.as_deref(), Some("somebody else is to have it"));
+    assert!(matches!(backing_off.phase, LinkPhase::Down { is_permanent: true, .. }));
+    assert_eq!(backing_off.reason.as_deref(), Some("another one is to have it"));
     platform.send("factory.f1.requests", envelope("r1", "{}"));
     eventually("it waits at the broker", || broker.ready("factory.f1.requests") == 1).await;
     factory.handle.reconnect_now();
-    eventually("it is fetched after the rest", || factory.inbox.ids() == ["r1"]).await;
-    post("after-the-rest");
-    eventually("the next post arrives", || platform.inbox.ids().len() == 2).await;
+    eventually("it is received after the back-off", || factory.inbox.ids() == ["r1"]).await;
+    send("after-the-backoff");
+    eventually("the next message arrives", || platform.inbox.ids().len() == 2).await;
     assert_eq!(factory.handle.state().borrow().connects, 2);
     platform.stop().await;
     factory.stop().await;

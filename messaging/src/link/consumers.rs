@@ -1,4 +1,4 @@
-//! Receives: one lane per address, in batches; stored by the inbox before anything is settled.
+//! Receiving: one consumer per address, in batches that the inbox stores before they are settled.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -12,29 +12,30 @@ use crate::{
     config::LinkLimits,
     inbox::{Delivery, Inbox, Settlement},
     profile::BrokerProfile,
-    transport::{Connection, Incoming, LaneFault, Token},
+    transport::{Connection, DeliveryToken, EndpointFault, MessageReceiver},
 };
 
-/// All receiving of one connection.
+/// The receiving side of one connection.
 pub(super) struct Consumers {
     pub connection: Arc<dyn Connection>,
     pub inbox: Arc<dyn Inbox>,
     pub shared: Arc<Shared>,
     pub profile: BrokerProfile,
     pub limits: LinkLimits,
+    /// Reports that the broker does not answer any more; the supervisor drops the connection.
     pub stalls: mpsc::Sender<String>,
     pub stop: CancellationToken,
 }
 
 impl Consumers {
-    /// Keeps one consumer per wanted address until stopped.
+    /// Runs one consumer per configured address until stopped.
     pub(super) async fn run(self) {
         let this = Arc::new(self);
-        let mut wanted = this.shared.consumed.subscribe();
+        let mut consumed = this.shared.consumed.subscribe();
         let mut running: HashMap<LogicalAddress, CancellationToken> = HashMap::new();
         let mut tasks = JoinSet::new();
         loop {
-            let addresses = wanted.borrow_and_update().clone();
+            let addresses = consumed.borrow_and_update().clone();
             running.retain(|address, stop| {
                 let stays = addresses.contains(address);
                 if !stays {
@@ -52,95 +53,97 @@ impl Consumers {
             tokio::select! {
                 () = this.stop.cancelled() => break,
                 Some(_) = tasks.join_next() => {}
-                changed = wanted.changed() => {
+                changed = consumed.changed() => {
                     if changed.is_err() {
                         break;
                     }
                 }
             }
         }
-        // Each finishes the batch that the inbox has in hand.
+        // Each finishes the batch that the inbox is storing.
         while tasks.join_next().await.is_some() {}
     }
 
     async fn consume(self: Arc<Self>, address: LogicalAddress, stop: CancellationToken) {
         let terminus = self.profile.consume(&address);
-        let what = format!("receiving from {address}");
-        let rest = self.limits.address_backoff;
-        let mut backoff =
-            Backoff::new(rest, self.limits.backoff_permanent, self.limits.backoff_permanent);
+        let activity = format!("receiving from {address}");
+        let mut backoff = Backoff::new(
+            self.limits.address_backoff,
+            self.limits.backoff_permanent,
+            self.limits.backoff_permanent,
+        );
         while !stop.is_cancelled() {
             let opened = tokio::select! {
                 () = stop.cancelled() => break,
-                opened = self.connection.incoming(&terminus) => opened,
+                opened = self.connection.receiver(&terminus) => opened,
             };
             let fault = match opened {
-                Ok(lane) => {
-                    debug!(%address, "receiving");
-                    self.shared.hinder(&what, None);
-                    self.receive(&address, lane, &stop, &mut backoff).await
+                Ok(receiver) => {
+                    debug!(%address, "Receiving from an address.");
+                    self.shared.clear_obstacle(&activity);
+                    self.receive(&address, receiver, &stop, &mut backoff).await
                 }
                 Err(fault) => Err(fault),
             };
             let Err(fault) = fault else { break };
-            if let LaneFault::Stalled(reason) = fault {
+            if let EndpointFault::Stalled(reason) = fault {
                 let _ = self.stalls.try_send(reason);
                 break;
             }
             let pause = backoff.after_failure(false, rand::random());
             if !stop.is_cancelled() {
-                warn!(%address, reason = %fault, "messages cannot be received from an address at the moment");
-                self.shared.hinder(&what, Some(fault.to_string()));
+                warn!(%address, reason = %fault, "Messages cannot be received from an address at the moment.");
+                self.shared.report_obstacle(&activity, fault.to_string());
             }
             tokio::select! {
                 () = stop.cancelled() => {}
                 () = tokio::time::sleep(pause) => {}
             }
         }
-        self.shared.hinder(&what, None);
+        self.shared.clear_obstacle(&activity);
     }
 
-    /// Receives until stopped (`Ok`) or the lane fails.
+    /// Receives until stopped (`Ok`) or the receiver fails.
     async fn receive(
         &self,
         address: &LogicalAddress,
-        mut lane: Box<dyn Incoming>,
+        mut receiver: Box<dyn MessageReceiver>,
         stop: &CancellationToken,
         backoff: &mut Backoff,
-    ) -> Result<(), LaneFault> {
+    ) -> Result<(), EndpointFault> {
         loop {
             let batch = tokio::select! {
                 () = stop.cancelled() => {
-                    // Not when the whole link stops: then the broker keeps what comes meanwhile.
+                    // Not when the whole link stops: the broker then stores new messages meanwhile.
                     if !self.stop.is_cancelled() {
-                        lane.leave().await;
+                        receiver.leave().await;
                     }
                     return Ok(());
                 }
-                batch = lane.receive(self.limits.batch) => batch?,
+                batch = receiver.receive(self.limits.batch) => batch?,
             };
             backoff.reset();
             if let Some((_, last)) = batch.last() {
                 self.shared.received(last.received_at);
             }
-            if self.store(address, lane.as_mut(), batch).await? {
-                // What is on its way already must not overtake what was given back: with the lane
-                // all of it goes back to its place, and comes again in its order after a rest.
-                return Err(LaneFault::Broken(
+            if self.store(address, receiver.as_mut(), batch).await? {
+                // Messages on their way already must not overtake the released ones. Dropping the
+                // receiver returns all of them to the broker, which delivers them in order later.
+                return Err(EndpointFault::Broken(
                     "messages could not be stored; they stay with the broker".to_owned(),
                 ));
             }
         }
     }
 
-    /// Hands a batch to the inbox, then settles what it answered. Returns whether something was
-    /// released.
+    /// Hands a batch to the inbox, then settles it as the inbox answered. Returns whether a
+    /// message was released.
     async fn store(
         &self,
         address: &LogicalAddress,
-        lane: &mut dyn Incoming,
-        batch: Vec<(Token, Delivery)>,
-    ) -> Result<bool, LaneFault> {
+        receiver: &mut dyn MessageReceiver,
+        batch: Vec<(DeliveryToken, Delivery)>,
+    ) -> Result<bool, EndpointFault> {
         let (tokens, deliveries): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
         let answers = self.inbox.receive(address, deliveries).await;
         let answers = answers.into_iter().chain(std::iter::repeat(Settlement::Release));
@@ -154,7 +157,7 @@ impl Consumers {
         count("accepted", |s| *s == Settlement::Accept);
         count("rejected", |s| matches!(s, Settlement::Reject(_)));
         let released = count("released", |s| *s == Settlement::Release);
-        lane.settle(settlements).await?;
+        receiver.settle(settlements).await?;
         Ok(released > 0)
     }
 }

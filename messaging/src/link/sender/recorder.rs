@@ -1,4 +1,4 @@
-//! Records outcomes in the store, many in one transaction, while sending goes on.
+//! Recording of outcomes in the store, many in one transaction, while sending goes on.
 
 use std::{sync::Arc, time::Duration};
 
@@ -10,14 +10,15 @@ use crate::{
     spool::{RowId, RowOutcome, SpoolStore},
 };
 
-/// Outcomes in one transaction.
+/// Most outcomes in one transaction.
 const GROUP_MAX: usize = 500;
-/// Attempts to record a group while the link goes on; what is not recorded is sent again later.
+/// Attempts to record a group. Rows of a group that was never recorded are sent again later.
 const ATTEMPTS_MAX: u32 = 10;
+/// Pause between two attempts.
 const RETRY: Duration = Duration::from_millis(500);
 
-/// Records outcomes. The channels are not bounded by themselves: the pump keeps no more rows open
-/// than twice its window.
+/// Records outcomes. The channels need no bound of their own: the sender has at most twice its
+/// window of rows open.
 pub(super) struct Recorder {
     store: Arc<dyn SpoolStore>,
     shared: Arc<Shared>,
@@ -35,7 +36,7 @@ impl Recorder {
         (Self { store, shared, outcomes, recorded }, sender, ids)
     }
 
-    /// Records until the pump is gone and everything is recorded.
+    /// Runs until the sender is dropped and everything is recorded.
     pub(super) async fn run(mut self) {
         let mut group = Vec::with_capacity(GROUP_MAX);
         while self.outcomes.recv_many(&mut group, GROUP_MAX).await > 0 {
@@ -50,13 +51,13 @@ impl Recorder {
             match self.store.record(group.clone()).await {
                 Ok(()) => {
                     if attempt > 1 {
-                        self.shared.hinder("recording outcomes", None);
+                        self.shared.clear_obstacle("recording outcomes");
                     }
                     return;
                 }
                 Err(problem) => {
-                    error!(error = %problem, rows = group.len(), attempt, "outcomes cannot be recorded");
-                    self.shared.hinder("recording outcomes", Some(problem.to_string()));
+                    error!(error = %problem, rows = group.len(), attempt, "Outcomes cannot be recorded.");
+                    self.shared.report_obstacle("recording outcomes", problem.to_string());
                 }
             }
             if self.outcomes.is_closed() {

@@ -1,6 +1,6 @@
-//! One MQTT connection: what reads, what writes, and what is awaited in between. Reading never
-//! waits for writing, so that two full sockets cannot lock each other up; it waits for who takes
-//! messages, but not for ever.
+//! One network connection: a reader, a writer, and the answers awaited in between. Reading never
+//! waits for writing, so that two full sockets cannot block each other. It waits for subscribers
+//! that take messages, within a time limit.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -25,7 +25,7 @@ use tokio_util::{codec::Framed, sync::CancellationToken};
 
 use super::{
     super::{
-        connection::{ConnectionFault, LaneFault},
+        connection::{ConnectionFault, EndpointFault},
         dial::Stream,
     },
     config::CLOSE_TIMEOUT,
@@ -38,19 +38,20 @@ const PACKETS_BUFFERED: usize = 256;
 /// The limit where a broker names none (MQTT 5 §3.2.2.3.3).
 const RECEIVE_MAX_DEFAULT: u16 = u16::MAX;
 
-type Framing = Framed<Box<dyn Stream>, PacketCodec>;
+type PacketStream = Framed<Box<dyn Stream>, PacketCodec>;
 
-/// The lanes' view of a connection.
-pub(super) struct Wire {
+/// Handle of a network connection for publishers and subscribers.
+pub(super) struct NetworkConnection {
     packets: mpsc::Sender<Packet>,
     state: Arc<Mutex<State>>,
-    lane_opened: Arc<Notify>,
-    room: Arc<Semaphore>,
+    has_subscriber: Arc<Notify>,
+    /// Send quota: messages that the broker accepts unacknowledged (MQTT 5 §4.9).
+    send_quota: Arc<Semaphore>,
     loss: watch::Receiver<Option<ConnectionFault>>,
     stop: CancellationToken,
-    /// Largest packet the broker takes, in bytes.
+    /// Largest packet that the broker accepts, in bytes.
     pub packet_bytes_max: Option<u32>,
-    /// Messages the broker may have under way to us.
+    /// Most unacknowledged messages that the broker may send.
     pub receive_max: usize,
 }
 
@@ -58,15 +59,18 @@ pub(super) struct Wire {
 struct State {
     is_lost: bool,
     last_id: u16,
+    /// Publishes without an acknowledgement, by packet identifier.
     published: HashMap<u16, (oneshot::Sender<PubAck>, OwnedSemaphorePermit)>,
+    /// Subscriptions without an acknowledgement, by packet identifier.
     subscribed: HashMap<u16, oneshot::Sender<Vec<SubscribeReasonCode>>>,
-    lanes: HashMap<String, mpsc::Sender<Publish>>,
-    /// What a persistent session delivers before its lane is open.
+    /// The subscribers by topic.
+    subscribers: HashMap<String, mpsc::Sender<Publish>>,
+    /// Messages of a persistent session that arrived before their subscriber.
     unclaimed: VecDeque<Publish>,
 }
 
 impl State {
-    /// A packet identifier that nothing awaits.
+    /// Returns a packet identifier that is not in use.
     fn next_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id.checked_add(1).unwrap_or(1);
@@ -78,32 +82,32 @@ impl State {
         }
     }
 
-    fn lane_of(&self, publish: &Publish) -> Option<&mpsc::Sender<Publish>> {
-        std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.lanes.get(topic))
+    fn subscriber_of(&self, publish: &Publish) -> Option<&mpsc::Sender<Publish>> {
+        std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.subscribers.get(topic))
     }
 }
 
-impl Wire {
+impl NetworkConnection {
     pub(super) fn start(
-        framing: Framing,
+        packets: PacketStream,
         granted: &ConnAckProperties,
         limits: &LinkLimits,
     ) -> Arc<Self> {
-        let (sink, stream) = framing.split();
+        let (sink, stream) = packets.split();
         let (packets, waiting) = mpsc::channel(PACKETS_BUFFERED);
         let (lost, loss) = watch::channel(None);
         let state = Arc::new(Mutex::new(State::default()));
         let stop = CancellationToken::new();
-        let room = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
-        // Zero: the broker does not watch (MQTT 5 §3.2.2.3.14). We do.
-        let watched = granted.server_keep_alive.filter(|seconds| *seconds > 0);
-        let keep_alive =
-            watched.map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
+        let send_quota = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
+        // Zero turns off the broker's keep-alive (MQTT 5 §3.2.2.3.14), not that of this side.
+        let server_keep_alive = granted.server_keep_alive.filter(|seconds| *seconds > 0);
+        let keep_alive = server_keep_alive
+            .map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
         let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
-        let lane_opened = Arc::new(Notify::new());
+        let has_subscriber = Arc::new(Notify::new());
         let reader = Reader {
             state: Arc::clone(&state),
-            lane_opened: Arc::clone(&lane_opened),
+            has_subscriber: Arc::clone(&has_subscriber),
             receive_max,
             keep_alive,
         };
@@ -111,8 +115,8 @@ impl Wire {
         Arc::new(Self {
             packets,
             state,
-            lane_opened,
-            room: Arc::new(Semaphore::new(usize::from(room.max(1)))),
+            has_subscriber,
+            send_quota: Arc::new(Semaphore::new(usize::from(send_quota.max(1)))),
             loss,
             stop,
             packet_bytes_max: granted.max_packet_size,
@@ -120,74 +124,75 @@ impl Wire {
         })
     }
 
-    /// Publishes as soon as the broker has room, and gives what will be its acknowledgement.
+    /// Publishes as soon as the send quota allows. Returns the future acknowledgement.
     pub(super) async fn publish(
         &self,
         mut publish: Publish,
-    ) -> Result<oneshot::Receiver<PubAck>, LaneFault> {
-        let permit = Arc::clone(&self.room).acquire_owned().await.map_err(|_| broken())?;
-        let (tell, told) = oneshot::channel();
+    ) -> Result<oneshot::Receiver<PubAck>, EndpointFault> {
+        let permit = Arc::clone(&self.send_quota).acquire_owned().await.map_err(|_| broken())?;
+        let (reply, answer) = oneshot::channel();
         {
             let mut state = self.state.lock();
             if state.is_lost {
                 return Err(broken());
             }
             publish.pkid = state.next_id();
-            state.published.insert(publish.pkid, (tell, permit));
+            state.published.insert(publish.pkid, (reply, permit));
         }
         self.packets.send(Packet::Publish(publish)).await.map_err(|_| broken())?;
-        Ok(told)
+        Ok(answer)
     }
 
-    /// Subscribes; the lane then gets what arrives for its topics, beginning with what arrived
-    /// before.
+    /// Subscribes to topics. The subscriber gets their messages, beginning with those that arrived
+    /// before it.
     pub(super) async fn subscribe(
         &self,
         topics: &[String],
-        lane: &mpsc::Sender<Publish>,
+        subscriber: &mpsc::Sender<Publish>,
         packet: impl FnOnce(u16) -> Packet,
-    ) -> Result<oneshot::Receiver<Vec<SubscribeReasonCode>>, LaneFault> {
-        let (tell, told) = oneshot::channel();
+    ) -> Result<oneshot::Receiver<Vec<SubscribeReasonCode>>, EndpointFault> {
+        let (reply, answer) = oneshot::channel();
         let id = {
             let mut state = self.state.lock();
             if state.is_lost {
                 return Err(broken());
             }
             for topic in topics {
-                state.lanes.insert(topic.clone(), lane.clone());
+                state.subscribers.insert(topic.clone(), subscriber.clone());
             }
             for publish in std::mem::take(&mut state.unclaimed) {
-                match state.lane_of(&publish) {
-                    // The lane is new and has room for as many as were held.
-                    Some(lane) => drop(lane.try_send(publish)),
+                match state.subscriber_of(&publish) {
+                    // The subscriber is new and has capacity for all unclaimed messages.
+                    Some(subscriber) => drop(subscriber.try_send(publish)),
                     None => state.unclaimed.push_back(publish),
                 }
             }
             let id = state.next_id();
-            state.subscribed.insert(id, tell);
+            state.subscribed.insert(id, reply);
             id
         };
-        self.lane_opened.notify_waiters();
+        self.has_subscriber.notify_waiters();
         self.packets.send(packet(id)).await.map_err(|_| broken())?;
-        Ok(told)
+        Ok(answer)
     }
 
-    /// Ends a lane. What it has not acknowledged comes again with the next connection.
+    /// Removes the subscriber of topics. The broker delivers messages that it did not acknowledge
+    /// again on the next connection.
     pub(super) fn forget(&self, topics: &[String]) {
         let mut state = self.state.lock();
         for topic in topics {
-            state.lanes.remove(topic);
+            state.subscribers.remove(topic);
         }
     }
 
     pub(super) async fn unsubscribe(&self, filters: Vec<String>) {
         let pkid = self.state.lock().next_id();
         let packet = Packet::Unsubscribe(Unsubscribe { pkid, filters, properties: None });
-        // Without a connection there is nothing to tell.
+        // Without a connection there is no one to unsubscribe from.
         let _ = self.packets.send(packet).await;
     }
 
-    pub(super) async fn acknowledge(&self, acknowledgement: PubAck) -> Result<(), LaneFault> {
+    pub(super) async fn acknowledge(&self, acknowledgement: PubAck) -> Result<(), EndpointFault> {
         self.packets.send(Packet::PubAck(acknowledgement)).await.map_err(|_| broken())
     }
 
@@ -196,7 +201,7 @@ impl Wire {
         let lost = loss.wait_for(Option::is_some).await;
         lost.ok()
             .and_then(|fault| fault.clone())
-            .unwrap_or_else(|| ConnectionFault::passing("the connection ended"))
+            .unwrap_or_else(|| ConnectionFault::transient("the connection ended"))
     }
 
     pub(super) fn close(&self) {
@@ -204,13 +209,13 @@ impl Wire {
     }
 }
 
-pub(super) fn broken() -> LaneFault {
-    LaneFault::Broken("the connection is lost".to_owned())
+pub(super) fn broken() -> EndpointFault {
+    EndpointFault::Broken("the connection is lost".to_owned())
 }
 
 async fn run(
-    sink: SplitSink<Framing, Packet>,
-    stream: SplitStream<Framing>,
+    sink: SplitSink<PacketStream, Packet>,
+    stream: SplitStream<PacketStream>,
     waiting: mpsc::Receiver<Packet>,
     reader: Reader,
     lost: watch::Sender<Option<ConnectionFault>>,
@@ -221,7 +226,7 @@ async fn run(
         fault = write(sink, waiting, stop, reader.keep_alive) => fault,
     };
     {
-        // Everything that was awaited resolves now.
+        // All awaited answers resolve now, as errors.
         let mut state = reader.state.lock();
         *state = State { is_lost: true, ..State::default() };
     }
@@ -229,7 +234,7 @@ async fn run(
 }
 
 async fn write(
-    mut sink: SplitSink<Framing, Packet>,
+    mut sink: SplitSink<PacketStream, Packet>,
     mut waiting: mpsc::Receiver<Packet>,
     stop: CancellationToken,
     keep_alive: Duration,
@@ -238,43 +243,44 @@ async fn write(
     loop {
         let packet = tokio::select! {
             () = stop.cancelled() => {
-                let goodbye = Packet::Disconnect(Disconnect::new(DisconnectReasonCode::NormalDisconnection));
-                let _ = timeout(CLOSE_TIMEOUT, sink.send(goodbye)).await;
-                return ConnectionFault::passing("closed by this side");
+                let reason = DisconnectReasonCode::NormalDisconnection;
+                let disconnect = Packet::Disconnect(Disconnect::new(reason));
+                let _ = timeout(CLOSE_TIMEOUT, sink.send(disconnect)).await;
+                return ConnectionFault::transient("closed by this side");
             }
             packet = waiting.recv() => match packet {
                 Some(packet) => packet,
-                None => return ConnectionFault::passing("closed by this side"),
+                None => return ConnectionFault::transient("closed by this side"),
             },
             _ = ping.tick() => Packet::PingReq(PingReq),
         };
         if let Err(e) = sink.feed(packet).await {
-            return ConnectionFault::passing(format!("the connection was lost: {e:?}"));
+            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
         }
-        // One system call for what waits by now.
+        // One system call for all packets that wait by now.
         while let Ok(packet) = waiting.try_recv() {
             if let Err(e) = sink.feed(packet).await {
-                return ConnectionFault::passing(format!("the connection was lost: {e:?}"));
+                return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
             }
         }
         if let Err(e) = sink.flush().await {
-            return ConnectionFault::passing(format!("the connection was lost: {e:?}"));
+            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
         }
     }
 }
 
-/// The reading half.
+/// The reading half of a connection.
 struct Reader {
     state: Arc<Mutex<State>>,
-    lane_opened: Arc<Notify>,
+    has_subscriber: Arc<Notify>,
     receive_max: usize,
     keep_alive: Duration,
 }
 
 impl Reader {
-    async fn read(&self, mut stream: SplitStream<Framing>) -> ConnectionFault {
+    async fn read(&self, mut stream: SplitStream<PacketStream>) -> ConnectionFault {
         loop {
-            // Our pings make the broker answer in time, unless it is gone.
+            // The writer's pings make the broker answer in time, unless it is gone.
             let packet = match tokio::time::timeout_at(
                 Instant::now() + self.keep_alive,
                 stream.next(),
@@ -283,57 +289,57 @@ impl Reader {
             {
                 Ok(Some(Ok(packet))) => packet,
                 Ok(Some(Err(e))) => {
-                    return ConnectionFault::passing(format!("the connection was lost: {e:?}"));
+                    return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
                 }
-                Ok(None) => return ConnectionFault::passing("the broker closed the connection"),
-                Err(_) => return ConnectionFault::passing("the broker has fallen silent"),
+                Ok(None) => return ConnectionFault::transient("the broker closed the connection"),
+                Err(_) => return ConnectionFault::transient("the broker has fallen silent"),
             };
             match packet {
                 Packet::PubAck(acknowledgement) => {
                     let awaited = self.state.lock().published.remove(&acknowledgement.pkid);
-                    if let Some((tell, _room)) = awaited {
-                        let _ = tell.send(acknowledgement);
+                    if let Some((reply, _permit)) = awaited {
+                        let _ = reply.send(acknowledgement);
                     }
                 }
                 Packet::SubAck(answer) => {
                     let awaited = self.state.lock().subscribed.remove(&answer.pkid);
-                    if let Some(tell) = awaited {
-                        let _ = tell.send(answer.return_codes);
+                    if let Some(reply) = awaited {
+                        let _ = reply.send(answer.return_codes);
                     }
                 }
                 Packet::Publish(publish) => {
                     let delivered = timeout(self.keep_alive, self.deliver(publish)).await;
                     if delivered.is_err() {
-                        return ConnectionFault::passing(
+                        return ConnectionFault::transient(
                             "the broker sends more than it may, and nobody takes it in time",
                         );
                     }
                 }
-                Packet::Disconnect(goodbye) => return disconnected(goodbye.reason_code),
+                Packet::Disconnect(packet) => return disconnected(packet.reason_code),
                 _ => {}
             }
         }
     }
 
-    /// Hands a message to its lane, or keeps it until the lane is open. A broker that keeps to the
-    /// Receive Maximum never makes this wait; Mosquitto 2.0.11 does not for a resumed session, and
+    /// Hands a message to its subscriber, or stores it until there is one. A broker that respects
+    /// the Receive Maximum never makes this wait. Mosquitto 2.0.11 exceeds it for a resumed session;
     /// the surplus then stays in the sockets.
     async fn deliver(&self, publish: Publish) {
-        let lane = loop {
-            let opened = self.lane_opened.notified();
+        let subscriber = loop {
+            let subscribed = self.has_subscriber.notified();
             {
                 let mut state = self.state.lock();
-                if let Some(lane) = state.lane_of(&publish) {
-                    break lane.clone();
+                if let Some(subscriber) = state.subscriber_of(&publish) {
+                    break subscriber.clone();
                 }
                 if state.unclaimed.len() < self.receive_max {
                     return state.unclaimed.push_back(publish);
                 }
             }
-            opened.await;
+            subscribed.await;
         };
-        // Closed: the lane has gone, nothing is lost.
-        let _ = lane.send(publish).await;
+        // A closed subscriber has not acknowledged the message, so the broker delivers it again.
+        let _ = subscriber.send(publish).await;
     }
 }
 
@@ -345,7 +351,9 @@ fn disconnected(reason: DisconnectReasonCode) -> ConnectionFault {
         DisconnectReasonCode::NotAuthorized | DisconnectReasonCode::AdministrativeAction => {
             ConnectionFault::permanent(format!("the broker closed the connection: {reason:?}"))
         }
-        reason => ConnectionFault::passing(format!("the broker closed the connection: {reason:?}")),
+        reason => {
+            ConnectionFault::transient(format!("the broker closed the connection: {reason:?}"))
+        }
     }
 }
 

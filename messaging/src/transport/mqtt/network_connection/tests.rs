@@ -12,14 +12,16 @@ fn codec() -> PacketCodec {
     PacketCodec(Codec { max_incoming_size: None, max_outgoing_size: None })
 }
 
-/// A connection, and a broker that sends five times what it may.
-async fn flooded(keep_alive_seconds: u16) -> (Arc<Wire>, Framed<DuplexStream, PacketCodec>) {
+/// A connection, and a broker that sends five times as many messages as it may.
+async fn flooded(
+    keep_alive_seconds: u16,
+) -> (Arc<NetworkConnection>, Framed<DuplexStream, PacketCodec>) {
     let (ours, theirs) = tokio::io::duplex(1 << 20);
     let granted =
         ConnAckProperties { server_keep_alive: Some(keep_alive_seconds), ..no_properties() };
     let limits = LinkLimits { credit: RECEIVE_MAX, ..LinkLimits::default() };
     let ours: Box<dyn Stream> = Box::new(ours);
-    let wire = Wire::start(Framed::new(ours, codec()), &granted, &limits);
+    let connection = NetworkConnection::start(Framed::new(ours, codec()), &granted, &limits);
     let mut broker = Framed::new(theirs, codec());
     for id in 1..=5 * u16::try_from(RECEIVE_MAX).expect("small") {
         let mut publish = Publish::new("t", QoS::AtLeastOnce, id.to_string(), None);
@@ -27,38 +29,38 @@ async fn flooded(keep_alive_seconds: u16) -> (Arc<Wire>, Framed<DuplexStream, Pa
         broker.feed(Packet::Publish(publish)).await.expect("there is room");
     }
     broker.flush().await.expect("there is room");
-    (wire, broker)
+    (connection, broker)
 }
 
 #[tokio::test]
-async fn what_a_broker_sends_beyond_its_grant_waits_and_none_is_lost() {
-    let (wire, _broker) = flooded(30).await;
+async fn messages_beyond_the_receive_maximum_wait_and_none_is_lost() {
+    let (connection, _broker) = flooded(30).await;
     tokio::time::sleep(Duration::from_millis(50)).await;
     assert_eq!(
-        wire.state.lock().unclaimed.len(),
-        wire.receive_max,
-        "no more is held than was granted"
+        connection.state.lock().unclaimed.len(),
+        connection.receive_max,
+        "no more is stored than the receive maximum"
     );
-    let (lane, mut arrived) = mpsc::channel(wire.receive_max);
+    let (subscriber, mut arrived) = mpsc::channel(connection.receive_max);
     let subscribe =
         |pkid| Packet::Subscribe(Subscribe { pkid, filters: Vec::new(), properties: None });
-    let answer = wire.subscribe(&["t".to_owned()], &lane, subscribe).await;
-    assert!(answer.is_ok(), "it is asked for");
+    let answer = connection.subscribe(&["t".to_owned()], &subscriber, subscribe).await;
+    assert!(answer.is_ok(), "the subscription is sent");
     for id in 1..=20 {
         assert_eq!(arrived.recv().await.map(|publish| publish.pkid), Some(id));
     }
 }
 
 #[tokio::test]
-async fn a_broker_that_does_not_watch_is_watched() {
-    let (wire, mut broker) = flooded(0).await;
+async fn a_broker_without_keep_alive_is_pinged() {
+    let (connection, mut broker) = flooded(0).await;
     let ping = timeout(LinkLimits::default().idle_timeout, broker.next()).await;
     assert!(matches!(ping, Ok(Some(Ok(Packet::PingReq(_))))), "{ping:?}");
-    assert!(wire.loss.borrow().is_none(), "it is not given up");
+    assert!(connection.loss.borrow().is_none(), "the connection stays");
 }
 
 #[tokio::test]
-async fn a_flood_that_nobody_takes_ends_the_connection() {
-    let (wire, _broker) = flooded(1).await;
-    assert!(wire.lost().await.reason.contains("more than it may"));
+async fn a_flood_that_is_not_read_ends_the_connection() {
+    let (connection, _broker) = flooded(1).await;
+    assert!(connection.lost().await.reason.contains("more than it may"));
 }
