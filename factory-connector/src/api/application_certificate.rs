@@ -5,7 +5,7 @@ use axum::{Json, extract::State};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use daemon::web::{ApiJson, Problem};
 use serde::{Deserialize, Serialize};
-use twin::{OwnCertificate, RequestedSubject, TrustFault};
+use twin::{InstalledCertificate, RequestedSubject, TrustFault};
 use utoipa::ToSchema;
 
 use super::{
@@ -45,9 +45,9 @@ pub struct ApplicationCertificateView {
     key_bits: usize,
 }
 
-impl From<OwnCertificate> for ApplicationCertificateView {
-    fn from(certificate: OwnCertificate) -> Self {
-        let OwnCertificate {
+impl From<InstalledCertificate> for ApplicationCertificateView {
+    fn from(certificate: InstalledCertificate) -> Self {
+        let InstalledCertificate {
             thumbprint,
             subject,
             issuer,

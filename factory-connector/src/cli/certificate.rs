@@ -9,7 +9,7 @@ use factory_connector::{
     config::ConnectorConfig,
     store::{Store, enrolment},
 };
-use twin::{ApplicationCertificate, OwnCertificate, RequestedSubject, TwinError};
+use twin::{ApplicationCertificate, InstalledCertificate, RequestedSubject, TwinError};
 
 use super::print;
 
@@ -109,7 +109,7 @@ fn pem(der: &[u8]) -> String {
     format!("-----BEGIN CERTIFICATE-----\n{}\n-----END CERTIFICATE-----\n", STANDARD.encode(der))
 }
 
-fn show(certificate: &OwnCertificate) -> anyhow::Result<()> {
+fn show(certificate: &InstalledCertificate) -> anyhow::Result<()> {
     let mut output = std::io::stdout().lock();
     let by = if certificate.is_self_signed { "itself" } else { certificate.issuer.as_str() };
     writeln!(output, "subject      {}", certificate.subject)?;

@@ -1,41 +1,41 @@
-//! The twin's two questions to the connector: who is this, and may this value become the field's?
+//! Interfaces to the connector: authentication of users, and writes and decisions of clients.
 
 use std::{fmt, sync::Arc};
 
 use asi_model::{DataValue, FieldKey, StatusCode, messages::MappingState};
 use async_trait::async_trait;
 
-/// What a user may do. Each role may do what the ones after it may.
+/// Role of a user. Each role includes the ones after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Decides fields and writes values.
     Engineer,
     /// Writes values of fields that were decided External.
     Operator,
-    /// Looks.
+    /// Reads and subscribes, the least role.
     Viewer,
 }
 
 impl Role {
-    /// Whether the role may write values.
+    /// Returns whether the role may write values.
     #[must_use]
     pub const fn may_write(self) -> bool {
         matches!(self, Self::Engineer | Self::Operator)
     }
 
-    /// Whether the role may decide fields.
+    /// Returns whether the role may decide fields.
     #[must_use]
     pub const fn may_decide(self) -> bool {
         matches!(self, Self::Engineer)
     }
 
-    /// Whether the role may do what the other may.
+    /// Returns whether the role has all rights of the other.
     #[must_use]
     pub const fn includes(self, other: Self) -> bool {
         self as u8 <= other as u8
     }
 
-    /// The role's name in lower case.
+    /// Returns the role's name in lower case.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -61,39 +61,37 @@ impl fmt::Display for Role {
 pub struct TwinUser {
     /// The name the user signed in with; `anonymous` for the development endpoint.
     pub name: Arc<str>,
-    /// What the user may do.
     pub role: Role,
 }
 
-/// Knows the users and their passwords.
+/// Checks names and passwords.
 #[async_trait]
 pub trait Authenticator: Send + Sync + 'static {
-    /// The role of the user with this name, if the password is right. Must take as long for an
-    /// unknown user as for a wrong password. Attempts are throttled before they get here.
+    /// Returns the role of the user, if the password is right. Must take as long for an unknown user
+    /// as for a wrong password. The twin throttles attempts before.
     async fn authenticate(&self, user_name: &str, password: &str) -> Option<Role>;
 }
 
-/// What a person decides about a field through the twin's `Decide` method.
+/// A person's decision about a field through the twin's `Decide` method.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FieldDecision {
-    /// The new state. Mapped means: values come from OPC UA clients (External).
+    /// The new state. For `Mapped` the values come from OPC UA clients (External).
     pub mapping_state: MappingState,
-    /// Why.
     pub reason: Option<String>,
 }
 
-/// Takes what OPC UA clients write and decide, through the disclosure gate and into the store.
+/// Receives values and decisions of OPC UA clients, for the disclosure gate and the store.
 ///
 /// The twin has checked the user's role, the value's type and rank, and that the field was decided
-/// External. It answers the client with what these return, after they returned: after the commit.
+/// External. The client gets the returned status after the commit.
 #[async_trait]
 pub trait FieldWriter: Send + Sync + 'static {
-    /// A client wrote a value. Good where it was taken as it is, GoodClamped where policy coarsened
-    /// it, GoodCompletesAsynchronously where policy delays or aggregates it, else why it was not
-    /// taken.
+    /// Accepts a value that a client wrote. Returns Good if it is accepted unchanged, GoodClamped if
+    /// policy coarsens it, GoodCompletesAsynchronously if policy delays or aggregates it, otherwise
+    /// the cause of the refusal.
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode;
 
-    /// A client called `Decide`. Good where the decision holds, else why it does not.
+    /// Applies a decision of a client. Returns Good, or the cause for which it is not accepted.
     async fn decide(
         &self,
         field: &FieldKey,

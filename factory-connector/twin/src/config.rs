@@ -1,4 +1,4 @@
-//! What the twin's section of the configuration file says.
+//! The twin's section of the configuration file.
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -11,24 +11,24 @@ use serde::{Deserialize, Serialize};
 /// The port registered for OPC UA.
 pub const DEFAULT_PORT: u16 = 4840;
 
-/// How the twin presents itself on the factory's network.
+/// Configuration of the twin: address, certificates, access, limits and discovery.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TwinConfig {
-    /// Address and port to listen on. Port 0 takes any free one; the endpoint URL tells which.
+    /// Address and port to listen on. Port 0 is any free one, which the endpoint URL then contains.
     pub listen: SocketAddr,
     /// Host names and addresses under which clients reach this machine, for the certificate; the
-    /// first one also stands in the endpoint URLs. Where empty, the machine's own name, or the
-    /// listening address where that is a specific one.
+    /// first one is also used in the endpoint URLs. When empty, the machine's name, or the listening
+    /// address if that is a specific one.
     pub host_names: Vec<String>,
-    /// Folder of the own certificate and key, and of the trusted and rejected certificates of
+    /// Folder of the twin's certificate and key, and of the trusted and rejected certificates of
     /// clients.
     pub pki_directory: PathBuf,
-    /// Who may connect, and how.
+    /// Encryption, certificates and sign-in.
     pub security: SecurityConfig,
-    /// Bounds on what clients may take.
+    /// Bounds on the resources of clients.
     pub limits: TwinLimits,
-    /// How clients find the twin.
+    /// Registration and announcement.
     pub discovery: DiscoveryConfig,
 }
 
@@ -45,7 +45,7 @@ impl Default for TwinConfig {
     }
 }
 
-/// Who may connect, and how.
+/// Encryption, certificates and sign-in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SecurityConfig {
@@ -54,14 +54,14 @@ pub struct SecurityConfig {
     pub allow_anonymous_unencrypted: bool,
     /// Development only: trusts every client certificate instead of waiting for an approval.
     pub trust_unknown_certificates: bool,
-    /// How many wrong passwords a user or the whole server may see within [`Self::login_window_s`]
-    /// before further attempts are refused without looking at the password.
+    /// Wrong passwords of a user within [`Self::login_window_s`] after which further attempts are
+    /// refused without a check of the password; ten times as many for all users together.
     pub login_failures_max: u32,
-    /// The window of [`Self::login_failures_max`], and how long attempts are refused, in seconds.
+    /// Window of [`Self::login_failures_max`], and time for which attempts are refused, in seconds.
     pub login_window_s: u32,
-    /// How long before its expiry the own certificate is renewed at a start, in days.
+    /// Time before its expiry at which a self-made certificate is renewed, in days.
     pub certificate_renewal_days: u32,
-    /// How long a newly made own certificate is valid, in days.
+    /// Validity of a self-made certificate, in days.
     pub certificate_validity_days: u32,
 }
 
@@ -79,16 +79,15 @@ impl Default for SecurityConfig {
 }
 
 impl SecurityConfig {
-    /// [`Self::login_window_s`] as a duration.
+    /// Returns [`Self::login_window_s`] as a duration.
     #[must_use]
     pub fn login_window(&self) -> Duration {
         Duration::from_secs(self.login_window_s.into())
     }
 }
 
-/// Bounds on what clients may take. The defaults suit a factory with some hundred clients' items;
-/// what is not listed here follows the limits that the OPC UA stack room sets for every server of
-/// ours.
+/// Bounds on the resources of clients. All other limits are those of the `opcua-stack` crate for every
+/// server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TwinLimits {
@@ -102,8 +101,8 @@ pub struct TwinLimits {
     pub monitored_items_per_subscription_max: usize,
     /// Shortest publishing interval granted, in milliseconds.
     pub publishing_interval_ms_min: u64,
-    /// How often due subscriptions are looked for, in milliseconds: the grain of every publishing
-    /// interval.
+    /// Interval at which due subscriptions are searched, in milliseconds: the resolution of all
+    /// publishing intervals.
     pub publishing_tick_ms: u64,
 }
 
@@ -120,17 +119,17 @@ impl Default for TwinLimits {
     }
 }
 
-/// How clients find the twin.
+/// Registration and announcement of the twin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiscoveryConfig {
-    /// Endpoint URL of a local discovery server to register with; none where absent. Its
-    /// certificate needs an approval like that of a client.
+    /// Endpoint URL of a local discovery server to register with. Its certificate needs an approval
+    /// like that of a client.
     pub local_discovery_server_url: Option<String>,
-    /// How often the twin registers, in seconds. Discovery servers forget what was silent for ten
+    /// Interval of the registration, in seconds. Discovery servers drop registrations after ten
     /// minutes.
     pub registration_interval_s: u32,
-    /// Whether the twin announces itself on the local network by multicast DNS (`_opcua-tcp._tcp`).
+    /// Announces the twin on the local network by multicast DNS (`_opcua-tcp._tcp`).
     pub announce_by_multicast_dns: bool,
 }
 
@@ -145,7 +144,7 @@ impl Default for DiscoveryConfig {
 }
 
 impl DiscoveryConfig {
-    /// [`Self::registration_interval_s`] as a duration.
+    /// Returns [`Self::registration_interval_s`] as a duration.
     #[must_use]
     pub fn registration_interval(&self) -> Duration {
         Duration::from_secs(self.registration_interval_s.into())
@@ -153,8 +152,8 @@ impl DiscoveryConfig {
 }
 
 impl TwinConfig {
-    /// What no single key shows to be wrong: sentences that name the key, below `twin`, and the
-    /// remedy.
+    /// Returns the faults that the types of the keys do not exclude: sentences with the key, below
+    /// `twin`, and the remedy.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();

@@ -1,4 +1,4 @@
-//! How clients find the twin: at a local discovery server, and by multicast DNS.
+//! Discovery of the twin by clients: at a local discovery server, and by multicast DNS.
 
 mod announcement;
 mod registration;
@@ -8,26 +8,24 @@ use std::{net::SocketAddr, sync::Arc};
 use opcua_stack::opcua::{server::ServerHandle, types::RegisteredServer};
 use tokio_util::sync::CancellationToken;
 
-pub(crate) use announcement::local_host_name;
-
 use self::{announcement::Announcement, registration::Registration};
 use crate::{config::TwinConfig, security::validation::Validator};
 
-/// Both ways of being found, each where it is configured.
+/// Both kinds of discovery, each if it is configured.
 pub(crate) struct Discovery {
     registration: Option<Registration>,
     announcement: Option<Announcement>,
 }
 
 impl Discovery {
-    /// `address` is where the twin really listens.
+    /// Prepares what is configured; `address` is the one that the twin listens on.
     pub fn new(
         config: &TwinConfig,
         address: SocketAddr,
         handle: &ServerHandle,
         validator: Arc<Validator>,
     ) -> Self {
-        // The server does not run yet, but will when this is sent.
+        // The server does not run yet, but it will when this is sent.
         let server = RegisteredServer { is_online: true, ..handle.info().registered_server() };
         let name = server
             .server_names
@@ -49,7 +47,7 @@ impl Discovery {
         Self { registration, announcement }
     }
 
-    /// Goes on until `shutdown`, then takes leave, within a few seconds.
+    /// Runs until `shutdown`, then withdraws registration and announcement within a few seconds.
     pub async fn run(self, shutdown: &CancellationToken) {
         let registration = async {
             if let Some(registration) = self.registration {

@@ -1,5 +1,5 @@
-//! What the connector gives the twin to show: networks as they were received, and a record for
-//! every requested field.
+//! Documents that the twin shows: networks as they were received, and a record for every requested
+//! field.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -8,46 +8,43 @@ use asi_model::{
     messages::{MappingState, OperationNetworkMessage, ValueSource},
 };
 
-/// An operation network as it stands now, with everything the connector decided about it. One
-/// document becomes one Activity Status Interface; applying it again under a higher revision
-/// touches only what differs.
+/// The present state of an operation network, with the connector's decisions about it. One document
+/// becomes one Activity Status Interface. Applying it again with a higher revision changes only the
+/// nodes that differ.
 #[derive(Debug, Clone)]
 pub struct AsiDocument {
     /// The network as the platform sent it: this factory's operations and stubs of their
     /// neighbours.
     pub message: Arc<OperationNetworkMessage>,
-    /// When the connector accepted it.
+    /// Time at which the connector accepted it.
     pub received_at: DateTime,
     /// The DataSetWriterId of every request that has one.
     pub writers: HashMap<RequestKey, u16>,
-    /// Where every field stands. A requested field without a record is shown as undecided.
+    /// The records of the fields. A requested field without one is shown as undecided.
     pub fields: HashMap<FieldKey, FieldRecord>,
 }
 
-/// Where one requested field stands. The field's variable and its properties are computed from
-/// this.
+/// Decision and value of one requested field, from which its variable and properties are computed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldRecord {
-    /// What was decided.
     pub mapping_state: MappingState,
-    /// Where the values of a mapped field come from.
+    /// Source of the values of a mapped field.
     pub value_source: Option<ValueSource>,
     /// The newest value as it was disclosed; ignored unless the field is mapped.
     pub value: DataValue,
-    /// How the value is coarsened, in words and numbers.
+    /// Description of the coarsening, in words and numbers.
     pub disclosure: Option<Arc<str>>,
-    /// Why it was decided so.
+    /// Reason of the decision.
     pub reason: Option<Arc<str>>,
     /// The user who decided.
     pub decided_by: Option<Arc<str>>,
-    /// When it was decided.
     pub decision_time: Option<DateTime>,
 }
 
 impl FieldRecord {
-    /// What a client reads from the field's variable: the disclosed value where the field is
-    /// mapped, else a status that says why there is none. *What the node shows is what the partner
-    /// gets.*
+    /// Returns the value that a client reads from the field's variable: the disclosed value if the
+    /// field is mapped, otherwise a status with the cause. It is the same value that the partner
+    /// gets.
     #[must_use]
     pub fn shown_value(&self) -> DataValue {
         match self.mapping_state {
@@ -66,7 +63,7 @@ impl FieldRecord {
         }
     }
 
-    /// Whether OPC UA clients may write the field's variable.
+    /// Returns whether OPC UA clients may write the field's variable.
     #[must_use]
     pub fn is_writable(&self) -> bool {
         self.mapping_state == MappingState::Mapped
@@ -74,14 +71,14 @@ impl FieldRecord {
     }
 }
 
-/// How much an [`crate::TwinHandle::apply`] changed.
+/// Extent of the change by [`TwinHandle::apply`](crate::TwinHandle::apply).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Applied {
-    /// Objects and report fields that came.
+    /// Added objects and report fields.
     pub nodes_added: usize,
-    /// Objects and report fields that went.
+    /// Removed objects and report fields.
     pub nodes_removed: usize,
-    /// Objects and report fields of which a property or a value differs.
+    /// Objects and report fields with another property or value.
     pub nodes_changed: usize,
 }
 

@@ -1,60 +1,35 @@
-//! Why the twin could not start or go on.
+//! Errors of the twin.
 
 use std::{net::SocketAddr, path::PathBuf};
 
-use crate::security::trust::TrustFault;
+use crate::security::fault::TrustFault;
 
-/// Why the twin could not start or go on.
+/// Error for which the twin cannot start, continue or accept a certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
-    /// The address to listen on is taken or not ours.
+    /// The address to listen on is in use or does not belong to this machine.
     #[error(
         "cannot listen on {address}; choose another `listen` address or stop the program that uses it"
     )]
-    Listen {
-        /// The configured address.
-        address: SocketAddr,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    Listen { address: SocketAddr, source: std::io::Error },
     /// A certificate, key or folder of the trust list could not be read or written.
     #[error("cannot access {} of the twin's certificates", path.display())]
-    Pki {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// The own certificate could not be made or read.
+    Pki { path: PathBuf, source: std::io::Error },
+    /// The application certificate could not be made or read.
     #[error("cannot use the twin's own certificate: {reason}")]
-    Certificate {
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// What was brought for the trust list, or as the own certificate, is not taken.
+    Certificate { reason: String },
+    /// A file for the trust list, or a certificate to install, has faults.
     #[error("it cannot be used: {}", faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join(" "))]
-    Refused {
-        /// Everything that is wrong with it.
-        faults: Vec<TrustFault>,
-    },
+    Refused { faults: Vec<TrustFault> },
     /// The configuration contradicts itself.
     #[error("the twin's configuration is wrong: {}", faults.join("; "))]
-    Faults {
-        /// Everything that is wrong.
-        faults: Vec<String>,
-    },
+    Faults { faults: Vec<String> },
     /// The server's settings contradict each other.
     #[error("the OPC UA server does not accept its configuration: {reason}")]
-    Configuration {
-        /// What it says.
-        reason: String,
-    },
+    Configuration { reason: String },
     /// The server ended with an error.
     #[error("the OPC UA server failed: {reason}")]
-    Server {
-        /// What it says.
-        reason: String,
-    },
+    Server { reason: String },
     /// The twin ended before it listened.
     #[error("the twin has stopped")]
     Stopped,

@@ -1,5 +1,4 @@
-//! Events of the Server object: changes of the model, and an audit trail that standard tools can
-//! follow.
+//! Events of the Server object: changes of the model, and an audit trail for standard tools.
 
 mod security;
 
@@ -18,11 +17,11 @@ use opcua_stack::opcua::{
     },
 };
 
-/// Severity of events that say what happened.
+/// Severity of events about changes.
 const SEVERITY_NORMAL: u16 = 100;
-/// Severity of audit events about what was refused.
+/// Severity of audit events about refusals.
 const SEVERITY_REFUSED: u16 = 500;
-/// Most nodes listed in one audit event; the model change event names all.
+/// Most nodes listed in one audit event; the model change event lists all.
 const NODES_PER_AUDIT_EVENT_MAX: usize = 1000;
 /// Bytes of an event's id.
 const EVENT_ID_BYTES: usize = 16;
@@ -47,24 +46,25 @@ pub(crate) struct AuditWrite {
 #[derive(Debug, Clone)]
 pub(crate) struct NodeChange {
     pub node_id: NodeId,
-    /// The type definition; null for those without one of ours.
+    /// The type definition; null if it is not of the ASI types.
     pub type_id: NodeId,
     pub verbs: u8,
 }
 
-/// What changed in the address space.
+/// A change of the address space.
 pub(crate) struct ModelChange {
     pub changes: Vec<NodeChange>,
     pub message: &'static str,
 }
 
 impl EventReporter {
+    /// Creates a reporter of the server with this ApplicationUri.
     pub fn new(subscriptions: Arc<SubscriptionCache>, server_uri: String) -> Self {
         Self { subscriptions, server_uri }
     }
 
-    /// Whether anybody subscribed to events of the server; events for nobody are not even built.
-    pub fn is_listened_to(&self) -> bool {
+    /// Returns whether a client subscribed to events of the server; otherwise none is built.
+    pub fn has_subscribers(&self) -> bool {
         self.subscriptions.event_notifier().notify_for(ObjectId::Server).is_some()
     }
 
@@ -73,9 +73,9 @@ impl EventReporter {
         self.subscriptions.notify_events([(event as &dyn Event, &server)].into_iter());
     }
 
-    /// AuditWriteUpdateEventType (OPC 10000-5 §6.4.27).
+    /// Reports an AuditWriteUpdateEventType (OPC 10000-5 §6.4.27).
     pub fn report_write(&self, write: impl FnOnce() -> AuditWrite) {
-        if !self.is_listened_to() {
+        if !self.has_subscribers() {
             return;
         }
         let write = write();
@@ -94,7 +94,8 @@ impl EventReporter {
         self.send(&event);
     }
 
-    /// AuditAddNodesEventType and AuditDeleteNodesEventType (OPC 10000-5 §6.4.21, §6.4.22).
+    /// Reports an AuditAddNodesEventType and an AuditDeleteNodesEventType (OPC 10000-5 §6.4.21,
+    /// §6.4.22).
     pub fn report_nodes(&self, changes: &[NodeChange], added: u8, deleted: u8) {
         let with = |verb: u8| {
             changes.iter().filter(move |c| c.verbs & verb != 0).take(NODES_PER_AUDIT_EVENT_MAX)
@@ -136,7 +137,7 @@ impl EventReporter {
         }
     }
 
-    /// GeneralModelChangeEventType (OPC 10000-5 §6.4.32).
+    /// Reports a GeneralModelChangeEventType (OPC 10000-5 §6.4.32).
     pub fn report_model_change(&self, change: ModelChange) {
         let mut event = ServerEvent::new(
             ObjectTypeId::GeneralModelChangeEventType,
@@ -177,8 +178,8 @@ impl EventReporter {
     }
 }
 
-/// An event with its fields by name. Field names are unique over the standard's event types, so
-/// that they need no qualification.
+/// An event with its fields by name. Names are unique over the standard's event types, so they need
+/// no qualification.
 #[derive(Debug)]
 struct ServerEvent {
     event_type: NodeId,

@@ -1,4 +1,4 @@
-//! What the connector holds of the running twin.
+//! Handle of the twin for the connector.
 
 use std::sync::Arc;
 
@@ -16,11 +16,11 @@ use crate::{
     events::EventReporter,
     host::NodeHost,
     provider::NodeProvider,
-    security::{login::user_of, own::ApplicationCertificate, trust::TrustList},
+    security::{application_certificate::ApplicationCertificate, login::user_of, trust::TrustList},
 };
 
 /// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be
-/// called before the twin runs, so that a restart shows everything from the first connection on.
+/// called before the twin runs, so that the first client after a restart finds all nodes.
 #[derive(Clone)]
 pub struct TwinHandle {
     interfaces: Arc<AsiProvider>,
@@ -31,7 +31,7 @@ pub struct TwinHandle {
     endpoint: watch::Receiver<Option<Arc<str>>>,
 }
 
-/// What lies in the folder of certificates.
+/// The files in the folder of certificates.
 #[derive(Clone)]
 pub(crate) struct TrustFiles {
     pub trust_list: TrustList,
@@ -50,19 +50,19 @@ impl TwinHandle {
         Self { interfaces, host, server, events, files, endpoint }
     }
 
-    /// Shows a network as it stands now: as a new Activity Status Interface, or by changing the
-    /// nodes of the one that is there where they differ. Subscribers of other nodes notice nothing.
+    /// Shows the present state of a network: as a new Activity Status Interface, or by changing the
+    /// nodes that differ in the existing one. Subscribers of other nodes get no notification.
     pub fn apply(&self, document: AsiDocument) -> Applied {
         self.interfaces.apply(document)
     }
 
-    /// Takes an Activity Status Interface away. Monitored items on its nodes get BadNodeIdUnknown.
-    /// False where there was none.
+    /// Removes an Activity Status Interface. Monitored items on its nodes get BadNodeIdUnknown. False
+    /// when there is none.
     pub fn remove(&self, operation_network_id: &OperationNetworkId) -> bool {
         self.interfaces.remove_interface(operation_network_id)
     }
 
-    /// How many Activity Status Interfaces are shown.
+    /// Returns the number of Activity Status Interfaces.
     #[must_use]
     pub fn interfaces(&self) -> usize {
         self.interfaces.count()
@@ -74,25 +74,25 @@ impl TwinHandle {
         self.interfaces.publish_values(values)
     }
 
-    /// Shows a decision, after the commit. False where the field does not exist.
+    /// Shows a decision, after the commit. False when the field does not exist.
     pub fn publish_decision(&self, field: &FieldKey, record: FieldRecord) -> bool {
         self.interfaces.publish_decision(field, record)
     }
 
-    /// The index of a namespace on this server, for a provider to be made with. New namespaces get
-    /// new indexes, which stay theirs while the server runs.
+    /// Returns the index of a namespace on this server, for a new provider. Indexes stay the same
+    /// while the server runs.
     #[must_use]
     pub fn namespace_index(&self, uri: &str) -> u16 {
         self.host.namespace_index(uri)
     }
 
-    /// Hosts a further provider: its namespaces, types and nodes are there from now on, for
-    /// connected clients too.
+    /// Adds a provider: its namespaces, types and nodes exist from now on, also for connected
+    /// clients.
     pub fn add_provider(&self, provider: Arc<dyn NodeProvider>) {
         self.host.add_provider(provider);
     }
 
-    /// Takes a provider and all it brought away.
+    /// Removes a provider with its namespaces, types and nodes.
     pub fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
         self.host.remove_provider(provider);
     }
@@ -102,20 +102,20 @@ impl TwinHandle {
         self.host.notify(values);
     }
 
-    /// The certificates of clients, for the engineer to approve or reject.
+    /// Returns the certificates of clients, which the engineer approves or rejects.
     #[must_use]
     pub fn trust_list(&self) -> &TrustList {
         &self.files.trust_list
     }
 
-    /// The twin's own certificate, for an authority to issue it.
+    /// Returns the twin's certificate, which an authority may issue.
     #[must_use]
     pub fn application_certificate(&self) -> &ApplicationCertificate {
         &self.files.application_certificate
     }
 
-    /// Ends the sessions of a user and their subscriptions, as after a change of password or role:
-    /// a session keeps the role it began with. The client may sign in anew. How many there were.
+    /// Ends the sessions of a user and their subscriptions, as after a change of password or role: an
+    /// open session stays with its role. The client may sign in again. Returns their number.
     pub async fn end_sessions_of(&self, user_name: &str) -> usize {
         let ended = self.server.close_sessions(|token| &*user_of(token).name == user_name).await;
         let count = ended.len();
@@ -125,7 +125,7 @@ impl TwinHandle {
         count
     }
 
-    /// The endpoint URL, once the twin listens.
+    /// Returns the endpoint URL, once the twin listens.
     #[must_use]
     pub fn endpoint(&self) -> watch::Receiver<Option<Arc<str>>> {
         self.endpoint.clone()

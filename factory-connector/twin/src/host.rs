@@ -1,8 +1,8 @@
-//! The host: our own node manager in the OPC UA stack, in front of any number of
-//! [providers](crate::provider).
+//! Host of any number of [providers](crate::provider): a node manager in the OPC UA stack.
 //!
-//! The stack's own in-memory manager fixes its namespaces when the server is built, calls methods
-//! without the user, and leaves subscribers of deleted nodes in the dark; ours does none of that.
+//! The stack's in-memory manager fixes its namespaces when the server is built, calls methods
+//! without the user, and does not notify subscribers of deleted nodes. This one has none of these
+//! limits.
 
 mod attributes;
 mod browse;
@@ -23,8 +23,7 @@ use opcua_stack::opcua::{
 
 use crate::provider::{Node, NodeProvider};
 
-/// Hosts providers. Shared between the server and the parts of the twin that add and remove
-/// providers.
+/// Hosts providers. Shared by the server and the parts of the twin that add and remove providers.
 pub(crate) struct NodeHost {
     table: ArcSwap<ProviderTable>,
     type_tree: Arc<RwLock<DefaultTypeTree>>,
@@ -61,7 +60,7 @@ impl ProviderTable {
 }
 
 impl NodeHost {
-    /// A host without providers in a server that is being built.
+    /// Creates a host without providers in a server that is being built.
     pub(crate) fn new(context: &ServerContext) -> Self {
         Self {
             table: ArcSwap::default(),
@@ -70,13 +69,13 @@ impl NodeHost {
         }
     }
 
-    /// The index of a namespace, which is added to the server's table where it is new. Indexes are
-    /// never reused while the server runs, as OPC 10000-3 §8.2.2 asks.
+    /// Returns the index of a namespace, which is added to the server's table if it is new. Indexes
+    /// are never reused while the server runs (OPC 10000-3 §8.2.2).
     pub(crate) fn namespace_index(&self, uri: &str) -> u16 {
         self.type_tree.write().namespaces_mut().add_namespace(uri)
     }
 
-    /// Adds a provider; its nodes are there from now on.
+    /// Adds a provider; its nodes exist from now on.
     pub(crate) fn add_provider(&self, provider: Arc<dyn NodeProvider>) {
         {
             let mut tree = self.type_tree.write();
@@ -93,12 +92,12 @@ impl NodeHost {
         self.notify_namespace_array();
     }
 
-    /// Takes a provider and its namespaces away.
+    /// Removes a provider with its namespaces.
     pub(crate) fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
         self.table.rcu(|table| {
-            let kept =
+            let others =
                 table.providers.iter().filter(|other| !Arc::ptr_eq(other, provider)).cloned();
-            ProviderTable::of(kept.collect())
+            ProviderTable::of(others.collect())
         });
         {
             let mut tree = self.type_tree.write();
@@ -106,12 +105,14 @@ impl NodeHost {
                 tree.remove(&id);
             }
         }
-        let gone = DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() };
-        let gone: Vec<_> = provider.variables().into_iter().map(|id| (id, gone.clone())).collect();
-        self.notify(&gone);
+        let removed =
+            DataValue { status: Some(StatusCode::BadNodeIdUnknown), ..DataValue::default() };
+        let removed: Vec<_> =
+            provider.variables().into_iter().map(|id| (id, removed.clone())).collect();
+        self.notify(&removed);
         tracing::debug!(
             provider = provider.name(),
-            "The twin hosts a provider of nodes no longer."
+            "The twin no longer hosts a provider of nodes."
         );
         self.notify_namespace_array();
     }
@@ -119,10 +120,10 @@ impl NodeHost {
     /// Pushes values into the monitored items of variables.
     pub(crate) fn notify(&self, values: &[(NodeId, DataValue)]) {
         let now = DateTime::now();
-        let told = values.iter().map(|(id, value)| {
+        let changes = values.iter().map(|(id, value)| {
             (DataValue { server_timestamp: Some(now), ..value.clone() }, id, AttributeId::Value)
         });
-        self.subscriptions.notify_data_change(told);
+        self.subscriptions.notify_data_change(changes);
     }
 
     fn notify_namespace_array(&self) {
@@ -136,7 +137,7 @@ impl NodeHost {
         };
         let owned = &self.table.load().owners;
         let last = known.keys().copied().max().unwrap_or(0);
-        // 0 is the standard's, 1 the server's own; others count while a provider brings them.
+        // Index 0 is the standard's, 1 the server's own; the others count while a provider has them.
         let uris: Vec<String> = (0..=last)
             .map(|index| match known.get(&index) {
                 Some(uri) if index < 2 || owned.contains_key(&index) => uri.clone(),

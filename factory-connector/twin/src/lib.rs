@@ -1,15 +1,15 @@
-//! The Collaborative Process Twin: an OPC UA server whose address space holds every Activity Status
+//! Collaborative Process Twin: an OPC UA server whose address space contains every Activity Status
 //! Interface (ASI) of a factory.
 //!
-//! The connector gives it documents ([`AsiDocument`]) and newly disclosed values; standard OPC UA
-//! clients of the plant browse, read, subscribe and - where the engineer decided so - write. *What
-//! the node shows is what the partner gets.*
+//! The connector gives it documents ([`AsiDocument`]) and newly disclosed values. Standard OPC UA
+//! clients of the plant browse, read, subscribe and, if the engineer decided so, write. A node shows
+//! the same value that the partner gets.
 //!
-//! - `host`: our own node manager in the OPC UA stack, host of several [`provider`]s of nodes.
+//! - `host`: a node manager in the OPC UA stack that hosts several [`provider`]s of nodes.
 //! - `asi`: the provider of the interfaces, which computes nodes from compact records.
 //! - `events`: model changes and the audit trail.
-//! - `discovery`: being found by clients.
-//! - `security`: own certificate, trust list, users and roles.
+//! - `discovery`: registration and announcement of the server.
+//! - `security`: application certificate, trust list, users and roles.
 
 mod access;
 mod asi;
@@ -20,6 +20,7 @@ mod error;
 mod events;
 mod handle;
 mod host;
+mod host_names;
 pub mod provider;
 mod security;
 mod server;
@@ -29,9 +30,13 @@ pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 pub use document::{Applied, AsiDocument, FieldRecord};
 pub use error::TwinError;
 pub use handle::TwinHandle;
-pub use security::own::{ApplicationCertificate, OwnCertificate, RequestedSubject};
-pub use security::trust::{
-    Authority, CertificateState, ClientCertificate, Rejection, RejectionReason,
-    RevocationKnowledge, RevocationList, TrustFault, TrustList,
+pub use security::{
+    application_certificate::{ApplicationCertificate, InstalledCertificate, RequestedSubject},
+    fault::TrustFault,
+    rejected_clients::{Rejection, RejectionReason},
+    trust::{
+        Authority, CertificateState, ClientCertificate, RevocationKnowledge, RevocationList,
+        TrustList,
+    },
 };
 pub use server::Twin;

@@ -1,9 +1,13 @@
-//! Who may connect: the twin's own certificate, the trust list, and users.
+//! Access to the twin: its application certificate, the trust list, and users.
 
+pub(crate) mod application_certificate;
 pub(crate) mod certificate;
+pub(crate) mod certificate_files;
 pub(crate) mod connections;
+pub(crate) mod fault;
+pub(crate) mod issuance;
 pub(crate) mod login;
-pub(crate) mod own;
+pub(crate) mod rejected_clients;
 pub(crate) mod renewal;
 pub(crate) mod throttle;
 pub(crate) mod trust;

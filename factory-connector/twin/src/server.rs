@@ -1,4 +1,4 @@
-//! The twin as a component: built from its configuration, run until shutdown.
+//! The twin as a component: built from its configuration, runs until shutdown.
 
 use std::{
     net::{SocketAddr, TcpListener},
@@ -36,18 +36,19 @@ use crate::{
     events::{EventReporter, SessionAudit},
     handle::{TrustFiles, TwinHandle},
     host::{HostManager, NodeHost},
+    host_names::host_names,
     security::{
+        application_certificate::{ApplicationCertificate, application_uri},
         certificate,
         connections::ConnectionLimits,
         login::Login,
-        own::{ApplicationCertificate, application_uri},
         renewal::Renewal,
         trust::TrustList,
         validation::Validator,
     },
 };
 
-/// How long closing the connections may take.
+/// Time limit to close the connections.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The Collaborative Process Twin, ready to run.
@@ -62,12 +63,12 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// Prepares the twin of a factory: reads or makes its certificate, takes its address and builds
-    /// the server. Makes an RSA key at the first start, which takes about a second. Clients are
+    /// Prepares the twin of a factory: reads or makes its certificate, binds its address and builds
+    /// the server. Generates an RSA key at the first start, which takes about a second. Clients are
     /// served once the twin runs.
     ///
     /// # Errors
-    /// [`TwinError`] when the address is taken, the certificate folder is not usable, or the
+    /// [`TwinError`] when the address is in use, the certificate folder is not usable, or the
     /// configuration contradicts itself.
     pub fn new(
         factory_id: FactoryId,
@@ -87,7 +88,7 @@ impl Twin {
         )?;
         let (listener, address) = listen(&config)?;
         let port = address.port();
-        let host_name = certificate::host_names(&config).swap_remove(0);
+        let host_name = host_names(&config).swap_remove(0);
         let url: Arc<str> = format!("opc.tcp://{}:{port}/", bracketed(&host_name)).into();
 
         let events = Arc::new(OnceLock::new());
@@ -139,7 +140,7 @@ impl Twin {
         Ok((Self { server, handle, listener, url, endpoint, discovery, renewal }, twin_handle))
     }
 
-    /// Serves until `shutdown`; then tells clients and closes.
+    /// Serves until `shutdown`; then notifies clients and closes.
     ///
     /// # Errors
     /// [`TwinError`] when the server fails.
@@ -166,14 +167,14 @@ impl Twin {
         match drained {
             Ok(ended) => ended.map_err(failed),
             Err(_) => {
-                tracing::warn!("The twin closed without waiting longer for its clients.");
+                tracing::warn!("The twin closed before all clients had disconnected.");
                 Ok(())
             }
         }
     }
 }
 
-/// Builds our node manager inside the server that is being built, and keeps its host for us.
+/// Builds the node manager while the server is built, and publishes its host.
 struct HostBuilder(Arc<OnceLock<Arc<NodeHost>>>);
 
 impl NodeManagerBuilder for HostBuilder {
@@ -191,7 +192,7 @@ fn listen(config: &TwinConfig) -> Result<(TcpListener, SocketAddr), TwinError> {
     Ok((listener, address))
 }
 
-/// An IPv6 address as URLs write it.
+/// Puts an IPv6 address in brackets, as in URLs.
 fn bracketed(host: &str) -> String {
     if host.contains(':') && !host.starts_with('[') { format!("[{host}]") } else { host.to_owned() }
 }
@@ -282,21 +283,21 @@ fn namespace_table(handle: &ServerHandle) -> NamespaceTable {
     NamespaceTable::new(known.into_iter().map(|(_, uri)| uri))
 }
 
-/// Server.Auditing: clients may rely on audit events.
+/// Sets Server.Auditing: clients may rely on audit events.
 fn announce_auditing(handle: &ServerHandle) {
     let auditing = VariableId::Server_Auditing.into();
     let is_set = handle.node_managers().get_of_type::<CoreNodeManager>().is_some_and(|core| {
         core.set_value(handle.subscriptions(), &auditing, None, DataValue::new_now(true)).is_ok()
     });
     if !is_set {
-        tracing::warn!("The server does not say that it raises audit events.");
+        tracing::warn!("The variable Server.Auditing could not be set.");
     }
 }
 
 fn warn_of_development_settings(config: &TwinConfig) {
     if config.security.allow_anonymous_unencrypted {
         tracing::warn!(
-            "DEVELOPMENT SETTING: everybody on the network may look at the twin, without encryption and without a \
+            "DEVELOPMENT SETTING: every client on the network may read the twin, without encryption and without a \
              user, because `allow_anonymous_unencrypted` is set. Remove it outside of development."
         );
     }

@@ -1,13 +1,16 @@
-//! What two states of one interface differ in, in terms of nodes: so that an update touches nothing
-//! else.
+//! Difference between two states of one interface, in terms of nodes: an update touches only the
+//! nodes that differ.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use opcua_stack::opcua::types::{DataValue, NodeId};
 
-use super::{interface::Interface, model::PartKind, place::Place, provider::AsiProvider};
+use super::{
+    interface::Interface, model::PartKind, node_address::NodeAddress, node_ids::NodeIds,
+    values::ValueEncoder,
+};
 
-/// The verbs of a model change (OPC 10000-5 §12.16); they may stand together.
+/// Verbs of a model change (OPC 10000-5 §12.16), a bit mask.
 pub(super) mod verb {
     pub const NODE_ADDED: u8 = 1;
     pub const NODE_DELETED: u8 = 2;
@@ -25,14 +28,21 @@ pub(super) struct Affected {
     pub verbs: u8,
 }
 
-/// What differs.
+impl Affected {
+    /// Returns the NodeId of the type definition; null for the variables of fields.
+    pub(super) fn type_definition(self, ids: NodeIds) -> NodeId {
+        if self.type_id == 0 { NodeId::null() } else { ids.type_id(self.type_id) }
+    }
+}
+
+/// Nodes and values that differ.
 #[derive(Debug, Default)]
 pub(super) struct Difference {
-    /// Objects and fields that are gone.
-    pub gone: Vec<String>,
-    /// Parts that are gone, or might be: those that a place of that kind can have.
-    pub gone_parts: Vec<String>,
-    /// Variables with another value, and those that came.
+    /// Objects and fields that were removed.
+    pub removed: Vec<String>,
+    /// Parts that were removed, with those that a removed node may have had.
+    pub removed_parts: Vec<String>,
+    /// Variables with another value, and those that were added.
     pub changed: Vec<(String, DataValue)>,
     /// Objects and fields in a model change, by identifier.
     pub affected: BTreeMap<String, Affected>,
@@ -42,172 +52,130 @@ pub(super) struct Difference {
 }
 
 impl Difference {
-    fn affect(&mut self, interface: &Interface, place: Place, verbs: u8) {
-        let affected = self.affected.entry(interface.identifier(place)).or_default();
-        affected.type_id = interface.type_of(place).unwrap_or(0);
-        affected.verbs |= verbs;
-    }
-
-    /// A relation came, went or changed: the arrows of both its operations did too.
-    fn affect_related(&mut self, of: &Interface, relation: u32, current: &Interface, verbs: u8) {
-        let relation = of.relation(relation);
-        for id in [&relation.predecessor_operation_id, &relation.successor_operation_id] {
-            if let Some(operation) = current.find_operation_id(id) {
-                self.affect(current, Place::Operation(operation), verbs);
-            }
-        }
-    }
-}
-
-fn by_identifier(interface: &Interface) -> HashMap<String, Place> {
-    interface.places().into_iter().map(|place| (interface.identifier(place), place)).collect()
-}
-
-impl AsiProvider {
-    /// Every variable of a place, by identifier: the field itself, its parts, units of parts.
-    pub(super) fn variables(
-        &self,
-        interface: &Interface,
-        place: Place,
-        identifier: &str,
-    ) -> Vec<(String, DataValue)> {
-        let mut variables = Vec::new();
-        if let Place::Field(field) = place {
-            variables.push((
-                identifier.to_owned(),
-                self.shown(&interface.records.read()[field as usize]),
-            ));
-        }
-        for part in interface.parts(place) {
-            let part_id = format!("{identifier}#{}", part.name);
-            for below in interface.parts_of_part(place, part) {
-                let value = interface.part_of_part_value(place, part, below, self.types);
-                variables.extend(value.map(|value| (format!("{part_id}#{}", below.name), value)));
-            }
-            variables.extend(interface.part_value(place, part).map(|value| (part_id, value)));
-        }
-        variables
-    }
-
-    /// A new interface, all of it.
-    pub(super) fn all_added(&self, interface: &Interface) -> Difference {
-        let mut difference = Difference::default();
-        for place in interface.places() {
+    /// Returns the difference of a new interface: all its nodes are added.
+    pub(super) fn all_added(interface: &Interface) -> Self {
+        let mut difference = Self::default();
+        for address in interface.addresses() {
             difference.nodes_added += 1;
-            difference.affect(interface, place, verb::NODE_ADDED);
+            difference.affect(interface, address, verb::NODE_ADDED);
         }
         difference
     }
 
-    /// An interface that goes, all of it.
-    pub(super) fn all_removed(&self, interface: &Interface) -> Difference {
-        let mut difference = Difference::default();
-        for place in interface.places() {
-            self.remove(&mut difference, interface, place);
+    /// Returns the difference of an interface that is removed with all its nodes.
+    pub(super) fn all_removed(interface: &Interface) -> Self {
+        let mut difference = Self::default();
+        for address in interface.addresses() {
+            difference.remove(interface, address);
         }
         difference
     }
 
-    fn remove(&self, difference: &mut Difference, interface: &Interface, place: Place) {
-        let identifier = interface.identifier(place);
-        difference.nodes_removed += 1;
-        difference.affect(interface, place, verb::NODE_DELETED);
-        // Without looking which parts there were: that would cost computing their values.
-        for part in interface.possible_parts(place) {
+    fn remove(&mut self, interface: &Interface, address: NodeAddress) {
+        let identifier = interface.identifier(address);
+        self.nodes_removed += 1;
+        self.affect(interface, address, verb::NODE_DELETED);
+        // All parts that are possible: to find the existing ones, their values would be computed.
+        for part in interface.possible_parts(address) {
             let part_id = format!("{identifier}#{}", part.name);
             if !matches!(part.kind, PartKind::Property(_)) {
-                let below = interface.parts_of_part(place, part).into_iter();
-                difference
-                    .gone_parts
-                    .extend(below.map(|below| format!("{part_id}#{}", below.name)));
+                let below = interface.parts_of_part(address, part).into_iter();
+                self.removed_parts.extend(below.map(|below| format!("{part_id}#{}", below.name)));
             }
-            difference.gone_parts.push(part_id);
+            self.removed_parts.push(part_id);
         }
-        difference.gone.push(identifier);
+        self.removed.push(identifier);
     }
 
-    /// What differs between two states of the same interface.
-    pub(super) fn difference(&self, old: &Interface, new: &Interface) -> Difference {
-        let mut difference = Difference::default();
+    /// Compares two states of the same interface.
+    pub(super) fn between(values: &ValueEncoder, old: &Interface, new: &Interface) -> Self {
+        let mut difference = Self::default();
         let (before, after) = (by_identifier(old), by_identifier(new));
-        for (identifier, &place) in &before {
-            let is_kept =
-                after.get(identifier).is_some_and(|&now| old.type_of(place) == new.type_of(now));
-            if !is_kept {
-                self.remove(&mut difference, old, place);
-                if let Some(&parent) = old.parent(place).and_then(|p| after.get(&old.identifier(p)))
+        for (identifier, &address) in &before {
+            let is_same_node =
+                after.get(identifier).is_some_and(|&now| old.type_of(address) == new.type_of(now));
+            if !is_same_node {
+                difference.remove(old, address);
+                if let Some(&parent) =
+                    old.parent(address).and_then(|p| after.get(&old.identifier(p)))
                 {
                     difference.affect(new, parent, verb::REFERENCE_DELETED);
                 }
-                if let Place::Relation(relation) = place {
+                if let NodeAddress::Relation(relation) = address {
                     difference.affect_related(old, relation, new, verb::REFERENCE_DELETED);
                 }
             }
         }
-        for (identifier, &place) in &after {
+        for (identifier, &address) in &after {
             match before.get(identifier) {
-                Some(&earlier) if old.type_of(earlier) == new.type_of(place) => {
-                    self.compare(&mut difference, (old, earlier), (new, place), identifier);
+                Some(&earlier) if old.type_of(earlier) == new.type_of(address) => {
+                    difference.compare(values, (old, earlier), (new, address), identifier);
                 }
-                _ => self.add(&mut difference, new, place, identifier),
+                _ => difference.add(values, new, address, identifier),
             }
         }
         difference
     }
 
-    fn add(&self, difference: &mut Difference, new: &Interface, place: Place, identifier: &str) {
-        difference.nodes_added += 1;
-        difference.affect(new, place, verb::NODE_ADDED);
-        if let Some(parent) = new.parent(place) {
-            difference.affect(new, parent, verb::REFERENCE_ADDED);
+    fn add(
+        &mut self,
+        values: &ValueEncoder,
+        new: &Interface,
+        address: NodeAddress,
+        identifier: &str,
+    ) {
+        self.nodes_added += 1;
+        self.affect(new, address, verb::NODE_ADDED);
+        if let Some(parent) = new.parent(address) {
+            self.affect(new, parent, verb::REFERENCE_ADDED);
         }
-        if let Place::Relation(relation) = place {
-            difference.affect_related(new, relation, new, verb::REFERENCE_ADDED);
+        if let NodeAddress::Relation(relation) = address {
+            self.affect_related(new, relation, new, verb::REFERENCE_ADDED);
         }
-        // A client may still monitor a node that was there before.
-        difference.changed.extend(self.variables(new, place, identifier));
+        // A client may still monitor a node that existed before.
+        self.changed.extend(values.variables(new, address, identifier));
     }
 
     fn compare(
-        &self,
-        difference: &mut Difference,
-        (old, earlier): (&Interface, Place),
-        (new, place): (&Interface, Place),
+        &mut self,
+        values: &ValueEncoder,
+        (old, earlier): (&Interface, NodeAddress),
+        (new, address): (&Interface, NodeAddress),
         identifier: &str,
     ) {
         let mut before: HashMap<String, DataValue> =
-            self.variables(old, earlier, identifier).into_iter().collect();
+            values.variables(old, earlier, identifier).into_iter().collect();
         let mut is_changed = false;
-        for (id, value) in self.variables(new, place, identifier) {
+        for (id, value) in values.variables(new, address, identifier) {
             match before.remove(&id) {
                 Some(earlier) if is_same(&earlier, &value, id == identifier) => {}
                 Some(_) => {
                     is_changed = true;
-                    // The version follows from what else changed.
+                    // The version follows from the other changes.
                     if !id.ends_with("#NodeVersion") {
-                        difference.changed.push((id, value));
+                        self.changed.push((id, value));
                     }
                 }
                 None => {
                     is_changed = true;
-                    difference.affect(new, place, verb::REFERENCE_ADDED);
-                    difference.changed.push((id, value));
+                    self.affect(new, address, verb::REFERENCE_ADDED);
+                    self.changed.push((id, value));
                 }
             }
         }
         for id in before.into_keys() {
             is_changed = true;
-            difference.affect(new, place, verb::REFERENCE_DELETED);
-            difference.gone_parts.push(id);
+            self.affect(new, address, verb::REFERENCE_DELETED);
+            self.removed_parts.push(id);
         }
-        if let (Place::Field(before), Place::Field(now)) = (earlier, place) {
+        if let (NodeAddress::Field(before), NodeAddress::Field(now)) = (earlier, address) {
             let (before, now) = (old.field(before).1, new.field(now).1);
             if (before.field_type, before.value_rank) != (now.field_type, now.value_rank) {
                 is_changed = true;
-                difference.affect(new, place, verb::DATA_TYPE_CHANGED);
+                self.affect(new, address, verb::DATA_TYPE_CHANGED);
             }
         }
-        if let (Place::Relation(before), Place::Relation(now)) = (earlier, place) {
+        if let (NodeAddress::Relation(before), NodeAddress::Relation(now)) = (earlier, address) {
             let ends = |interface: &Interface, relation| {
                 let relation = interface.relation(relation);
                 let ends = (
@@ -217,32 +185,50 @@ impl AsiProvider {
                 (relation.relation_type, ends)
             };
             if ends(old, before) != ends(new, now) {
-                difference.affect_related(old, before, new, verb::REFERENCE_DELETED);
-                difference.affect_related(new, now, new, verb::REFERENCE_ADDED);
+                self.affect_related(old, before, new, verb::REFERENCE_DELETED);
+                self.affect_related(new, now, new, verb::REFERENCE_ADDED);
             }
         }
-        difference.nodes_changed += usize::from(is_changed);
+        self.nodes_changed += usize::from(is_changed);
     }
 
-    /// The containers whose references changed.
-    pub(super) fn changed_containers(difference: &Difference) -> HashSet<&str> {
+    /// Returns the containers whose references changed.
+    pub(super) fn changed_containers(&self) -> HashSet<&str> {
         let verbs = verb::REFERENCE_ADDED | verb::REFERENCE_DELETED;
-        difference
-            .affected
+        self.affected
             .iter()
             .filter(|(_, a)| a.verbs & verbs != 0)
             .map(|(id, _)| id.as_str())
             .collect()
     }
 
-    /// The type definition's node id of an affected node, null for the variables of fields.
-    pub(super) fn affected_type(&self, affected: Affected) -> NodeId {
-        if affected.type_id == 0 { NodeId::null() } else { self.type_id(affected.type_id) }
+    fn affect(&mut self, interface: &Interface, address: NodeAddress, verbs: u8) {
+        let affected = self.affected.entry(interface.identifier(address)).or_default();
+        affected.type_id = interface.type_of(address).unwrap_or(0);
+        affected.verbs |= verbs;
+    }
+
+    /// Notes that the references of both operations of a relation changed.
+    fn affect_related(&mut self, of: &Interface, relation: u32, current: &Interface, verbs: u8) {
+        let relation = of.relation(relation);
+        for id in [&relation.predecessor_operation_id, &relation.successor_operation_id] {
+            if let Some(operation) = current.find_operation_id(id) {
+                self.affect(current, NodeAddress::Operation(operation), verbs);
+            }
+        }
     }
 }
 
-/// Properties carry the time of the whole document, which says nothing; fields carry their
-/// source's.
+fn by_identifier(interface: &Interface) -> HashMap<String, NodeAddress> {
+    interface
+        .addresses()
+        .into_iter()
+        .map(|address| (interface.identifier(address), address))
+        .collect()
+}
+
+/// Compares two values. The time counts only for fields, which have that of their source; properties
+/// have that of the whole document.
 fn is_same(a: &DataValue, b: &DataValue, with_time: bool) -> bool {
     a.value == b.value
         && a.status == b.status

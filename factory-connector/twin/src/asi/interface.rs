@@ -1,8 +1,8 @@
 //! One Activity Status Interface: the network as it was received, indexes into it, and a record for
 //! every field.
 //!
-//! Lists inside a network may be long, so everything is found by binary search over positions; the
-//! positions cost four bytes an entry.
+//! Lists inside a network may be long, so elements are found by binary search over ordered indexes of
+//! four bytes each.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -16,36 +16,36 @@ use asi_model::{
 };
 use parking_lot::RwLock;
 
-use super::place::Place;
+use super::node_address::NodeAddress;
 use crate::document::{AsiDocument, FieldRecord};
 
-/// One dynamic data request within its network.
+/// Position of a dynamic data request within its network.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RequestSlot {
     pub operation: u32,
     pub position: u32,
-    /// The number of its first field among all fields of the network.
+    /// Index of its first field among all fields of the network.
     pub first_field: u32,
     pub data_set_writer_id: Option<u16>,
 }
 
 /// One Activity Status Interface.
 pub(super) struct Interface {
-    /// Its place in the order of arrival; never reused.
+    /// Number in the order of arrival; never reused.
     pub sequence: u64,
     pub message: Arc<OperationNetworkMessage>,
     pub received_at: DateTime,
     pub requests: Box<[RequestSlot]>,
-    /// NodeVersion of everything that is not in `versions`.
+    /// NodeVersion of all nodes that are not in `versions`.
     pub base_version: u64,
-    /// NodeVersion of what changed after the interface came.
-    pub versions: HashMap<Place, u64>,
+    /// NodeVersions that differ from the base version.
+    pub versions: HashMap<NodeAddress, u64>,
     operations_by_id: Box<[u32]>,
     relations_by_id: Box<[u32]>,
     requests_by_id: Box<[u32]>,
-    /// Field numbers; each request's range is ordered by name.
+    /// Field indexes; each request's range is ordered by name.
     fields_by_name: Box<[u32]>,
-    /// (operation, relation) ordered by operation: the relations that name it.
+    /// Pairs of operation and relation, ordered by operation.
     relations_by_operation: Box<[(u32, u32)]>,
     pub records: RwLock<Box<[FieldRecord]>>,
 }
@@ -65,7 +65,7 @@ fn find(order: &[u32], compare: impl Fn(usize) -> std::cmp::Ordering) -> Option<
 }
 
 impl Interface {
-    /// Indexes a document. `versions` are taken over from the state before, where there was one.
+    /// Indexes a document; `versions` is empty at first.
     pub fn new(document: AsiDocument, sequence: u64, base_version: u64) -> Self {
         let AsiDocument { message, received_at, writers, mut fields } = document;
         let network = &message.operation_network;
@@ -120,27 +120,32 @@ impl Interface {
         }
     }
 
+    /// Returns the network as it was received.
     pub fn network(&self) -> &OperationNetwork {
         &self.message.operation_network
     }
 
+    /// Returns an operation by its index.
     pub fn operation(&self, operation: u32) -> &Operation {
         &self.network().operation_list[operation as usize]
     }
 
+    /// Returns a relation by its index.
     pub fn relation(&self, relation: u32) -> &OperationRelation {
         &self.network().operation_relation_list[relation as usize]
     }
 
+    /// Returns a request by its index.
     pub fn request(&self, request: u32) -> &DynamicDataRequest {
         request_of(self.network(), &self.requests[request as usize])
     }
 
+    /// Returns the position of a request in the network.
     pub fn slot(&self, request: u32) -> &RequestSlot {
         &self.requests[request as usize]
     }
 
-    /// The request that a field belongs to, and the field's definition.
+    /// Returns the request of a field, and the field's definition.
     pub fn field(&self, field: u32) -> (u32, &ReportField) {
         let request = self.requests.partition_point(|slot| slot.first_field <= field) - 1;
         let request = position(request);
@@ -148,24 +153,25 @@ impl Interface {
         (request, &self.request(request).report_data_format.report_field_list[within as usize])
     }
 
+    /// Returns a copy of a field's record.
     pub fn record(&self, field: u32) -> FieldRecord {
         self.records.read()[field as usize].clone()
     }
 
-    /// The numbers of a request's fields.
+    /// Returns the indexes of a request's fields.
     pub fn fields_of(&self, request: u32) -> std::ops::Range<u32> {
         let first = self.slot(request).first_field;
         first..first + position(self.request(request).report_data_format.report_field_list.len())
     }
 
-    /// The numbers of an operation's requests.
+    /// Returns the indexes of an operation's requests.
     pub fn requests_of(&self, operation: u32) -> std::ops::Range<u32> {
         let first = self.requests.partition_point(|slot| slot.operation < operation);
         let last = self.requests.partition_point(|slot| slot.operation <= operation);
         position(first)..position(last)
     }
 
-    /// The relations that name an operation.
+    /// Returns the relations of an operation.
     pub fn relations_of(&self, operation: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.relations_by_operation.partition_point(|(o, _)| *o < operation);
         self.relations_by_operation[first..]
@@ -174,16 +180,19 @@ impl Interface {
             .map(|(_, r)| *r)
     }
 
+    /// Finds an operation by the text of its id.
     pub fn find_operation(&self, id: &str) -> Option<u32> {
         find(&self.operations_by_id, |i| {
             AsRef::<str>::as_ref(&self.network().operation_list[i].operation_id).cmp(id)
         })
     }
 
+    /// Finds an operation by its id.
     pub fn find_operation_id(&self, id: &OperationId) -> Option<u32> {
         self.find_operation(id.as_str())
     }
 
+    /// Finds a relation by its id.
     pub fn find_relation(&self, id: &str) -> Option<u32> {
         find(&self.relations_by_id, |i| {
             let relation_id: &OperationRelationId =
@@ -192,7 +201,7 @@ impl Interface {
         })
     }
 
-    /// A request by its id and its operation's.
+    /// Finds a request by its id and its operation's.
     pub fn find_request(&self, operation_id: &str, id: &str) -> Option<u32> {
         find(&self.requests_by_id, |i| {
             let request_id: &DynamicDataRequestId =
@@ -202,6 +211,7 @@ impl Interface {
         })
     }
 
+    /// Finds a field of a request by its name.
     pub fn find_field(&self, request: u32, name: &str) -> Option<u32> {
         let range = self.fields_of(request);
         let order = &self.fields_by_name[range.start as usize..range.end as usize];
@@ -212,6 +222,7 @@ impl Interface {
         })
     }
 
+    /// Finds a field by its key.
     pub fn find_key(&self, key: &FieldKey) -> Option<u32> {
         let request = self.find_request(
             key.request.operation_id.as_str(),
@@ -220,6 +231,7 @@ impl Interface {
         self.find_field(request, key.field_name.as_str())
     }
 
+    /// Returns the key of a field.
     pub fn key_of(&self, field: u32) -> FieldKey {
         let (request, definition) = self.field(field);
         let key = RequestKey {
@@ -230,7 +242,7 @@ impl Interface {
         key.field(definition.name.clone())
     }
 
-    /// The DataSetWriterIds, by request.
+    /// Returns the DataSetWriterIds by request.
     pub fn writers(&self) -> HashMap<RequestKey, u16> {
         let with_writer = self.network().requests().zip(&self.requests);
         with_writer
@@ -238,16 +250,16 @@ impl Interface {
             .collect()
     }
 
-    /// The field that says an operation's state, if the operation has one.
+    /// Returns the field that discloses an operation's state.
     pub fn state_field(&self, operation: u32) -> Option<u32> {
         self.requests_of(operation)
             .flat_map(|request| self.fields_of(request))
             .find(|field| self.field(*field).1.semantic == Some(Semantic::OperationState))
     }
 
-    /// The NodeVersion of a container.
-    pub fn version(&self, place: Place) -> u64 {
-        self.versions.get(&place).copied().unwrap_or(self.base_version)
+    /// Returns the NodeVersion of a node.
+    pub fn version(&self, address: NodeAddress) -> u64 {
+        self.versions.get(&address).copied().unwrap_or(self.base_version)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The type model of [`asi_types`](asi_model::asi_types), and the few parts that no type declares.
+//! Type model of [`asi_types`](asi_model::asi_types), with the few parts that no type declares.
 
 pub(crate) use asi_model::asi_types::{
     ASI_MODEL_VERSION, ASI_NAMESPACE_URI, Argument as DeclaredArgument, DYNAMIC_DATA_REQUEST_TYPE,
@@ -22,7 +22,7 @@ pub(crate) static UNIT_PART: Part = standard("EngineeringUnits", DataTypeId::EUI
 pub(crate) static INPUT_ARGUMENTS: Part = standard("InputArguments", DataTypeId::Argument, 1);
 /// A property of a method.
 pub(crate) static OUTPUT_ARGUMENTS: Part = standard("OutputArguments", DataTypeId::Argument, 1);
-/// The properties of the folder that holds all interfaces.
+/// The properties of the folder of all interfaces.
 pub(crate) static FOLDER_PARTS: [Part; 1] = [standard("NodeVersion", DataTypeId::String, -1)];
 
 const fn standard(name: &'static str, data_type: DataTypeId, value_rank: i32) -> Part {
@@ -30,7 +30,7 @@ const fn standard(name: &'static str, data_type: DataTypeId, value_rank: i32) ->
     Part { name, is_standard: true, is_mandatory: false, kind: PartKind::Property(value) }
 }
 
-/// Who may call a method, by its name.
+/// Returns the least role that may call a method.
 pub(crate) fn callable_by(method_name: &str) -> Role {
     if method_name == "Decide" { Role::Engineer } else { Role::Viewer }
 }

@@ -1,10 +1,6 @@
 //! Activity Status Interfaces as a node provider.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    ops::ControlFlow,
-    sync::Arc,
-};
+use std::{ops::ControlFlow, sync::Arc};
 
 use asi_model::{OperationNetworkId, instance::FOLDER_ID};
 use async_trait::async_trait;
@@ -12,24 +8,24 @@ use opcua_stack::{
     NamespaceTable,
     opcua::{
         server::{SubscriptionCache, node_manager::MonitoredItemRef},
-        types::{
-            DataValue, Identifier, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode,
-            Variant,
-        },
+        types::{DataValue, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode, Variant},
     },
-    values::to_stack,
 };
 use parking_lot::{Mutex, RwLock};
 
 use super::{
     interface::Interface,
-    model::{self, FOLDER_PARTS, Part},
-    place::{self, Place},
+    interfaces::Interfaces,
+    location::{self, Located, Location},
+    model::{self, FOLDER_PARTS},
+    node_address::NodeAddress,
+    node_ids::NodeIds,
+    nodes, references,
     references::reference,
+    values::ValueEncoder,
 };
 use crate::{
     access::{FieldWriter, TwinUser},
-    document::FieldRecord,
     events::EventReporter,
     provider::{
         CallOutcome, Node, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
@@ -39,34 +35,25 @@ use crate::{
 
 /// Provides the instances.
 pub(crate) struct AsiProvider {
-    /// Index of the type namespace.
-    pub(super) types: u16,
-    /// Index of the instance namespace.
-    pub(super) instances: u16,
+    pub(super) ids: NodeIds,
+    /// URI of the instance namespace.
     uri: String,
-    pub(super) state: RwLock<Interfaces>,
-    /// Held while something is stored and told to subscribers, so that both happen in one order.
+    pub(super) interfaces: RwLock<Interfaces>,
+    /// Held while a change is stored and published, so that both happen in one order.
     pub(super) publishing: Mutex<()>,
     pub(super) subscriptions: Arc<SubscriptionCache>,
-    pub(super) namespaces: NamespaceTable,
+    pub(super) values: ValueEncoder,
     pub(super) writer: Arc<dyn FieldWriter>,
     pub(super) events: Arc<EventReporter>,
 }
 
-/// All interfaces. Locked for moments only: what is expensive happens outside.
-#[derive(Default)]
-pub(super) struct Interfaces {
-    pub by_id: HashMap<OperationNetworkId, Arc<Interface>>,
-    pub by_sequence: BTreeMap<u64, OperationNetworkId>,
-    pub last_sequence: u64,
-    /// NodeVersion of the folder.
-    pub version: u64,
-}
-
-/// What an [`AsiProvider`] needs from the server around it.
+/// Dependencies of an [`AsiProvider`] in the server around it.
 pub(crate) struct AsiSurroundings {
+    /// Index of the type namespace.
     pub types: u16,
+    /// Index of the instance namespace.
     pub instances: u16,
+    /// URI of the instance namespace.
     pub uri: String,
     pub subscriptions: Arc<SubscriptionCache>,
     pub namespaces: NamespaceTable,
@@ -74,95 +61,40 @@ pub(crate) struct AsiSurroundings {
     pub events: Arc<EventReporter>,
 }
 
-/// A node that was found.
-pub(super) enum Located {
-    Folder(Option<&'static Part>),
-    Node(At),
-}
-
-/// A node within an interface: a place, a part of it, or a property of that part.
-pub(super) struct At {
-    pub interface: Arc<Interface>,
-    pub place: Place,
-    pub part: Option<&'static Part>,
-    pub below: Option<&'static Part>,
-}
-
 impl AsiProvider {
+    /// Creates a provider without interfaces.
     pub fn new(surroundings: AsiSurroundings) -> Self {
         let AsiSurroundings { types, instances, uri, subscriptions, namespaces, writer, events } =
             surroundings;
+        let ids = NodeIds { types, instances };
         Self {
-            types,
-            instances,
+            ids,
             uri,
-            state: RwLock::default(),
+            interfaces: RwLock::default(),
             publishing: Mutex::new(()),
             subscriptions,
-            namespaces,
+            values: ValueEncoder { namespaces, ids },
             writer,
             events,
         }
     }
 
-    /// How many interfaces there are.
+    /// Returns the number of interfaces.
     pub fn count(&self) -> usize {
-        self.state.read().by_id.len()
+        self.interfaces.read().len()
     }
 
     pub(super) fn interface(&self, id: &str) -> Option<Arc<Interface>> {
-        self.state.read().by_id.get(id).cloned()
+        self.interfaces.read().get(id)
     }
 
-    /// Finds the node behind an id.
+    /// Finds the node with this NodeId.
     pub(super) fn locate(&self, node_id: &NodeId) -> Option<Located> {
-        let Identifier::String(identifier) = &node_id.identifier else { return None };
-        let identifier = identifier.as_ref();
-        if node_id.namespace != self.instances {
-            return None;
-        }
-        if let Some(rest) = identifier.strip_prefix(FOLDER_ID) {
-            let part = match rest.strip_prefix('#') {
-                Some(name) => Some(FOLDER_PARTS.iter().find(|part| part.name == name)?),
-                None if rest.is_empty() => None,
-                None => return None,
-            };
-            return Some(Located::Folder(part));
-        }
-        let parsed = place::Identifier::parse(identifier)?;
-        let interface = self.interface(&parsed.network)?;
-        let (place, names) = parsed.locate(&interface)?;
-        let (part, below) = match names {
-            [] => (None, None),
-            [name] => (Some(interface.part(place, name)?), None),
-            [name, below] => {
-                let part = interface.part(place, name)?;
-                let parts = interface.parts_of_part(place, part);
-                (Some(part), Some(parts.into_iter().find(|p| p.name == *below)?))
-            }
-            _ => return None,
-        };
-        Some(Located::Node(At { interface, place, part, below }))
-    }
-
-    pub(super) fn id(&self, identifier: String) -> NodeId {
-        NodeId::new(self.instances, identifier)
-    }
-
-    pub(super) fn type_id(&self, id: u32) -> NodeId {
-        NodeId::new(self.types, id)
-    }
-
-    /// What a client reads from a field's variable.
-    pub(super) fn shown(&self, record: &FieldRecord) -> DataValue {
-        to_stack(&record.shown_value(), &self.namespaces).unwrap_or_else(|error| {
-            tracing::warn!(%error, "A value cannot be shown in OPC UA Binary.");
-            DataValue { status: Some(StatusCode::BadEncodingError), ..DataValue::default() }
-        })
+        location::locate(self.ids, &self.interfaces, node_id)
     }
 
     fn folder_version(&self) -> DataValue {
-        let version = self.state.read().version.to_string();
+        let version = self.interfaces.read().version().to_string();
         DataValue {
             value: Some(version.into()),
             status: Some(StatusCode::Good),
@@ -178,17 +110,21 @@ impl NodeProvider for AsiProvider {
     }
 
     fn namespaces(&self) -> Vec<ProvidedNamespace> {
-        vec![ProvidedNamespace { index: self.instances, uri: self.uri.clone(), version: None }]
+        vec![ProvidedNamespace { index: self.ids.instances, uri: self.uri.clone(), version: None }]
     }
 
     fn node(&self, node_id: &NodeId) -> Option<Node> {
         Some(match self.locate(node_id)? {
-            Located::Folder(part) => self.folder_node(part),
-            Located::Node(At { below: Some(below), .. }) => self.part_node(below, None),
-            Located::Node(At { interface, place, part: Some(part), .. }) => {
-                self.part_node(part, interface.unit_of(place, part))
+            Located::Folder(part) => nodes::folder(self.ids, part),
+            Located::Node(Location { below: Some(below), .. }) => {
+                nodes::part(self.ids, below, None)
             }
-            Located::Node(At { interface, place, .. }) => self.place_node(&interface, place),
+            Located::Node(Location { interface, address, part: Some(part), .. }) => {
+                nodes::part(self.ids, part, interface.unit_of(address, part))
+            }
+            Located::Node(Location { interface, address, .. }) => {
+                nodes::object_or_field(self.ids, &interface, address)
+            }
         })
     }
 
@@ -196,15 +132,18 @@ impl NodeProvider for AsiProvider {
         match self.locate(node_id)? {
             Located::Folder(None) => None,
             Located::Folder(Some(_)) => Some(self.folder_version()),
-            Located::Node(At { interface, place, part: Some(part), below: Some(below) }) => {
-                interface.part_of_part_value(place, part, below, self.types)
+            Located::Node(Location {
+                interface,
+                address,
+                part: Some(part),
+                below: Some(below),
+            }) => interface.part_of_part_value(address, part, below, self.ids.types),
+            Located::Node(Location { interface, address, part: Some(part), .. }) => {
+                interface.part_value(address, part)
             }
-            Located::Node(At { interface, place, part: Some(part), .. }) => {
-                interface.part_value(place, part)
-            }
-            Located::Node(At { interface, place: Place::Field(field), .. }) => {
+            Located::Node(Location { interface, address: NodeAddress::Field(field), .. }) => {
                 let records = interface.records.read();
-                Some(self.shown(&records[field as usize]))
+                Some(self.values.field(&records[field as usize]))
             }
             Located::Node(_) => None,
         }
@@ -213,24 +152,36 @@ impl NodeProvider for AsiProvider {
     fn references(&self, node_id: &NodeId, after: u64, visit: &mut ReferenceVisitor<'_>) {
         if *node_id == ObjectId::ObjectsFolder {
             if after == 0 {
-                // The only one, so it does not matter whether the visitor wants more.
+                // It is the only one, so the visitor's answer does not matter.
                 let _: ControlFlow<()> = visit(
                     1,
-                    reference(ReferenceTypeId::Organizes, true, self.id(FOLDER_ID.to_owned())),
+                    reference(
+                        ReferenceTypeId::Organizes,
+                        true,
+                        self.ids.instance(FOLDER_ID.to_owned()),
+                    ),
                 );
             }
             return;
         }
         let references = match self.locate(node_id) {
             None => return,
-            Some(Located::Folder(None)) => return self.folder_references(after, visit),
+            Some(Located::Folder(None)) => {
+                return references::of_folder(self.ids, &self.interfaces, after, visit);
+            }
             Some(Located::Folder(Some(_))) => vec![
-                reference(ReferenceTypeId::HasProperty, false, self.id(FOLDER_ID.to_owned())),
+                reference(
+                    ReferenceTypeId::HasProperty,
+                    false,
+                    self.ids.instance(FOLDER_ID.to_owned()),
+                ),
                 reference(ReferenceTypeId::HasTypeDefinition, true, model::PROPERTY_TYPE.into()),
             ],
-            Some(Located::Node(at)) => match at.part {
-                Some(part) => self.part_references(&at, part),
-                None => self.place_references(&at.interface, at.place),
+            Some(Located::Node(location)) => match location.part {
+                Some(part) => references::of_part(self.ids, &location, part),
+                None => {
+                    references::of_object_or_field(self.ids, &location.interface, location.address)
+                }
             },
         };
         for (position, reference) in
@@ -249,12 +200,17 @@ impl NodeProvider for AsiProvider {
     ) -> Option<Vec<Reference>> {
         let Some(Located::Folder(None)) = self.locate(node_id) else { return None };
         let name = browse_name.name.as_ref();
-        if browse_name.namespace_index == self.instances {
+        if browse_name.namespace_index == self.ids.instances {
             let id = OperationNetworkId::new(name).ok()?;
-            return Some(self.interface(name).map(|_| self.organizes(&id)).into_iter().collect());
+            return Some(
+                self.interface(name)
+                    .map(|_| references::organizes(self.ids, &id))
+                    .into_iter()
+                    .collect(),
+            );
         }
         let part = FOLDER_PARTS.iter().find(|part| part.is_standard && part.name == name);
-        let target = part.map(|part| self.id(format!("{FOLDER_ID}#{}", part.name)));
+        let target = part.map(|part| self.ids.instance(format!("{FOLDER_ID}#{}", part.name)));
         Some(
             target
                 .map(|id| reference(ReferenceTypeId::HasProperty, true, id))
@@ -263,8 +219,8 @@ impl NodeProvider for AsiProvider {
         )
     }
 
-    fn tell_again(&self, items: &[&MonitoredItemRef]) {
-        self.tell_present_values(items);
+    fn publish_present(&self, items: &[&MonitoredItemRef]) {
+        self.publish_present_values(items);
     }
 
     async fn write(&self, user: &TwinUser, request: WriteRequest<'_>) -> StatusCode {

@@ -10,11 +10,11 @@ use opcua_stack::opcua::types::{
 };
 
 use super::{
+    data_types::{argument_values, data_type_id},
     model::{
         self, ENUMERATIONS, Enumeration, INPUT_ARGUMENTS, OBJECT_TYPES, OUTPUT_ARGUMENTS,
         ObjectType, Part, PartKind, REFERENCE_TYPES, ReferenceSupertype,
     },
-    parts::{argument_values, data_type_id},
 };
 use crate::{
     access::TwinUser,
@@ -33,17 +33,17 @@ const OUTPUT_ARGUMENTS_OFFSET: u32 = 2_000_000;
 /// The number of an enumeration's EnumStrings.
 const ENUM_STRINGS: u32 = 1;
 
-/// Provides the types. All is computed once: the types do not change while the server runs.
+/// Provides the types. All nodes are computed once: the types do not change while the server runs.
 pub(crate) struct TypeProvider {
     index: u16,
     nodes: HashMap<u32, (Node, Option<Variant>)>,
-    /// All references, both ways, by the node they begin at.
+    /// All references in both directions, by the node that they start from.
     references: HashMap<NodeId, Vec<Reference>>,
     types: Vec<(NodeId, NodeId, NodeClass)>,
 }
 
 impl TypeProvider {
-    /// The types in the namespace with this index.
+    /// Creates the types in the namespace with this index.
     pub fn new(index: u16) -> Self {
         let mut this =
             Self { index, nodes: HashMap::new(), references: HashMap::new(), types: Vec::new() };
@@ -147,7 +147,7 @@ impl TypeProvider {
             type_definition: type_definition.clone(),
             class,
         };
-        // A declaration has no value of its own; null stands for it.
+        // A declaration has no value of its own, so it is null.
         let value = matches!(part.kind, PartKind::Property(_) | PartKind::Component(_))
             .then_some(Variant::Empty);
         self.nodes.insert(id, (node, value));
@@ -228,8 +228,8 @@ impl TypeProvider {
         );
     }
 
-    /// A reference that the target's side does not list, as type definitions and modelling rules
-    /// would be long lists.
+    /// Adds a reference only at its source: type definitions and modelling rules would list very
+    /// many.
     fn refer_forward(&mut self, from: &NodeId, reference_type: ReferenceTypeId, to: NodeId) {
         let reference =
             Reference { reference_type: reference_type.into(), is_forward: true, target: to };
@@ -251,7 +251,7 @@ impl TypeProvider {
         }
     }
 
-    /// The node id of a method's declaration, so that clients may call the type's method on an
+    /// Returns the NodeId of a method's declaration: clients may call the type's method on an
     /// object.
     pub fn method_declaration(index: u16, type_id: u32, name: &str) -> Option<NodeId> {
         let number =
@@ -329,7 +329,7 @@ impl NodeProvider for TypeProvider {
     }
 }
 
-/// The type definition of folders.
+/// Returns the type definition of folders.
 pub(super) fn folder_type() -> NodeId {
     ObjectTypeId::FolderType.into()
 }

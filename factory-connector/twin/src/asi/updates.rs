@@ -1,9 +1,9 @@
-//! Applying documents, values and decisions, and telling those who listen.
+//! Updates: documents, values and decisions are stored and published to subscribers.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use asi_model::{
-    DataValue as ModelValue, DateTime, FieldKey, OperationNetworkId, instance::FOLDER_ID,
+    DataValue as ModelValue, FieldKey, OperationNetworkId, instance::FOLDER_ID,
     messages::MappingState,
 };
 use opcua_stack::opcua::{
@@ -14,7 +14,7 @@ use opcua_stack::opcua::{
 use super::{
     difference::{Difference, verb},
     interface::Interface,
-    place::Place,
+    node_address::NodeAddress,
     provider::AsiProvider,
 };
 use crate::{
@@ -23,8 +23,8 @@ use crate::{
     provider::NodeProvider as _,
 };
 
-/// The attributes of which a removed node's monitored items are told; Value comes first.
-const ATTRIBUTES_TOLD: [AttributeId; 9] = [
+/// Attributes whose monitored items are notified when a node is removed; Value is the first.
+const NOTIFIED_ATTRIBUTES: [AttributeId; 9] = [
     AttributeId::Value,
     AttributeId::NodeId,
     AttributeId::NodeClass,
@@ -36,31 +36,31 @@ const ATTRIBUTES_TOLD: [AttributeId; 9] = [
     AttributeId::UserAccessLevel,
 ];
 
-/// Most nodes whose subscribers are told under one lock.
-const TOLD_AT_ONCE_MAX: usize = 10_000;
+/// Most nodes whose subscribers are notified under one lock.
+const NOTIFIED_AT_ONCE_MAX: usize = 10_000;
 
 impl AsiProvider {
-    /// Shows a document, as a new interface or in place of the one before.
+    /// Shows a document, as a new interface or as the new state of an existing one.
     pub fn apply(&self, document: AsiDocument) -> Applied {
         let _order = self.publishing.lock();
         let id = document.message.operation_network.operation_network_id.clone();
         let revision = document.message.revision;
         let old = self.interface(id.as_str());
         let sequence =
-            old.as_ref().map_or_else(|| self.state.read().last_sequence + 1, |old| old.sequence);
+            old.as_ref().map_or_else(|| self.interfaces.read().next_sequence(), |old| old.sequence);
         let mut new = Interface::new(document, sequence, revision);
         let difference = match &old {
-            Some(old) => self.difference(old, &new),
-            None => self.all_added(&new),
+            Some(old) => Difference::between(&self.values, old, &new),
+            None => Difference::all_added(&new),
         };
         if let Some(old) = &old {
-            keep_versions(old, &mut new, &difference);
+            carry_versions(old, &mut new, &difference);
         }
         let new = Arc::new(new);
-        self.store(id, &new, old.is_none());
-        self.tell(&difference, Some(&new));
+        self.interfaces.write().put(id, &new);
+        self.publish(&difference, Some(&new));
         if old.is_none() {
-            self.tell_folder();
+            self.publish_folder_version();
         }
         self.report(&difference, old.is_none().then_some(verb::REFERENCE_ADDED), Some(&new));
         Applied {
@@ -70,35 +70,13 @@ impl AsiProvider {
         }
     }
 
-    fn store(&self, id: OperationNetworkId, new: &Arc<Interface>, is_new: bool) {
-        let mut state = self.state.write();
-        if is_new {
-            state.last_sequence = new.sequence;
-            state.by_sequence.insert(new.sequence, id.clone());
-            state.version = next_version(state.version);
-        }
-        state.by_id.insert(id, Arc::clone(new));
-    }
-
-    /// Takes an interface away.
+    /// Removes an interface. False when it does not exist.
     pub fn remove_interface(&self, id: &OperationNetworkId) -> bool {
         let _order = self.publishing.lock();
-        let removed = {
-            let mut state = self.state.write();
-            let removed = state.by_id.remove(id);
-            if let Some(interface) = &removed {
-                state.by_sequence.remove(&interface.sequence);
-                state.version = next_version(state.version);
-                if state.by_id.capacity() > 4 * state.by_id.len() + 64 {
-                    state.by_id.shrink_to_fit();
-                }
-            }
-            removed
-        };
-        let Some(interface) = removed else { return false };
-        let difference = self.all_removed(&interface);
-        self.tell(&difference, None);
-        self.tell_folder();
+        let Some(interface) = self.interfaces.write().remove(id) else { return false };
+        let difference = Difference::all_removed(&interface);
+        self.publish(&difference, None);
+        self.publish_folder_version();
         self.report(&difference, Some(verb::REFERENCE_DELETED), None);
         true
     }
@@ -107,7 +85,7 @@ impl AsiProvider {
     pub fn publish_values(&self, values: Vec<(FieldKey, ModelValue)>) -> usize {
         let _order = self.publishing.lock();
         let mut shown = 0;
-        let mut told = Vec::with_capacity(values.len());
+        let mut changed = Vec::with_capacity(values.len());
         for (key, value) in values {
             let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else {
                 continue;
@@ -120,40 +98,41 @@ impl AsiProvider {
                     continue;
                 }
                 record.value = value;
-                self.shown(record)
+                self.values.field(record)
             };
             shown += 1;
-            told.push((interface.identifier(Place::Field(field)), visible));
-            self.push_state(&interface, field, &mut told);
+            changed.push((interface.identifier(NodeAddress::Field(field)), visible));
+            push_state(&interface, field, &mut changed);
         }
-        self.notify(&told);
+        self.notify(&changed);
         shown
     }
 
-    /// Shows a decision. False where the field does not exist.
+    /// Shows a decision. False when the field does not exist.
     pub fn publish_decision(&self, key: &FieldKey, record: FieldRecord) -> bool {
         let _order = self.publishing.lock();
         let Some(interface) = self.interface(key.request.operation_network_id.as_str()) else {
             return false;
         };
         let Some(field) = interface.find_key(key) else { return false };
-        let place = Place::Field(field);
-        let identifier = interface.identifier(place);
-        let before = self.variables(&interface, place, &identifier);
+        let address = NodeAddress::Field(field);
+        let identifier = interface.identifier(address);
+        let before = self.values.variables(&interface, address, &identifier);
         let old = std::mem::replace(&mut interface.records.write()[field as usize], record.clone());
-        let mut told: Vec<(String, DataValue)> = self
-            .variables(&interface, place, &identifier)
+        let mut changed: Vec<(String, DataValue)> = self
+            .values
+            .variables(&interface, address, &identifier)
             .into_iter()
             .zip(before)
             .filter(|(now, before)| now != before)
             .map(|(now, _)| now)
             .collect();
-        self.push_state(&interface, field, &mut told);
-        self.notify(&told);
+        push_state(&interface, field, &mut changed);
+        self.notify(&changed);
         if (old.mapping_state, old.value_source) != (record.mapping_state, record.value_source) {
             let user = record.decided_by.as_deref().unwrap_or_default();
             self.events.report_write(|| AuditWrite {
-                node_id: self.id(format!("{identifier}#MappingState")),
+                node_id: self.ids.instance(format!("{identifier}#MappingState")),
                 user: user.to_owned(),
                 status: StatusCode::Good,
                 old_value: (old.mapping_state as i32).into(),
@@ -164,22 +143,9 @@ impl AsiProvider {
         true
     }
 
-    /// A field that says its operation's state also changes the operation.
-    fn push_state(&self, interface: &Interface, field: u32, told: &mut Vec<(String, DataValue)>) {
-        let operation = interface.slot(interface.field(field).0).operation;
-        if interface.field(field).1.semantic == Some(asi_model::network::Semantic::OperationState)
-            && interface.state_field(operation) == Some(field)
-            && let place = Place::Operation(operation)
-            && let Some(value) =
-                interface.part(place, "State").and_then(|part| interface.part_value(place, part))
-        {
-            told.push((format!("{}#State", interface.identifier(place)), value));
-        }
-    }
-
-    /// Tells items that were just registered the present values; what they were told already is no
-    /// change to them.
-    pub(super) fn tell_present_values(&self, items: &[&MonitoredItemRef]) {
+    /// Publishes the present values to monitored items that were just registered. A value that an
+    /// item has already is no change to it.
+    pub(super) fn publish_present_values(&self, items: &[&MonitoredItemRef]) {
         let _order = self.publishing.lock();
         let mut notifier = self.subscriptions.data_notifier();
         for item in items.iter().filter(|item| item.attribute() == AttributeId::Value) {
@@ -197,12 +163,12 @@ impl AsiProvider {
     /// Pushes values into the monitored items of these variables.
     fn notify(&self, values: &[(String, DataValue)]) {
         let now = StackTime::now();
-        // Each notifier holds a lock that publishing needs.
-        for chunk in values.chunks(TOLD_AT_ONCE_MAX) {
+        // Chunks, because each notifier holds a lock that the publishing of all subscriptions needs.
+        for chunk in values.chunks(NOTIFIED_AT_ONCE_MAX) {
             let mut notifier = self.subscriptions.data_notifier();
             for (identifier, value) in chunk {
-                if let Some(mut items) =
-                    notifier.notify_for((self.instances, identifier.as_str()), AttributeId::Value)
+                if let Some(mut items) = notifier
+                    .notify_for((self.ids.instances, identifier.as_str()), AttributeId::Value)
                 {
                     items.data_value(DataValue { server_timestamp: Some(now), ..value.clone() });
                 }
@@ -210,22 +176,24 @@ impl AsiProvider {
         }
     }
 
-    fn tell(&self, difference: &Difference, new: Option<&Interface>) {
-        let gone = DataValue {
+    /// Publishes removed and changed variables.
+    fn publish(&self, difference: &Difference, new: Option<&Interface>) {
+        let removed = DataValue {
             status: Some(StatusCode::BadNodeIdUnknown),
             server_timestamp: Some(StackTime::now()),
             ..DataValue::default()
         };
-        for objects in difference.gone.chunks(TOLD_AT_ONCE_MAX) {
-            self.tell_gone(objects, &ATTRIBUTES_TOLD, &gone);
+        for objects in difference.removed.chunks(NOTIFIED_AT_ONCE_MAX) {
+            self.notify_removed(objects, &NOTIFIED_ATTRIBUTES, &removed);
         }
-        // Of a property only the value is worth monitoring.
-        for parts in difference.gone_parts.chunks(TOLD_AT_ONCE_MAX) {
-            self.tell_gone(parts, &ATTRIBUTES_TOLD[..1], &gone);
+        // Clients monitor only the value of a property.
+        for parts in difference.removed_parts.chunks(NOTIFIED_AT_ONCE_MAX) {
+            self.notify_removed(parts, &NOTIFIED_ATTRIBUTES[..1], &removed);
         }
         self.notify(&difference.changed);
         let Some(new) = new else { return };
-        let versions: Vec<(String, DataValue)> = Self::changed_containers(difference)
+        let versions: Vec<(String, DataValue)> = difference
+            .changed_containers()
             .into_iter()
             .map(|id| format!("{id}#NodeVersion"))
             .map(|id| (id, DataValue::new_now(new.message.revision.to_string())))
@@ -233,74 +201,88 @@ impl AsiProvider {
         self.notify(&versions);
     }
 
-    fn tell_gone(&self, identifiers: &[String], attributes: &[AttributeId], gone: &DataValue) {
+    fn notify_removed(
+        &self,
+        identifiers: &[String],
+        attributes: &[AttributeId],
+        removed: &DataValue,
+    ) {
         let mut notifier = self.subscriptions.data_notifier();
         for identifier in identifiers {
             for &attribute in attributes {
                 if let Some(mut items) =
-                    notifier.notify_for((self.instances, identifier.as_str()), attribute)
+                    notifier.notify_for((self.ids.instances, identifier.as_str()), attribute)
                 {
-                    items.data_value(gone.clone());
+                    items.data_value(removed.clone());
                 }
             }
         }
     }
 
-    fn tell_folder(&self) {
-        let version = self.state.read().version.to_string();
+    fn publish_folder_version(&self) {
+        let version = self.interfaces.read().version().to_string();
         self.notify(&[(format!("{FOLDER_ID}#NodeVersion"), DataValue::new_now(version))]);
     }
 
-    /// Reports model change and audit events, if anybody listens.
+    /// Reports model change and audit events, if a client subscribed to events.
     fn report(&self, difference: &Difference, folder: Option<u8>, new: Option<&Interface>) {
-        if difference.affected.is_empty() || !self.events.is_listened_to() {
+        if difference.affected.is_empty() || !self.events.has_subscribers() {
             return;
         }
         let mut changes: Vec<NodeChange> = difference
             .affected
             .iter()
             .map(|(identifier, affected)| NodeChange {
-                node_id: self.id(identifier.clone()),
-                type_id: self.affected_type(*affected),
+                node_id: self.ids.instance(identifier.clone()),
+                type_id: affected.type_definition(self.ids),
                 verbs: affected.verbs,
             })
             .collect();
         self.events.report_nodes(&changes, verb::NODE_ADDED, verb::NODE_DELETED);
         if let Some(verbs) = folder {
             let type_id = super::types::folder_type();
-            changes
-                .insert(0, NodeChange { node_id: self.id(FOLDER_ID.to_owned()), type_id, verbs });
+            changes.insert(
+                0,
+                NodeChange { node_id: self.ids.instance(FOLDER_ID.to_owned()), type_id, verbs },
+            );
         }
-        let what = match (folder, new) {
+        let message = match (folder, new) {
             (Some(_), Some(_)) => "An Activity Status Interface was added.",
             (Some(_), None) => "An Activity Status Interface was removed.",
             _ => "An Activity Status Interface was changed.",
         };
-        self.events.report_model_change(ModelChange { changes, message: what });
+        self.events.report_model_change(ModelChange { changes, message });
     }
 }
 
-/// NodeVersions of what a revision did not touch stay.
-fn keep_versions(old: &Interface, new: &mut Interface, difference: &Difference) {
-    let changed = AsiProvider::changed_containers(difference);
-    let before: std::collections::HashMap<String, Place> =
-        old.places().into_iter().map(|place| (old.identifier(place), place)).collect();
-    let kept: Vec<(Place, u64)> = new
-        .places()
+/// Adds the state of the operation if the field discloses it.
+fn push_state(interface: &Interface, field: u32, changed: &mut Vec<(String, DataValue)>) {
+    let operation = interface.slot(interface.field(field).0).operation;
+    if interface.field(field).1.semantic == Some(asi_model::network::Semantic::OperationState)
+        && interface.state_field(operation) == Some(field)
+        && let address = NodeAddress::Operation(operation)
+        && let Some(value) =
+            interface.part(address, "State").and_then(|part| interface.part_value(address, part))
+    {
+        changed.push((format!("{}#State", interface.identifier(address)), value));
+    }
+}
+
+/// Carries over the NodeVersions of nodes that a revision did not change.
+fn carry_versions(old: &Interface, new: &mut Interface, difference: &Difference) {
+    let changed = difference.changed_containers();
+    let before: HashMap<String, NodeAddress> =
+        old.addresses().into_iter().map(|address| (old.identifier(address), address)).collect();
+    let unchanged: Vec<(NodeAddress, u64)> = new
+        .addresses()
         .into_iter()
-        .filter_map(|place| {
-            let identifier = new.identifier(place);
+        .filter_map(|address| {
+            let identifier = new.identifier(address);
             let earlier = before.get(&identifier)?;
             let version = old.version(*earlier);
             (!changed.contains(identifier.as_str()) && version != new.base_version)
-                .then_some((place, version))
+                .then_some((address, version))
         })
         .collect();
-    new.versions.extend(kept);
-}
-
-/// A version that is higher than the one before, over restarts too.
-fn next_version(version: u64) -> u64 {
-    let now = DateTime::from(std::time::SystemTime::now());
-    (version + 1).max(u64::from(now.version_time()))
+    new.versions.extend(unchanged);
 }

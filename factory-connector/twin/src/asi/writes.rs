@@ -1,4 +1,4 @@
-//! What clients write and call: checked here, decided by the connector.
+//! Writes and method calls of clients: checked here, decided by the connector.
 
 use std::{sync::Arc, time::Duration};
 
@@ -15,11 +15,12 @@ use opcua_stack::{
 };
 
 use super::{
+    field_properties::engineering_range,
     interface::Interface,
+    location::{Located, Location},
     model,
-    parts::engineering_range,
-    place::Place,
-    provider::{AsiProvider, At, Located},
+    node_address::NodeAddress,
+    provider::AsiProvider,
     types::TypeProvider,
 };
 use crate::{
@@ -28,7 +29,7 @@ use crate::{
     provider::{CallOutcome, WriteRequest},
 };
 
-/// How long a client waits for the connector's answer at most.
+/// Time limit of the connector's answer to a client.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 /// Longest reason for a decision, in bytes.
 const REASON_BYTES_MAX: usize = 2000;
@@ -40,8 +41,12 @@ impl AsiProvider {
         request: WriteRequest<'_>,
     ) -> StatusCode {
         let located = self.locate(request.node_id);
-        let Some(Located::Node(At { interface, place: Place::Field(field), part: None, .. })) =
-            located
+        let Some(Located::Node(Location {
+            interface,
+            address: NodeAddress::Field(field),
+            part: None,
+            ..
+        })) = located
         else {
             return match located {
                 Some(_) => StatusCode::BadNotWritable,
@@ -54,7 +59,7 @@ impl AsiProvider {
             Ok(()) => {
                 let mut value = request.value.clone();
                 value.source_timestamp.get_or_insert_with(DateTime::now);
-                let value = from_stack(value, &self.namespaces);
+                let value = from_stack(value, &self.values.namespaces);
                 let key = interface.key_of(field);
                 let write = self.writer.write(&key, value, user);
                 match tokio::time::timeout(ANSWER_TIMEOUT, write).await {
@@ -69,7 +74,7 @@ impl AsiProvider {
             node_id: request.node_id.clone(),
             user: user.name.to_string(),
             status,
-            old_value: self.shown(&old).value.unwrap_or_default(),
+            old_value: self.values.field(&old).value.unwrap_or_default(),
             new_value: request.value.value.clone().unwrap_or_default(),
             message: "A client wrote the value of a report field.".to_owned(),
         });
@@ -91,11 +96,11 @@ impl AsiProvider {
         if !user.role.may_write() {
             return Err(StatusCode::BadUserAccessDenied);
         }
-        // What the node shows is the disclosed value; a part written into it would mix two things.
+        // The node shows the disclosed value. A part written into it would mix it with the raw one.
         if request.has_index_range {
             return Err(StatusCode::BadWriteNotSupported);
         }
-        let value = from_stack(request.value.clone(), &self.namespaces).value;
+        let value = from_stack(request.value.clone(), &self.values.namespaces).value;
         let (owner, definition) = interface.field(field);
         let operation = interface.operation(interface.slot(owner).operation);
         let planned = (operation.quantity_unit == definition.unit)
@@ -111,44 +116,48 @@ impl AsiProvider {
         method: &NodeId,
         arguments: &[Variant],
     ) -> CallOutcome {
-        let Some(Located::Node(At { interface, place, part: None, .. })) = self.locate(object)
+        let Some(Located::Node(Location { interface, address, part: None, .. })) =
+            self.locate(object)
         else {
             return CallOutcome::failed(StatusCode::BadNodeIdUnknown);
         };
-        let Some(name) = self.method_name(&interface, place, method) else {
+        let Some(name) = self.method_name(&interface, address, method) else {
             return CallOutcome::failed(StatusCode::BadMethodInvalid);
         };
-        match (place, name) {
-            (Place::Request(request), "Decide") => {
+        match (address, name) {
+            (NodeAddress::Request(request), "Decide") => {
                 self.decide(user, &interface, request, arguments).await
             }
-            (Place::Interface, "ExportNodeSet") if arguments.is_empty() => Self::export(&interface),
-            (Place::Interface, "ExportNodeSet") => {
+            (NodeAddress::Interface, "ExportNodeSet") if arguments.is_empty() => {
+                Self::export(&interface)
+            }
+            (NodeAddress::Interface, "ExportNodeSet") => {
                 CallOutcome::failed(StatusCode::BadTooManyArguments)
             }
             _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
         }
     }
 
-    /// The name of a method of this place, given as its own node or as its type's declaration.
+    /// Returns the name of a method of this node, given as its own node or as its type's
+    /// declaration.
     fn method_name(
         &self,
         interface: &Interface,
-        place: Place,
+        address: NodeAddress,
         method: &NodeId,
     ) -> Option<&'static str> {
-        let type_id = interface.type_of(place)?;
-        let identifier = interface.identifier(place);
+        let type_id = interface.type_of(address)?;
+        let identifier = interface.identifier(address);
         model::object_type(type_id)?.parts.iter().map(|part| part.name).find(|name| {
             match &method.identifier {
-                Identifier::String(id) if method.namespace == self.instances => {
+                Identifier::String(id) if method.namespace == self.ids.instances => {
                     id.as_ref()
                         .strip_prefix(identifier.as_str())
                         .and_then(|rest| rest.strip_prefix('#'))
                         == Some(name)
                 }
                 _ => {
-                    TypeProvider::method_declaration(self.types, type_id, name).as_ref()
+                    TypeProvider::method_declaration(self.ids.types, type_id, name).as_ref()
                         == Some(method)
                 }
             }
@@ -188,7 +197,7 @@ impl AsiProvider {
                 return CallOutcome::invalid_arguments(vec![
                     if matches!(field, Some(Some(_))) { StatusCode::Good } else { unknown },
                     state.err().unwrap_or(StatusCode::Good),
-                    // What remains wrong is a refusal without a reason.
+                    // The remaining fault is a refusal without a reason.
                     match reason {
                         Err(status) => status,
                         Ok(None) if state == Ok(MappingState::Refused) => {
@@ -207,8 +216,10 @@ impl AsiProvider {
             Err(_) => StatusCode::BadTimeout,
         };
         if status.is_bad() {
-            let node_id =
-                self.id(format!("{}#MappingState", interface.identifier(Place::Field(field))));
+            let node_id = self.ids.instance(format!(
+                "{}#MappingState",
+                interface.identifier(NodeAddress::Field(field))
+            ));
             let old_value = Variant::from(interface.record(field).mapping_state as i32);
             self.events.report_write(|| AuditWrite {
                 node_id,
@@ -222,7 +233,7 @@ impl AsiProvider {
         CallOutcome { status, outputs: Vec::new(), argument_statuses: Vec::new() }
     }
 
-    /// The interface as it stands, in the form that other servers load.
+    /// Exports the interface in its present state as a NodeSet, which other servers load.
     fn export(interface: &Interface) -> CallOutcome {
         let records = interface.records.read().clone();
         let fields = (0_u32..).zip(&records).map(|(number, record)| {
@@ -279,16 +290,16 @@ fn mapping_state(variant: &Variant) -> Result<MappingState, StatusCode> {
     }
 }
 
-/// Whether a value may become a field's: its type, its rank, its range.
+/// Checks type, rank and range of a field's value.
 fn check_value(
     definition: &ReportField,
     planned: Option<f64>,
     value: &ModelVariant,
 ) -> Result<(), StatusCode> {
-    let wanted = definition.field_type.0;
+    let expected = definition.field_type.0;
     let fits_type = value
         .built_in_type()
-        .is_some_and(|found| found == wanted || wanted == BuiltInType::Variant);
+        .is_some_and(|found| found == expected || expected == BuiltInType::Variant);
     let rank = match value {
         ModelVariant::Null => return Err(StatusCode::BadTypeMismatch),
         ModelVariant::Scalar(_) => VALUE_RANK_SCALAR,
@@ -314,7 +325,7 @@ fn check_value(
         };
         return if is_state { Ok(()) } else { Err(StatusCode::BadOutOfRange) };
     }
-    // Only a percentage has hard bounds: more than planned may well be produced.
+    // Only a percentage has hard bounds: production may exceed the plan.
     let is_percent = definition.semantic == Some(Semantic::PercentComplete);
     match (scalar.as_f64(), engineering_range(definition, planned)) {
         (Some(number), Some(range))

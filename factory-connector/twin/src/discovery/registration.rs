@@ -1,5 +1,5 @@
-//! Registration with a local discovery server (OPC 10000-4 §5.5.5, §5.5.6): repeated, so that a
-//! server that forgot the twin learns of it again, and taken back at the end.
+//! Registration with a local discovery server (OPC 10000-4 §5.5.5, §5.5.6): repeated, because servers
+//! drop registrations that are not renewed, and withdrawn at the end.
 
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
@@ -21,18 +21,18 @@ use tokio_util::sync::CancellationToken;
 
 use crate::security::{certificate, validation::Validator};
 
-/// How long one attempt may take: two connections, a key exchange and a request.
+/// Time limit of an attempt: two connections, a key exchange and a request.
 const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long taking leave may take.
-const LEAVE_TIMEOUT: Duration = Duration::from_secs(3);
-/// How long the discovery server may take to close a connection.
+/// Time limit of the withdrawal.
+const WITHDRAWAL_TIMEOUT: Duration = Duration::from_secs(3);
+/// Time limit of the discovery server to close a connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
-/// How long one request may take.
+/// Time limit of a request.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(10);
-/// The first pause after a failure; it doubles with each further one up to the interval.
+/// First pause after a failure; doubles with each further one up to the interval.
 const RETRY_FIRST: Duration = Duration::from_secs(5);
 
-/// Why the twin is not registered.
+/// Cause for which the twin is not registered.
 #[derive(Debug, thiserror::Error)]
 enum RegistrationError {
     #[error("it cannot be reached or answers wrongly")]
@@ -53,7 +53,7 @@ impl From<Error> for RegistrationError {
     }
 }
 
-/// What is registered, and where.
+/// A registration with a discovery server.
 pub(super) struct Registration {
     pub url: String,
     pub interval: Duration,
@@ -63,7 +63,7 @@ pub(super) struct Registration {
 }
 
 impl Registration {
-    /// Registers again and again until `shutdown`, then takes leave.
+    /// Registers at each interval until `shutdown`, then withdraws the registration.
     pub async fn run(self, shutdown: &CancellationToken) {
         let (mut failures, mut is_registered) = (0, false);
         loop {
@@ -82,7 +82,7 @@ impl Registration {
                 Err(error) => {
                     failures += 1;
                     if failures == 1 {
-                        self.complain(&error);
+                        self.warn_of(&error);
                     }
                     retry_after(failures, self.interval).mul_f64(rand::rng().random_range(0.8..1.2))
                 }
@@ -93,17 +93,17 @@ impl Registration {
                 () = shutdown.cancelled() => break,
             }
         }
-        // Even after a failure: the discovery server may know the twin from before.
-        if is_registered && let Err(error) = self.register_within(LEAVE_TIMEOUT, false).await {
+        // Also after a failure: an earlier registration may still exist.
+        if is_registered && let Err(error) = self.register_within(WITHDRAWAL_TIMEOUT, false).await {
             tracing::warn!(
                 error = &error as &dyn std::error::Error,
                 discovery.url = %self.url,
-                "The twin could not take leave from the discovery server, which will notice by itself."
+                "The twin could not withdraw its registration from the discovery server. It expires by itself."
             );
         }
     }
 
-    fn complain(&self, error: &RegistrationError) {
+    fn warn_of(&self, error: &RegistrationError) {
         tracing::warn!(
             error = error as &dyn std::error::Error,
             discovery.url = %self.url,
@@ -121,7 +121,7 @@ impl Registration {
             .unwrap_or(Err(RegistrationError::Timeout))
     }
 
-    /// RegisterServer2, or RegisterServer where the discovery server is too old for it.
+    /// Calls RegisterServer2, or RegisterServer if the discovery server is too old for it.
     async fn register(&self, is_online: bool) -> Result<(), RegistrationError> {
         let mut client = self.client()?;
         let endpoint = strongest(client.get_server_endpoints_from_url(self.url.as_str()).await?)
@@ -135,7 +135,7 @@ impl Registration {
             timeout_hint: u32::try_from(REQUEST_TIMEOUT.as_millis()).unwrap_or(u32::MAX),
             ..RequestHeader::new(&NodeId::null(), &DateTime::now(), channel.request_handle())
         };
-        // Announcing by multicast is the twin's own affair, so the server is not asked to do it.
+        // The twin announces itself by multicast if that is configured, so the server need not.
         let newer = RegisterServer2Request {
             request_header: header(),
             server: server.clone(),
@@ -153,8 +153,8 @@ impl Registration {
         }
     }
 
-    /// A client that is the twin itself: the discovery server compares certificate and registered
-    /// application.
+    /// Creates a client with the twin's own certificate: the discovery server compares certificate
+    /// and registered application.
     fn client(&self) -> Result<Client, RegistrationError> {
         ClientBuilder::new()
             .application_name("Verbund Twin")
@@ -179,7 +179,7 @@ impl Registration {
             .map_err(|_| RegistrationError::Untrusted)
     }
 
-    /// Opens the channel, sends one request, closes; the status of the answer.
+    /// Opens the channel, sends one request, and closes. Returns the status of the answer.
     async fn exchange(
         &self,
         channel: &AsyncSecureChannel,
@@ -235,7 +235,7 @@ fn strongest(endpoints: Vec<EndpointDescription>) -> Option<EndpointDescription>
     endpoints.into_iter().filter(is_usable).max_by_key(strength)
 }
 
-/// How long to wait after so many failures in a row.
+/// Returns the pause after a number of failures in a row.
 fn retry_after(failures: u32, interval: Duration) -> Duration {
     RETRY_FIRST.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(interval)
 }
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_endpoint_is_taken_and_none_without_security() {
+    fn the_strongest_endpoint_is_chosen_and_none_without_security() {
         let endpoint =
             |policy: SecurityPolicy, security_mode, security_level| EndpointDescription {
                 security_policy_uri: policy.to_uri().into(),

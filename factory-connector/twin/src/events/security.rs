@@ -1,5 +1,4 @@
-//! The part of the audit trail that says who came, and who was turned away: secure channels,
-//! sessions, certificates.
+//! Audit trail of access: secure channels, sessions, certificates and the trust list.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,34 +12,34 @@ use opcua_stack::opcua::{
 };
 
 use super::{EventReporter, ServerEvent};
-use crate::security::{login::user_of, validation::Verdict};
+use crate::security::{login::user_of, validation::CertificateError};
 
-/// Longest name of a user or session in an event, in bytes: anybody may send any.
+/// Longest name of a user or session in an event, in bytes: clients may send any text.
 const NAME_BYTES_MAX: usize = 256;
 
-/// What OPC 10000-4 §6.5.3 asks for in place of a user where there is none yet.
+/// ClientUserIds of OPC 10000-4 §6.5.3 for events without a user.
 mod system {
     pub const OPEN_SECURE_CHANNEL: &str = "System/OpenSecureChannel";
     pub const CREATE_SESSION: &str = "System/CreateSession";
     pub const UPDATE_CERTIFICATE: &str = "System/UpdateCertificate";
 }
 
-/// Tells the Server object's subscribers about channels and sessions.
+/// Reports channels and sessions to the subscribers of the Server object.
 pub(crate) struct SessionAudit {
-    /// Known once the server is built.
+    /// Set once the server is built.
     pub events: Arc<OnceLock<Arc<EventReporter>>>,
 }
 
 impl SessionObserver for SessionAudit {
     fn observe(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode) {
-        if let Some(events) = self.events.get().filter(|events| events.is_listened_to()) {
+        if let Some(events) = self.events.get().filter(|events| events.has_subscribers()) {
             events.send(&events.session_event(channel, event, outcome));
         }
     }
 
     fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>) {
-        if let Some(events) = self.events.get().filter(|events| events.is_listened_to()) {
-            let message = "A session ended, for its client was silent for too long.".to_owned();
+        if let Some(events) = self.events.get().filter(|events| events.has_subscribers()) {
+            let message = "A session ended because its client was silent for too long.".to_owned();
             events.send(&events.session_ended(
                 "Session/Timeout",
                 session_id,
@@ -83,7 +82,7 @@ impl EventReporter {
         }
     }
 
-    /// AuditSessionEventType (OPC 10000-5 §6.4.7) with the sources of OPC 10000-4 §6.5.5.
+    /// Builds an AuditSessionEventType (OPC 10000-5 §6.4.7) with the sources of OPC 10000-4 §6.5.5.
     fn session_ended(
         &self,
         source: &str,
@@ -100,7 +99,7 @@ impl EventReporter {
         event
     }
 
-    /// AuditOpenSecureChannelEventType (OPC 10000-5 §6.4.6).
+    /// Builds an AuditOpenSecureChannelEventType (OPC 10000-5 §6.4.6).
     fn channel_opened(
         &self,
         channel: &ChannelDescription,
@@ -125,7 +124,7 @@ impl EventReporter {
         event
     }
 
-    /// AuditActivateSessionEventType (OPC 10000-5 §6.4.10): somebody signed in, or tried to.
+    /// Builds an AuditActivateSessionEventType (OPC 10000-5 §6.4.10) for an attempt to sign in.
     fn session_activated(
         &self,
         channel: &ChannelDescription,
@@ -155,9 +154,9 @@ impl EventReporter {
         event
     }
 
-    /// A session was ended because its user changed.
+    /// Reports that a session was ended because its user changed.
     pub fn report_terminated(&self, session_id: NodeId, user_token: UserToken) {
-        if self.is_listened_to() {
+        if self.has_subscribers() {
             let message =
                 "A session was ended, for its user got another password or role, or is gone."
                     .to_owned();
@@ -172,9 +171,9 @@ impl EventReporter {
         }
     }
 
-    /// TrustListUpdatedAuditEventType (OPC 10000-12 §7.8.2.12): somebody changed who may come in.
+    /// Reports a TrustListUpdatedAuditEventType (OPC 10000-12 §7.8.2.12).
     pub fn report_trust_list(&self, by: &str, message: String) {
-        if self.is_listened_to() {
+        if self.has_subscribers() {
             let event_type = ObjectTypeId::TrustListUpdatedAuditEventType;
             let mut event = self.audit(event_type, by, StatusCode::Good, message);
             event.set("SourceName", "Method/UpdateTrustList");
@@ -182,10 +181,10 @@ impl EventReporter {
         }
     }
 
-    /// CertificateUpdatedAuditEventType (OPC 10000-12 §7.10.18): the twin shows another certificate
-    /// from now on.
-    pub fn report_own_certificate(&self, certificate: &X509) {
-        if self.is_listened_to() {
+    /// Reports a CertificateUpdatedAuditEventType (OPC 10000-12 §7.10.18): the twin uses another
+    /// certificate from now on.
+    pub fn report_application_certificate(&self, certificate: &X509) {
+        if self.has_subscribers() {
             let message = format!(
                 "The server uses the certificate {} now.",
                 certificate.thumbprint().as_hex_string()
@@ -198,41 +197,41 @@ impl EventReporter {
         }
     }
 
-    /// AuditCertificateEventType (OPC 10000-5 §6.4.12) and its subtypes: a certificate was not
-    /// accepted.
-    pub fn report_certificate(&self, certificate: &X509, verdict: Verdict) {
-        if !self.is_listened_to() {
+    /// Reports a certificate that was not accepted, as a subtype of AuditCertificateEventType (OPC
+    /// 10000-5 §6.4.12).
+    pub fn report_certificate(&self, certificate: &X509, error: CertificateError) {
+        if !self.has_subscribers() {
             return;
         }
-        let (event_type, status) = match verdict {
-            Verdict::Unreadable => {
+        let (event_type, status) = match error {
+            CertificateError::Unreadable => {
                 (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificateInvalid)
             }
-            Verdict::Rejected | Verdict::Unknown => (
+            CertificateError::Rejected | CertificateError::Unknown => (
                 ObjectTypeId::AuditCertificateUntrustedEventType,
                 StatusCode::BadCertificateUntrusted,
             ),
-            Verdict::OutOfTime => (
+            CertificateError::OutOfTime => (
                 ObjectTypeId::AuditCertificateExpiredEventType,
                 StatusCode::BadCertificateTimeInvalid,
             ),
-            Verdict::Revoked => {
+            CertificateError::Revoked => {
                 (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevoked)
             }
-            Verdict::RevocationUnknown => (
+            CertificateError::RevocationUnknown => (
                 ObjectTypeId::AuditCertificateRevokedEventType,
                 StatusCode::BadCertificateRevocationUnknown,
             ),
-            Verdict::Usage => (
+            CertificateError::Usage => (
                 ObjectTypeId::AuditCertificateMismatchEventType,
                 StatusCode::BadCertificateUseNotAllowed,
             ),
-            Verdict::KeyLength => (
+            CertificateError::KeyLength => (
                 ObjectTypeId::AuditCertificateInvalidEventType,
                 StatusCode::BadCertificatePolicyCheckFailed,
             ),
         };
-        let message = format!("A client's certificate was not accepted: {verdict}.");
+        let message = format!("A client's certificate was not accepted: {error}.");
         let mut event = self.audit(event_type, system::CREATE_SESSION, status, message);
         event.set("SourceName", "Security/Certificate");
         event.set("Certificate", certificate.as_byte_string());

@@ -1,4 +1,4 @@
-//! Reading attributes: a [`Node`] becomes the attributes that OPC 10000-3 §5 gives its class.
+//! Read service: the attributes of a [`Node`] by its class (OPC 10000-3 §5).
 
 use opcua_stack::opcua::{
     server::{
@@ -17,54 +17,56 @@ use crate::{
     provider::{Node, NodeKind},
 };
 
-impl ProviderTable {
-    /// Reads one attribute as a user in a role sees it.
-    pub(super) fn read(
-        &self,
-        item: &ParsedReadValueId,
-        role: Role,
-        timestamps: TimestampsToReturn,
-    ) -> DataValue {
-        match self.read_or_fail(item, role) {
-            Ok(mut value) => {
-                keep_timestamps(&mut value, timestamps);
-                value
-            }
-            Err(status) => DataValue {
-                status: Some(status),
-                server_timestamp: Some(DateTime::now()),
-                ..DataValue::default()
-            },
+/// Reads one attribute as a user in a role sees it.
+pub(super) fn read(
+    table: &ProviderTable,
+    item: &ParsedReadValueId,
+    role: Role,
+    timestamps: TimestampsToReturn,
+) -> DataValue {
+    match read_or_fail(table, item, role) {
+        Ok(mut value) => {
+            select_timestamps(&mut value, timestamps);
+            value
         }
-    }
-
-    fn read_or_fail(&self, item: &ParsedReadValueId, role: Role) -> Result<DataValue, StatusCode> {
-        let provider = self.owner(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
-        if !matches!(item.data_encoding, DataEncoding::Binary) {
-            return Err(StatusCode::BadDataEncodingInvalid);
-        }
-        if item.attribute_id == AttributeId::Value {
-            // Asking for the value first saves computing the node for what is read most.
-            if let Some(value) = provider.value(&item.node_id) {
-                return in_range(value, &item.index_range);
-            }
-            let node = provider.node(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
-            return Err(match node.class {
-                NodeKind::Variable { .. } => StatusCode::BadNotReadable,
-                _ => StatusCode::BadAttributeIdInvalid,
-            });
-        }
-        let node = provider.node(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
-        if item.index_range.has_range() {
-            return Err(StatusCode::BadIndexRangeDataMismatch);
-        }
-        let value = attribute(&item.node_id, node, item.attribute_id, role)
-            .ok_or(StatusCode::BadAttributeIdInvalid)?;
-        Ok(DataValue { value: Some(value), status: Some(StatusCode::Good), ..DataValue::default() })
+        Err(status) => DataValue {
+            status: Some(status),
+            server_timestamp: Some(DateTime::now()),
+            ..DataValue::default()
+        },
     }
 }
 
-/// An attribute other than Value; `None` where the class does not have it.
+fn read_or_fail(
+    table: &ProviderTable,
+    item: &ParsedReadValueId,
+    role: Role,
+) -> Result<DataValue, StatusCode> {
+    let provider = table.owner(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
+    if !matches!(item.data_encoding, DataEncoding::Binary) {
+        return Err(StatusCode::BadDataEncodingInvalid);
+    }
+    if item.attribute_id == AttributeId::Value {
+        // The value first: it is read most, and the node need not be computed for it.
+        if let Some(value) = provider.value(&item.node_id) {
+            return in_range(value, &item.index_range);
+        }
+        let node = provider.node(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
+        return Err(match node.class {
+            NodeKind::Variable { .. } => StatusCode::BadNotReadable,
+            _ => StatusCode::BadAttributeIdInvalid,
+        });
+    }
+    let node = provider.node(&item.node_id).ok_or(StatusCode::BadNodeIdUnknown)?;
+    if item.index_range.has_range() {
+        return Err(StatusCode::BadIndexRangeDataMismatch);
+    }
+    let value = attribute(&item.node_id, node, item.attribute_id, role)
+        .ok_or(StatusCode::BadAttributeIdInvalid)?;
+    Ok(DataValue { value: Some(value), status: Some(StatusCode::Good), ..DataValue::default() })
+}
+
+/// Returns an attribute other than Value; `None` when the class does not have it.
 fn attribute(node_id: &NodeId, node: Node, attribute: AttributeId, role: Role) -> Option<Variant> {
     let class = node.class.node_class();
     Some(match attribute {
@@ -84,7 +86,7 @@ fn class_attribute(kind: NodeKind, attribute: AttributeId, role: Role) -> Option
         (NodeKind::Variable { data_type, .. }, AttributeId::DataType) => data_type.into(),
         (NodeKind::Variable { value_rank, .. }, AttributeId::ValueRank) => value_rank.into(),
         (NodeKind::Variable { value_rank, .. }, AttributeId::ArrayDimensions) if value_rank > 0 => {
-            // 0: of any length.
+            // 0 allows any length.
             vec![0_u32; usize::try_from(value_rank).unwrap_or(1)].into()
         }
         (NodeKind::Variable { is_writable, .. }, AttributeId::AccessLevel) => {
@@ -96,7 +98,7 @@ fn class_attribute(kind: NodeKind, attribute: AttributeId, role: Role) -> Option
         (NodeKind::Variable { is_writable, .. }, AttributeId::AccessLevelEx) => {
             u32::from(access_level(is_writable)).into()
         }
-        // -1: as fast as it comes; values are reported when they change.
+        // -1 is the fastest rate: values are reported when they change.
         (NodeKind::Variable { .. }, AttributeId::MinimumSamplingInterval) => (-1_f64).into(),
         (NodeKind::Variable { .. }, AttributeId::Historizing) => false.into(),
         (NodeKind::Method { .. }, AttributeId::Executable) => true.into(),
@@ -140,11 +142,11 @@ fn in_range(value: DataValue, range: &NumericRange) -> Result<DataValue, StatusC
     }
 }
 
-fn keep_timestamps(value: &mut DataValue, wanted: TimestampsToReturn) {
-    if !matches!(wanted, TimestampsToReturn::Source | TimestampsToReturn::Both) {
+fn select_timestamps(value: &mut DataValue, requested: TimestampsToReturn) {
+    if !matches!(requested, TimestampsToReturn::Source | TimestampsToReturn::Both) {
         (value.source_timestamp, value.source_picoseconds) = (None, None);
     }
-    if matches!(wanted, TimestampsToReturn::Server | TimestampsToReturn::Both) {
+    if matches!(requested, TimestampsToReturn::Server | TimestampsToReturn::Both) {
         value.server_timestamp.get_or_insert_with(DateTime::now);
     } else {
         (value.server_timestamp, value.server_picoseconds) = (None, None);

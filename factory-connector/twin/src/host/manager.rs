@@ -1,4 +1,4 @@
-//! The services that the stack asks of a node manager.
+//! Node manager: the services that the stack requests from the host.
 
 use std::sync::Arc;
 
@@ -17,13 +17,13 @@ use opcua_stack::opcua::{
     types::{AttributeId, IdType, NodeClass, NodeId, StatusCode, TimestampsToReturn},
 };
 
-use super::{NodeHost, browse::metadata};
+use super::{NodeHost, attributes, browse, browse::metadata, paths};
 use crate::{
     provider::{CallOutcome, NodeKind, WriteRequest},
     security::login::user_of,
 };
 
-/// The host as the stack sees it.
+/// The host behind the interface of the stack.
 pub(crate) struct HostManager(pub(crate) Arc<NodeHost>);
 
 // The trait leaves this lifetime out, and an implementation has to do the same.
@@ -81,7 +81,7 @@ impl NodeManager for HostManager {
     ) -> Result<(), StatusCode> {
         let (table, role) = (self.0.table.load(), user_of(&context.token).role);
         for node in nodes_to_read {
-            let value = table.read(node.node(), role, timestamps_to_return);
+            let value = attributes::read(&table, node.node(), role, timestamps_to_return);
             node.set_result(value);
         }
         Ok(())
@@ -94,8 +94,8 @@ impl NodeManager for HostManager {
     ) -> Result<(), StatusCode> {
         let user = user_of(&context.token);
         let table = self.0.table.load_full();
-        // All at once, so that they share a commit; begun in order, so that writes to one node keep
-        // theirs.
+        // All at once, so that they share a commit; started in order, so that writes to one node
+        // stay in order.
         let writes = nodes_to_write.iter_mut().map(|node| {
             let (table, user) = (&table, &user);
             async move {
@@ -127,7 +127,7 @@ impl NodeManager for HostManager {
         let table = self.0.table.load();
         let types = context.type_tree.read();
         for node in nodes_to_browse {
-            table.browse(node, &*types);
+            browse::browse(&table, node, &*types);
         }
         Ok(())
     }
@@ -140,7 +140,7 @@ impl NodeManager for HostManager {
         let table = self.0.table.load();
         let types = context.type_tree.read();
         for item in nodes {
-            table.translate(item, context, &*types);
+            paths::translate(&table, item, context, &*types);
         }
         Ok(())
     }
@@ -156,14 +156,14 @@ impl NodeManager for HostManager {
             if target.attribute_id == AttributeId::EventNotifier {
                 let status = match table.node(&target.node_id).map(|node| node.class.node_class()) {
                     None => StatusCode::BadNodeIdUnknown,
-                    // Our objects are no notifiers; events come from the Server object.
+                    // The objects are no notifiers; the Server object reports events.
                     Some(NodeClass::Object) => StatusCode::BadNotSupported,
                     Some(_) => StatusCode::BadAttributeIdInvalid,
                 };
                 item.set_status(status);
                 continue;
             }
-            let value = table.read(target, role, item.timestamps_to_return());
+            let value = attributes::read(&table, target, role, item.timestamps_to_return());
             // A value whose status is bad can be monitored; a node or attribute that does not exist
             // cannot.
             match value.status() {
@@ -187,15 +187,15 @@ impl NodeManager for HostManager {
     ) {
         let table = self.0.table.load_full();
         for provider in &table.providers {
-            let own: Vec<&MonitoredItemRef> = items
+            let owned: Vec<&MonitoredItemRef> = items
                 .iter()
                 .copied()
                 .filter(|item| {
                     table.owner(item.node_id()).is_some_and(|owner| Arc::ptr_eq(owner, provider))
                 })
                 .collect();
-            if !own.is_empty() {
-                provider.tell_again(&own);
+            if !owned.is_empty() {
+                provider.publish_present(&owned);
             }
         }
     }
@@ -208,7 +208,7 @@ impl NodeManager for HostManager {
         let user = user_of(&context.token);
         let table = self.0.table.load_full();
         for call in methods_to_call {
-            // A method of a type may be called on an object, so the object decides who answers.
+            // A method of a type may be called on an object, so the object selects the provider.
             let outcome = match table.owner(call.object_id()) {
                 None => CallOutcome::failed(StatusCode::BadNodeIdUnknown),
                 Some(provider) if provider.node(call.object_id()).is_none() => {

@@ -1,59 +1,37 @@
-//! The twin's own application certificate: made at the first start, renewed before it expires.
+//! The certificate that the twin makes for itself at the first start, and renews before it expires.
 
 use std::{
     fs,
-    net::IpAddr,
     path::{Path, PathBuf},
     time::Duration,
 };
 
 use asi_model::DateTime;
 use opcua_stack::opcua::{
-    crypto::{CertificateStore, PrivateKey, X509, X509Data, hostname},
+    crypto::{CertificateStore, PrivateKey, X509, X509Data},
     server::ServerIdentity,
 };
 use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
 use super::{
-    own::names_host,
-    trust::{faults::application_uri as application_uri_of, knocks},
+    application_certificate::names_host, rejected_clients,
+    trust::faults::application_uri as application_uri_of,
 };
-use crate::{config::TwinConfig, discovery::local_host_name, error::TwinError};
+use crate::{config::TwinConfig, error::TwinError, host_names::certified_names};
 
-/// Size of a new key; every policy we offer takes 2048 to 4096 bits.
+/// Size of a new key; all offered policies accept 2048 to 4096 bits.
 pub(crate) const KEY_BITS: u32 = 2048;
 /// The certificate within the folder.
 pub(crate) const CERTIFICATE_FILE: &str = "own/cert.der";
 /// The key within the folder.
 pub(crate) const KEY_FILE: &str = "private/private.pem";
 
-/// The flaws with which a certificate is still better than one that nobody issued.
+/// Flaws with which an issued certificate is still better than a self-signed one.
 const EXPIRES_SOON: &str = "it expires soon";
 const LACKS_HOST_NAME: &str = "it lacks a configured host name";
 
-/// The names under which clients reach the twin, the advertised one first.
-pub(crate) fn host_names(config: &TwinConfig) -> Vec<String> {
-    if !config.host_names.is_empty() {
-        return config.host_names.clone();
-    }
-    let ip: IpAddr = config.listen.ip();
-    if !ip.is_unspecified() {
-        return vec![ip.to_string()];
-    }
-    vec![hostname().ok().filter(|name| !name.is_empty()).unwrap_or_else(|| "localhost".to_owned())]
-}
-
-/// The names that the certificate has to carry.
-pub(crate) fn certified_names(config: &TwinConfig) -> Vec<String> {
-    let mut names = host_names(config);
-    if config.discovery.announce_by_multicast_dns {
-        names.push(local_host_name());
-    }
-    names
-}
-
-/// Makes sure that a usable certificate is there: for this application, these host names, and for
-/// long enough. True where a new one was made.
+/// Ensures a usable certificate: for this application, these host names, and a sufficient time. True
+/// when a new one was made.
 ///
 /// # Errors
 /// [`TwinError`] when the folder cannot be written or no certificate can be made.
@@ -78,16 +56,16 @@ pub(crate) fn ensure(
     }
     tracing::info!(
         reason = flaw,
-        "The twin makes itself a new certificate; clients have to trust it anew."
+        "The twin makes itself a new certificate. Clients have to trust it again."
     );
     create(folder, config, application_uri, &hosts)?;
     Ok(true)
 }
 
-/// Makes a certificate where there is none to speak of, as before the first start.
+/// Makes a certificate if there is none, as before the first start.
 ///
 /// # Errors
-/// As [`ensure`].
+/// [`TwinError`] as of [`ensure`].
 pub(crate) fn create_if_missing(
     config: &TwinConfig,
     application_uri: &str,
@@ -100,7 +78,7 @@ pub(crate) fn create_if_missing(
     ensure(config, application_uri, DateTime::from(std::time::SystemTime::now())).map(drop)
 }
 
-/// The certificate and key that are there, as a pair; none while they do not fit each other.
+/// Reads the stored certificate and key; none while they do not match.
 ///
 /// # Errors
 /// [`TwinError::Certificate`] when one of them cannot be read.
@@ -110,21 +88,21 @@ pub(crate) fn load(config: &TwinConfig) -> Result<Option<ServerIdentity>, TwinEr
         .map_err(failed)?;
     let private_key =
         CertificateStore::read_pkey(&config.pki_directory.join(KEY_FILE)).map_err(failed)?;
-    let fits = is_pair(&certificate, &private_key);
-    Ok(fits.then_some(ServerIdentity {
+    let is_pair = is_pair(&certificate, &private_key);
+    Ok(is_pair.then_some(ServerIdentity {
         certificate: Some(certificate),
         private_key: Some(private_key),
     }))
 }
 
-/// When the certificate that is there has to be renewed, from now; zero where it is time.
+/// Returns the time until the stored certificate is due for renewal; zero when it is.
 pub(crate) fn due_in(config: &TwinConfig, now: DateTime) -> Duration {
     let seconds = CertificateStore::read_cert(&config.pki_directory.join(CERTIFICATE_FILE))
         .map_or(0, |certificate| seconds_left(&certificate, config, now));
     Duration::from_secs(u64::try_from(seconds).unwrap_or(0))
 }
 
-/// From now until the certificate is to be renewed, in seconds.
+/// Returns the seconds until a certificate is due for renewal; negative afterwards.
 fn seconds_left(certificate: &X509, config: &TwinConfig, now: DateTime) -> i64 {
     let until_end = certificate
         .not_after()
@@ -132,7 +110,7 @@ fn seconds_left(certificate: &X509, config: &TwinConfig, now: DateTime) -> i64 {
     until_end - i64::from(config.security.certificate_renewal_days) * 86_400
 }
 
-/// Whether an authority issued the certificate that is there, rather than the twin itself.
+/// Returns whether an authority issued the stored certificate, rather than the twin itself.
 fn is_issued(folder: &Path) -> bool {
     let der = fs::read(folder.join(CERTIFICATE_FILE)).unwrap_or_default();
     X509Certificate::from_der(&der)
@@ -140,7 +118,9 @@ fn is_issued(folder: &Path) -> bool {
 }
 
 pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
-    for name in ["own", "private", "trusted", "rejected", "issuers", "crl", knocks::FOLDER] {
+    for name in
+        ["own", "private", "trusted", "rejected", "issuers", "crl", rejected_clients::FOLDER]
+    {
         let path = folder.join(name);
         fs::create_dir_all(&path)
             .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
@@ -160,7 +140,7 @@ pub(crate) fn restrict(_path: &Path, _mode: u32) -> Result<(), TwinError> {
     Ok(())
 }
 
-/// Why the certificate that is there will not do; `None` where it will.
+/// Returns the flaw for which the stored certificate cannot be used; `None` when it can.
 fn flaw(
     folder: &Path,
     config: &TwinConfig,
@@ -206,11 +186,11 @@ fn create(
     hosts: &[String],
 ) -> Result<(), TwinError> {
     // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name. The loopback names are
-    // added where the twin listens there.
+    // added if the twin listens there.
     let is_local = config.listen.ip().is_loopback() || config.listen.ip().is_unspecified();
     let names =
         X509Data::alt_host_names(application_uri, Some(hosts.to_vec()), is_local, false, is_local);
-    let wanted = X509Data {
+    let data = X509Data {
         key_size: KEY_BITS,
         common_name: format!("Verbund Twin {}", hosts.first().map_or("localhost", String::as_str)),
         organization: "Verbund".to_owned(),
@@ -220,10 +200,10 @@ fn create(
         alt_host_names: names,
         certificate_duration_days: config.security.certificate_validity_days.max(1),
     };
-    // Beside the old ones first: a crash in between leaves a pair that does not fit, which the next
-    // start notices.
+    // Written under other names first: a crash during the renames leaves a pair that does not match,
+    // which the next start detects.
     let new = (folder.join("own/new.der"), folder.join("private/new.pem"));
-    CertificateStore::create_certificate_and_key(&wanted, true, &new.0, &new.1)
+    CertificateStore::create_certificate_and_key(&data, true, &new.0, &new.1)
         .map_err(|reason| TwinError::Certificate { reason })?;
     restrict(&new.1, 0o600)?;
     rename(&new.1, folder.join(KEY_FILE))?;
@@ -240,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_certificate_is_kept_while_it_fits() {
+    fn a_certificate_stays_while_it_is_usable() {
         let folder = tempfile::tempdir().unwrap();
         let mut config = TwinConfig {
             pki_directory: folder.path().to_owned(),
@@ -252,10 +232,16 @@ mod tests {
         ensure(&config, "urn:verbund:twin:F", now).unwrap();
         let first = read();
         ensure(&config, "urn:verbund:twin:F", now).unwrap();
-        assert_eq!(read(), first, "a fitting certificate stays");
+        assert_eq!(read(), first, "a usable certificate stays");
         let years_later = DateTime::from_ticks(now.ticks() + 5 * 365 * 86_400 * 10_000_000);
         assert_eq!(
-            flaw(folder.path(), &config, "urn:verbund:twin:F", &host_names(&config), years_later),
+            flaw(
+                folder.path(),
+                &config,
+                "urn:verbund:twin:F",
+                &certified_names(&config),
+                years_later
+            ),
             Some(EXPIRES_SOON)
         );
         config.host_names.push("press2.plant".to_owned());

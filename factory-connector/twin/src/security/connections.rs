@@ -1,5 +1,5 @@
-//! Limits on connections: in total and from one address, so that one client that misbehaves shuts
-//! out nobody else.
+//! Limits on connections: in total and from one address, so that one misbehaving client does not
+//! block the others.
 
 use std::{
     any::Any,
@@ -21,6 +21,7 @@ pub(crate) struct ConnectionLimits {
 }
 
 impl ConnectionLimits {
+    /// Creates a filter without open connections.
     pub fn new(limits: &TwinLimits) -> Self {
         Self {
             total_max: limits.connections_max,
@@ -36,7 +37,7 @@ impl ConnectionFilter for ConnectionLimits {
         let mut open = self.open.lock();
         let (total, from_here) =
             (open.values().sum::<usize>(), open.get(&address).copied().unwrap_or(0));
-        let why = match () {
+        let limit = match () {
             () if total >= self.total_max => "total",
             () if from_here >= self.per_address_max => "address",
             () => {
@@ -44,8 +45,8 @@ impl ConnectionFilter for ConnectionLimits {
                 return Some(Box::new(Permit { address, open: Arc::clone(&self.open) }));
             }
         };
-        metrics::counter!("twin_connections_refused_total", "limit" => why).increment(1);
-        tracing::warn!(peer.address = %address, limit = why, "The twin refused a connection beyond its limit.");
+        metrics::counter!("twin_connections_refused_total", "limit" => limit).increment(1);
+        tracing::warn!(peer.address = %address, limit, "The twin refused a connection beyond its limit.");
         None
     }
 }
@@ -73,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_hold_and_are_freed() {
+    fn connections_are_refused_at_a_limit_until_one_is_closed() {
         let limits = TwinLimits {
             connections_max: 3,
             connections_per_address_max: 2,

@@ -1,4 +1,4 @@
-//! Users of the twin: names and passwords through the connector's [`Authenticator`], roles in the
+//! Sign-in of users: names and passwords through the connector's [`Authenticator`], roles in the
 //! session's token.
 
 use std::{
@@ -24,17 +24,16 @@ use crate::{
     config::SecurityConfig,
 };
 
-/// How long checking a password may take.
+/// Time limit of a password check.
 const AUTHENTICATION_TIMEOUT: Duration = Duration::from_secs(10);
-/// Longest user name and password looked at, in bytes.
+/// Longest user name and password checked, in bytes.
 const CREDENTIAL_BYTES_MAX: usize = 1024;
 /// The stack's id of the policy for anonymous users.
 const ANONYMOUS_POLICY_ID: &str = "anonymous";
-/// The name of anonymous users, where the development setting lets them in.
+/// The name of anonymous users, which only the development setting admits.
 const ANONYMOUS: &str = "anonymous";
 
-/// The user behind a session's token. A token that is none of ours is a viewer's, the least that
-/// there is.
+/// Returns the user of a session's token. A token of another form is a viewer's, the least role.
 pub(crate) fn user_of(token: &UserToken) -> TwinUser {
     match token.0.split_once(':').and_then(|(role, name)| Some((Role::from_name(role)?, name))) {
         Some((role, name)) => TwinUser { name: Arc::from(name), role },
@@ -46,7 +45,7 @@ fn token_of(name: &str, role: Role) -> UserToken {
     UserToken(format!("{role}:{name}"))
 }
 
-/// Lets users in.
+/// Authenticates users.
 pub(crate) struct Login {
     authenticator: Arc<dyn Authenticator>,
     throttle: Mutex<Throttle>,
@@ -54,6 +53,7 @@ pub(crate) struct Login {
 }
 
 impl Login {
+    /// Creates the sign-in with its throttle.
     pub fn new(authenticator: Arc<dyn Authenticator>, config: &SecurityConfig) -> Self {
         Self {
             authenticator,
@@ -62,10 +62,11 @@ impl Login {
         }
     }
 
-    fn refuse(user: &str, why: &'static str) -> Error {
-        tracing::warn!(user.name = user, reason = why, "The twin refused a sign-in.");
+    fn refuse(user: &str, reason: &'static str) -> Error {
+        tracing::warn!(user.name = user, reason, "The twin refused a sign-in.");
         count("refused");
-        // Nobody learns whether the name or the password was wrong, or that attempts are throttled.
+        // The client does not learn whether the name or the password was wrong, or that attempts are
+        // throttled.
         Error::new(StatusCode::BadIdentityTokenRejected, "the user name or password is wrong")
     }
 }
@@ -130,7 +131,7 @@ impl AuthManager for Login {
         if is_encrypted(endpoint) {
             vec![policy(user_pass_security_policy_id(endpoint), UserTokenType::UserName)]
         } else if self.allow_anonymous {
-            // A password would travel in the clear.
+            // A password would not be encrypted.
             vec![policy(ANONYMOUS_POLICY_ID.into(), UserTokenType::Anonymous)]
         } else {
             Vec::new()
@@ -147,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tokens_keep_name_and_role() {
+    fn a_token_contains_name_and_role() {
         for (name, role) in [("anna", Role::Engineer), ("b:c", Role::Operator), ("", Role::Viewer)]
         {
             let user = user_of(&token_of(name, role));

@@ -1,5 +1,4 @@
-//! The own certificate while the twin runs: renewed before it expires, and replaced where somebody
-//! put another one in its place.
+//! Certificate of a running twin: renewed before it expires, and reloaded when the files change.
 
 use std::{
     fs,
@@ -15,16 +14,16 @@ use tokio_util::sync::CancellationToken;
 use super::certificate;
 use crate::{config::TwinConfig, error::TwinError, events::EventReporter};
 
-/// The clock may be set, so the certificate is looked at every now and then.
-const LOOK_AGAIN: Duration = Duration::from_secs(3600);
-/// The shortest pause between two looks.
-const PAUSE_MIN: Duration = Duration::from_secs(1);
-/// How often somebody has to be told that a certificate is due which the twin cannot renew.
-const REMIND: Duration = Duration::from_secs(24 * 3600);
-/// How often the file is compared with what is in use.
-const COMPARE: Duration = Duration::from_secs(1);
+/// Longest pause between two checks: the clock may be set meanwhile.
+const CHECK_MAX: Duration = Duration::from_secs(3600);
+/// Shortest pause between two checks.
+const CHECK_MIN: Duration = Duration::from_secs(1);
+/// Interval of the reminder that a certificate is due which the twin cannot renew.
+const REMINDER: Duration = Duration::from_secs(24 * 3600);
+/// Interval at which the file is compared with the certificate in use.
+const COMPARISON: Duration = Duration::from_secs(1);
 
-/// Keeps the certificate good. Connections that are open keep the one they began with.
+/// Renews and reloads the certificate. Open connections stay with the one they started with.
 pub(crate) struct Renewal {
     pub config: TwinConfig,
     pub application_uri: String,
@@ -33,29 +32,29 @@ pub(crate) struct Renewal {
 }
 
 impl Renewal {
-    /// Goes on until `shutdown`.
+    /// Runs until `shutdown`.
     pub async fn run(self, shutdown: &CancellationToken) {
-        let mut due = Instant::now() + self.next_look();
-        let mut seen = self.in_use();
-        let mut complained_of = Vec::new();
+        let mut due = Instant::now() + self.next_check();
+        let mut in_use = self.certificate_in_use();
+        let mut reported = Vec::new();
         loop {
             tokio::select! {
-                () = tokio::time::sleep(COMPARE) => {}
+                () = tokio::time::sleep(COMPARISON) => {}
                 () = shutdown.cancelled() => return,
             }
             let file = fs::read(self.config.pki_directory.join(certificate::CERTIFICATE_FILE))
                 .unwrap_or_default();
-            if file != seen {
-                if self.replace().await {
-                    seen = file;
-                    due = Instant::now() + self.next_look();
-                } else if complained_of != file {
-                    // The other half of a new pair may still be to come.
+            if file != in_use {
+                if self.reload().await {
+                    in_use = file;
+                    due = Instant::now() + self.next_check();
+                } else if reported != file {
+                    // The key of a new pair may not be written yet.
                     tracing::warn!(
-                        "The certificate that was put in the place of the twin's cannot be read or does not fit its \
-                         key; the twin goes on with the one it has."
+                        "The new certificate file of the twin cannot be read or does not match the key; the twin \
+                         continues with the certificate that it has."
                     );
-                    complained_of = file;
+                    reported = file;
                 }
                 continue;
             }
@@ -64,30 +63,30 @@ impl Renewal {
             }
             let pause = match self.renew().await {
                 Ok(true) => {
-                    seen = self.in_use();
-                    self.next_look()
+                    in_use = self.certificate_in_use();
+                    self.next_check()
                 }
-                // Not due yet, or not ours to renew.
-                Ok(false) if self.next_look() <= PAUSE_MIN => REMIND,
-                Ok(false) => self.next_look(),
+                // Not due yet, or issued by an authority, which the twin cannot renew.
+                Ok(false) if self.next_check() <= CHECK_MIN => REMINDER,
+                Ok(false) => self.next_check(),
                 Err(error) => {
                     tracing::error!(
                         error = &error as &dyn std::error::Error,
-                        "The twin could not renew its certificate. Clients turn it away once the old one has expired."
+                        "The twin could not renew its certificate. Clients reject it once the old one has expired."
                     );
-                    LOOK_AGAIN
+                    CHECK_MAX
                 }
             };
             due = Instant::now() + pause;
         }
     }
 
-    fn next_look(&self) -> Duration {
-        certificate::due_in(&self.config, now()).clamp(PAUSE_MIN, LOOK_AGAIN)
+    fn next_check(&self) -> Duration {
+        certificate::due_in(&self.config, now()).clamp(CHECK_MIN, CHECK_MAX)
     }
 
-    /// The certificate that new connections see, as DER.
-    fn in_use(&self) -> Vec<u8> {
+    /// Returns the certificate of new connections, as DER.
+    fn certificate_in_use(&self) -> Vec<u8> {
         let identity = self.handle.info().identity.load();
         identity
             .certificate
@@ -96,28 +95,29 @@ impl Renewal {
             .unwrap_or_default()
     }
 
-    /// Uses the pair that somebody put there. False where it is none yet.
-    async fn replace(&self) -> bool {
+    /// Loads the pair from the files. False while it does not match.
+    async fn reload(&self) -> bool {
         let config = self.config.clone();
         let loaded = tokio::task::spawn_blocking(move || certificate::load(&config)).await;
         match loaded {
             Ok(Ok(Some(identity))) => {
-                self.take(identity);
+                self.install(identity);
                 true
             }
             _ => false,
         }
     }
 
-    fn take(&self, identity: ServerIdentity) {
+    fn install(&self, identity: ServerIdentity) {
         if let Some(certificate) = &identity.certificate {
-            self.events.report_own_certificate(certificate);
+            self.events.report_application_certificate(certificate);
         }
         self.handle.set_identity(identity);
         tracing::info!("The twin uses its new certificate from the next connection on.");
     }
 
-    /// Making a key takes a second of computing.
+    /// Renews the certificate if it is due, in a blocking task: a key takes about a second to
+    /// generate. True when there is a new one.
     async fn renew(&self) -> Result<bool, TwinError> {
         let (config, application_uri) = (self.config.clone(), self.application_uri.clone());
         let renewed = tokio::task::spawn_blocking(move || {
@@ -129,7 +129,7 @@ impl Renewal {
             .map_err(|error| TwinError::Certificate { reason: error.to_string() })??;
         let is_new = renewed.is_some();
         if let Some(identity) = renewed {
-            self.take(identity);
+            self.install(identity);
         }
         Ok(is_new)
     }

@@ -1,13 +1,13 @@
-//! Throttling of sign-in attempts, pure.
+//! Throttling of sign-in attempts. Pure.
 
 use std::{
     collections::HashMap,
     time::{Duration, Instant},
 };
 
-/// Most user names that are remembered; beyond it the oldest failures are forgotten.
+/// Most user names that are counted; beyond it the oldest failures are dropped.
 const USERS_MAX: usize = 10_000;
-/// The whole server may see this many times the failures that one user may.
+/// Failures allowed on the whole server, as a multiple of those of one user.
 const SERVER_FACTOR: u32 = 10;
 
 /// Counts failures per user and over the whole server within a window.
@@ -32,11 +32,12 @@ impl Failures {
 }
 
 impl Throttle {
+    /// Creates a throttle without failures; allows at least one.
     pub fn new(failures_max: u32, window: Duration) -> Self {
         Self { failures_max: failures_max.max(1), window, users: HashMap::new(), server: None }
     }
 
-    /// Whether an attempt may be looked at.
+    /// Returns whether a password may be checked.
     pub fn may_try(&self, user: &str, now: Instant) -> bool {
         let is_open = |failures: Option<&Failures>, max: u32| {
             failures.is_none_or(|f| f.count < max || !f.is_within(self.window, now))
@@ -45,6 +46,7 @@ impl Throttle {
             && is_open(self.server.as_ref(), self.failures_max.saturating_mul(SERVER_FACTOR))
     }
 
+    /// Counts a wrong password.
     pub fn failed(&mut self, user: &str, now: Instant) {
         if self.users.len() >= USERS_MAX {
             let window = self.window;
@@ -65,6 +67,7 @@ impl Throttle {
         self.server = Some(count(self.server));
     }
 
+    /// Resets the failures of a user.
     pub fn succeeded(&mut self, user: &str) {
         self.users.remove(user);
     }
@@ -75,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn failures_close_the_door_for_a_while() {
+    fn failures_block_a_user_for_the_window() {
         let start = Instant::now();
         let mut throttle = Throttle::new(3, Duration::from_secs(60));
         for _ in 0..3 {
@@ -91,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn many_names_do_not_help() {
+    fn failures_of_many_users_block_the_server() {
         let now = Instant::now();
         let mut throttle = Throttle::new(3, Duration::from_secs(60));
         for guess in 0..30 {

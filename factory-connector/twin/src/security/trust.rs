@@ -1,12 +1,11 @@
-//! The trust list: certificates of clients that an engineer approved, those that wait for it,
+//! Trust list: certificates of clients that an engineer approved, those that wait for approval,
 //! authorities and their revocation lists.
 //!
-//! A certificate that is new to the twin lands among the rejected ones; approving moves it to the
-//! trusted ones. The folders are the truth: the server looks into them at every connection.
+//! A certificate that is new to the twin is stored among the rejected ones; approving moves it to
+//! the trusted ones. The folders are authoritative: the server reads them at every connection.
 
 mod authorities;
 pub(crate) mod faults;
-pub(crate) mod knocks;
 mod revocation_lists;
 
 use std::{
@@ -20,64 +19,65 @@ use opcua_stack::opcua::crypto::{CertificateStore, X509};
 use x509_parser::{certificate::X509Certificate, prelude::FromDer, time::ASN1Time};
 
 pub use authorities::{Authority, RevocationKnowledge};
-pub use faults::TrustFault;
-pub use knocks::{Rejection, RejectionReason};
 pub use revocation_lists::RevocationList;
 
-use self::knocks::{Knocks, thumbprint};
+use super::{
+    certificate_files::replace,
+    fault::TrustFault,
+    rejected_clients::{RejectedClients, Rejection, thumbprint},
+};
 use crate::{error::TwinError, events::EventReporter};
 
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";
 const ISSUERS: &str = "issuers";
 const REVOCATION_LISTS: &str = "crl";
-/// Most certificates listed of a folder: rejected ones come from anybody.
+/// Most certificates listed of a folder: any client may add rejected ones.
 const LISTED_MAX: usize = 1000;
 
-/// Whether a certificate opens the door.
+/// State of a client's certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CertificateState {
-    /// Its bearer may connect.
+    /// The client may connect.
     Trusted,
-    /// Its bearer was turned away and waits for an approval.
+    /// The client is rejected and waits for an approval.
     Rejected,
 }
 
-/// A client's certificate as the trust list knows it.
+/// A client's certificate in the trust list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClientCertificate {
-    /// SHA-1 over the certificate, in lower-case hexadecimal digits: its identity here.
+    /// SHA-1 over the certificate in lower-case hexadecimal digits; identifies it in the trust list.
     pub thumbprint: String,
     /// The subject's distinguished name.
     pub subject: String,
-    /// The application it was made for, as it says.
+    /// ApplicationUri in its alternative names.
     pub application_uri: Option<String>,
     /// Beginning of its validity.
     pub not_before: DateTime,
     /// End of its validity.
     pub not_after: DateTime,
-    /// Where it stands.
     pub state: CertificateState,
-    /// When its bearer was turned away last; none where that was never since it stands so.
+    /// The last rejected connection attempt since it has this state.
     pub rejection: Option<Rejection>,
 }
 
-/// Lists, approves and rejects client certificates, authorities and revocation lists. Changes name
-/// who makes them, for the log and the audit trail.
+/// Lists, approves and rejects client certificates, authorities and revocation lists. Each change
+/// takes the name of its author (`by`), for the log and the audit trail.
 #[derive(Clone)]
 pub struct TrustList {
     folder: PathBuf,
-    knocks: Knocks,
-    /// Known once the server is built.
+    rejected_clients: RejectedClients,
+    /// Set once the server is built.
     events: Arc<OnceLock<Arc<EventReporter>>>,
 }
 
 impl TrustList {
     pub(crate) fn new(folder: &Path, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
-        Self { folder: folder.to_owned(), knocks: Knocks::new(folder), events }
+        Self { folder: folder.to_owned(), rejected_clients: RejectedClients::new(folder), events }
     }
 
-    /// Every client's certificate known, rejected ones first, latest knock first.
+    /// Returns all certificates of clients, the rejected ones first, by the last attempt.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
@@ -101,21 +101,20 @@ impl TrustList {
         Ok(all)
     }
 
-    /// Lets the bearer of a certificate in from now on. False where the certificate is not known.
+    /// Accepts a certificate from now on. False when it is not in the list.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn trust(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
         let is_moved = self.shift(thumbprint, REJECTED, TRUSTED)?;
         if is_moved {
-            self.knocks.forget(thumbprint);
+            self.rejected_clients.forget(thumbprint);
             self.changed(by, format!("The certificate {thumbprint} is trusted."));
         }
         Ok(is_moved)
     }
 
-    /// Turns the bearer of a certificate away from the next connection on. False where it was not
-    /// trusted.
+    /// Rejects a certificate from the next connection on. False when it was not trusted.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
@@ -127,12 +126,11 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Trusts a certificate that was brought here another way, as DER: a client's, or an
-    /// authority's whose clients are to be trusted.
+    /// Adds a certificate (DER) as trusted: a client's, or an authority's whose clients are to be
+    /// trusted.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
-    /// cannot be stored.
+    /// [`TwinError::Refused`] with all its faults, [`TwinError::Pki`] when it cannot be stored.
     pub fn trust_new(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let parsed = faults::certificate(der)?;
         let is_authority = faults::is_authority(&parsed);
@@ -152,8 +150,7 @@ impl TrustList {
         Ok(())
     }
 
-    /// A client's certificate to be shown; none where it is a trusted authority's, which has a list
-    /// of its own.
+    /// Describes a client's certificate; none for a trusted authority's, which is listed separately.
     fn describe(&self, certificate: &X509, state: CertificateState) -> Option<ClientCertificate> {
         let thumbprint = thumbprint(certificate);
         let der = certificate.as_byte_string();
@@ -167,12 +164,12 @@ impl TrustList {
             not_before: time(parsed.validity().not_before),
             not_after: time(parsed.validity().not_after),
             state,
-            rejection: self.knocks.last(&thumbprint),
+            rejection: self.rejected_clients.last(&thumbprint),
             thumbprint,
         })
     }
 
-    /// Says who changed what: to the log, and to whoever listens to the server's audit trail.
+    /// Reports a change with its author to the log and to the server's audit trail.
     fn changed(&self, by: &str, message: String) {
         tracing::info!(by, change = message, "The trust list of the twin was changed.");
         if let Some(events) = self.events.get() {
@@ -192,22 +189,22 @@ impl TrustList {
         Ok(true)
     }
 
-    /// The file of a certificate in a folder.
-    fn find(&self, folder: &str, wanted: &str) -> Result<Option<PathBuf>, TwinError> {
+    /// Finds the file of a certificate in a folder.
+    fn find(&self, folder: &str, searched: &str) -> Result<Option<PathBuf>, TwinError> {
         let fits = |path: &PathBuf| {
             CertificateStore::read_cert(path)
-                .is_ok_and(|certificate| thumbprint(&certificate).eq_ignore_ascii_case(wanted))
+                .is_ok_and(|certificate| thumbprint(&certificate).eq_ignore_ascii_case(searched))
         };
         Ok(self.files(folder, "der")?.into_iter().find(fits))
     }
 
-    fn files(&self, name: &str, wanted: &str) -> Result<Vec<PathBuf>, TwinError> {
+    fn files(&self, name: &str, extension: &str) -> Result<Vec<PathBuf>, TwinError> {
         let folder = self.folder.join(name);
         let entries = fs::read_dir(&folder)
             .map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
         let mut files: Vec<PathBuf> = entries
             .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| path.extension().is_some_and(|extension| extension == wanted))
+            .filter(|path| path.extension().is_some_and(|found| found == extension))
             .collect();
         files.sort();
         Ok(files)
@@ -230,13 +227,4 @@ pub(crate) fn refuse(faults: Vec<TrustFault>) -> Result<(), TwinError> {
 
 pub(crate) fn time(at: ASN1Time) -> DateTime {
     DateTime::from_unix_micros(at.timestamp().saturating_mul(1_000_000))
-}
-
-/// Writes a file so that nobody ever reads half of it.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TwinError> {
-    let mut new = path.as_os_str().to_owned();
-    new.push(".new");
-    let failed = |source| TwinError::Pki { path: path.to_owned(), source };
-    fs::write(&new, bytes).map_err(failed)?;
-    fs::rename(&new, path).map_err(failed)
 }

@@ -1,4 +1,4 @@
-//! Browsing and reading.
+//! Browse, Read and TranslateBrowsePaths.
 
 use asi_model::messages::MappingState;
 use opcua_stack::opcua::types::{
@@ -109,7 +109,7 @@ async fn every_reference_is_known_from_both_ends() {
 }
 
 #[tokio::test]
-async fn relations_stand_as_objects_and_as_arrows() {
+async fn relations_are_objects_and_references() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("frame-4711", 3)));
     let client = twin.client("vera").await;
@@ -141,7 +141,7 @@ async fn relations_stand_as_objects_and_as_arrows() {
 }
 
 #[tokio::test]
-async fn the_status_tells_where_a_field_stands() {
+async fn the_status_shows_the_state_of_a_field() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
@@ -251,7 +251,7 @@ async fn types_are_browsed_under_the_standard_ones() {
 }
 
 #[tokio::test]
-async fn paths_lead_through_standard_nodes_to_ours() {
+async fn paths_lead_through_standard_nodes_to_the_twins() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("a/b#c", 1)));
     let client = twin.client("vera").await;

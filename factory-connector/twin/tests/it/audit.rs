@@ -1,5 +1,5 @@
-//! The audit trail of who came and who was turned away, as the Server object's subscribers hear it;
-//! and the renewal of the certificate under running sessions.
+//! Audit trail of access, as the Server object's subscribers receive it, and renewal of the
+//! certificate during sessions.
 
 use std::time::{Duration, SystemTime};
 
@@ -18,7 +18,7 @@ use crate::{
 pub const FIELDS: [&str; 7] =
     ["EventType", "SourceName", "ClientUserId", "Status", "StatusCodeId", "SessionId", "Message"];
 
-/// The next event of a type; what else happens meanwhile is passed over.
+/// Waits for the next event of a type; others are skipped.
 pub async fn next_of(
     heard: &mut UnboundedReceiver<Vec<Variant>>,
     of: ObjectTypeId,
@@ -32,7 +32,7 @@ pub async fn next_of(
 }
 
 #[tokio::test]
-async fn coming_and_going_is_audited() {
+async fn channels_and_sessions_are_audited() {
     let twin = TestTwin::start().await;
     let client = twin.client("anna").await;
     let mut heard = events(&client, ObjectTypeId::AuditEventType, &FIELDS).await;
@@ -104,7 +104,7 @@ async fn sessions_of_a_user_can_be_ended() {
 }
 
 #[tokio::test]
-async fn who_is_turned_away_is_audited() {
+async fn rejected_clients_are_audited() {
     let twin = TestTwin::start_with(|_| {}).await;
     assert!(twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.is_err());
     let list = twin.handle.trust_list();
@@ -136,8 +136,7 @@ async fn who_is_turned_away_is_audited() {
     twin.stop().await;
 }
 
-/// Puts a certificate for the twin where it looks for its own, that is due to be renewed in some
-/// seconds.
+/// Stores a certificate for the twin that is due for renewal in some seconds.
 fn put_old_certificate(pki: &std::path::Path, seconds_left: i64, renewal_days: u32) {
     let key = rcgen::KeyPair::try_from(PrivateKey::new(2048).unwrap().to_der().unwrap().as_bytes())
         .unwrap();
@@ -165,7 +164,7 @@ fn put_old_certificate(pki: &std::path::Path, seconds_left: i64, renewal_days: u
 }
 
 #[tokio::test]
-async fn the_certificate_is_renewed_under_running_sessions() {
+async fn the_certificate_is_renewed_during_sessions() {
     let mut old = Vec::new();
     let twin = TestTwin::start_with(|config| {
         config.security.trust_unknown_certificates = true;
@@ -183,7 +182,7 @@ async fn the_certificate_is_renewed_under_running_sessions() {
         assert!(Instant::now() < deadline, "it is renewed in time");
         // The session goes on, whatever happens to the certificate.
         assert!(before.read("net#Revision").await.status().is_good());
-        let after = connect_anew(&twin).await;
+        let after = connect_again(&twin).await;
         let now_shown = shown(&after);
         after.close().await;
         if now_shown != old {
@@ -197,14 +196,14 @@ async fn the_certificate_is_renewed_under_running_sessions() {
     twin.stop().await;
 }
 
-/// The certificate that the twin showed this client.
+/// Returns the certificate of the server, as this client got it.
 pub fn shown(client: &Client) -> Vec<u8> {
     client.session.endpoint_info().endpoint.server_certificate.as_ref().to_vec()
 }
 
-/// Between asking for the endpoints and connecting the certificate may change, so one more attempt
-/// is fair.
-pub async fn connect_anew(twin: &TestTwin) -> Client {
+/// Connects with one more attempt: the certificate may change between the request for the endpoints
+/// and the connection.
+pub async fn connect_again(twin: &TestTwin) -> Client {
     for _ in 0..2 {
         let identity = IdentityToken::new_user_name("otto", "otto-secret");
         let pki = twin.folder.path().join("client-otto");

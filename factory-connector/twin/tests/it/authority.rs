@@ -1,9 +1,9 @@
-//! A certificate authority as plants have one.
+//! A certificate authority for tests.
 
 /// A certificate authority of the plant.
 pub struct Authority {
     pub issuer: rcgen::Issuer<'static, rcgen::KeyPair>,
-    /// As DER.
+    /// Certificate of the authority, DER.
     pub certificate: Vec<u8>,
     pub pem: String,
 }
@@ -21,7 +21,7 @@ impl Authority {
         Self { issuer: rcgen::Issuer::new(params, key), certificate, pem }
     }
 
-    /// Writes a key and a certificate with this serial number where a client looks for them.
+    /// Writes a key and a certificate with this serial number to the folder of a client.
     pub fn issue(&self, folder: &std::path::Path, serial: u64) {
         let key = opcua_stack::opcua::crypto::PrivateKey::new(2048).unwrap().to_der().unwrap();
         let key = rcgen::KeyPair::try_from(key.as_bytes()).unwrap();
@@ -41,12 +41,12 @@ impl Authority {
         std::fs::write(folder.join("private/private.pem"), key.serialize_pem()).unwrap();
     }
 
-    /// The list of what was revoked, of this year and for long.
+    /// Signs a revocation list that is valid from this year on.
     pub fn revocation_list(&self, serials: &[u64]) -> Vec<u8> {
         self.revocation_list_of(serials, 2026, 2096)
     }
 
-    /// The list of what was revoked, from the beginning of one year to that of another.
+    /// Signs a revocation list that is valid from the beginning of one year to that of another.
     pub fn revocation_list_of(
         &self,
         serials: &[u64],

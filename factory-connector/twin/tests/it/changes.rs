@@ -1,4 +1,4 @@
-//! What subscribers hear: values, removals, model changes, the audit trail.
+//! Notifications of subscribers: values, removals, model changes, the audit trail.
 
 use asi_model::DataValue;
 use opcua_stack::opcua::{
@@ -39,7 +39,7 @@ async fn values_are_pushed_in_order_and_none_is_lost() {
 }
 
 #[tokio::test]
-async fn a_revision_touches_only_what_differs() {
+async fn a_revision_changes_only_nodes_that_differ() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
@@ -108,7 +108,7 @@ async fn a_revision_touches_only_what_differs() {
 }
 
 #[tokio::test]
-async fn a_changed_status_alone_is_heard() {
+async fn a_changed_status_alone_is_notified() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
@@ -236,7 +236,7 @@ async fn model_changes_are_events() {
 }
 
 #[tokio::test]
-async fn the_audit_trail_names_who_did_what() {
+async fn the_audit_trail_contains_user_and_change() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("anna").await;

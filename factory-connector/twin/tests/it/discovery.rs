@@ -1,4 +1,4 @@
-//! Being found: by a foreign discovery server, and by a foreign listener of multicast DNS.
+//! Discovery by a foreign discovery server, and by a foreign listener of multicast DNS.
 
 use std::{net::TcpListener, process::Stdio, time::Duration};
 
@@ -15,11 +15,11 @@ use crate::{
     harness::TestTwin,
 };
 
-/// How long a foreign program may take to say something: starting an interpreter on a busy machine
-/// is slow.
+/// Time limit of an answer by a foreign program: the start of an interpreter on a busy machine is
+/// slow.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A running script that says what happens, one line of JSON each.
+/// A running script that reports events, one line of JSON each.
 struct Script {
     child: Child,
     lines: Lines<BufReader<ChildStdout>>,
@@ -44,12 +44,12 @@ impl Script {
         script
     }
 
-    /// What it says next about this kind of event; others are passed over.
+    /// Waits for the next event of this kind; others are skipped.
     async fn hear(&mut self, event: &str) -> Value {
         self.hear_where(event, |_| true).await
     }
 
-    async fn hear_where(&mut self, event: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
+    async fn hear_where(&mut self, event: &str, matches: impl Fn(&Value) -> bool) -> Value {
         let deadline = Instant::now() + PATIENCE;
         let mut heard = Vec::new();
         loop {
@@ -58,7 +58,7 @@ impl Script {
                 Err(_) => panic!("no {event} within {PATIENCE:?}, but {heard:?}"),
             };
             let said: Value = serde_json::from_str(&line).unwrap();
-            if said["event"] == event && is_wanted(&said) {
+            if said["event"] == event && matches(&said) {
                 return said;
             }
             heard.push(said);
@@ -78,8 +78,8 @@ fn registering(port: u16) -> impl FnOnce(&mut TwinConfig) {
     }
 }
 
-/// Starts with the discovery server absent, so that it has to be tried again; registers again and
-/// again; takes leave.
+/// Starts without the discovery server, so that the twin has to try again. Then it registers at each
+/// interval, and withdraws at the end.
 async fn is_registered_by(arguments: &[&str], service: &str) {
     let folder = tempfile::tempdir().unwrap();
     let [port] = free_ports::reserve().unwrap();
@@ -107,12 +107,12 @@ async fn a_discovery_server_knows_the_twin_while_it_runs() {
 }
 
 #[tokio::test]
-async fn an_old_discovery_server_is_asked_the_old_way() {
+async fn an_old_discovery_server_gets_register_server() {
     is_registered_by(&["--old"], "RegisterServer").await;
 }
 
 #[tokio::test]
-async fn a_discovery_server_is_trusted_like_anybody_else() {
+async fn a_discovery_server_needs_an_approval_like_a_client() {
     let folder = tempfile::tempdir().unwrap();
     let [port] = free_ports::reserve().unwrap();
     let pki = folder.path().to_str().unwrap().to_owned();
@@ -127,9 +127,9 @@ async fn a_discovery_server_is_trusted_like_anybody_else() {
     let deadline = Instant::now() + PATIENCE;
     let certificate = loop {
         if let Some(certificate) = list.list().unwrap().pop()
-            && let Some(knock) = &certificate.rejection
+            && let Some(attempt) = &certificate.rejection
         {
-            assert_eq!(knock.address, None, "the twin called it");
+            assert_eq!(attempt.address, None, "the twin called it");
             break certificate;
         }
         assert!(Instant::now() < deadline, "the server's certificate waits for an approval");
@@ -143,7 +143,7 @@ async fn a_discovery_server_is_trusted_like_anybody_else() {
 }
 
 #[tokio::test]
-async fn a_discovery_server_that_does_not_serve_delays_nothing() {
+async fn a_silent_discovery_server_delays_nothing() {
     // It takes connections and says nothing.
     let silent = TcpListener::bind("127.0.0.1:0").unwrap();
     let twin = TestTwin::start_with(registering(silent.local_addr().unwrap().port())).await;
@@ -154,7 +154,7 @@ async fn a_discovery_server_that_does_not_serve_delays_nothing() {
 }
 
 #[tokio::test]
-async fn the_twin_is_announced_by_multicast_dns_and_says_goodbye() {
+async fn the_twin_is_announced_by_multicast_dns_until_it_stops() {
     let mut listener = Script::start("multicast_listener.js", &["127.0.0.1"]).await;
     let announcing = |config: &mut TwinConfig| {
         config.security.trust_unknown_certificates = true;

@@ -1,5 +1,4 @@
-//! Other people's OPC UA stacks against the twin: asyncua and node-opcua, encrypted and with a
-//! user.
+//! Foreign OPC UA stacks against the twin: asyncua and node-opcua, encrypted and with a user.
 
 use std::{
     path::{Path, PathBuf},
@@ -19,9 +18,9 @@ use tokio::{
 
 use crate::harness::{TestTwin, document, external, field, field_id, message, now};
 
-/// How long one command may take; starting an interpreter on a busy machine is slow.
+/// Time limit of a command: the start of an interpreter on a busy machine is slow.
 const COMMAND_TIMEOUT: Duration = Duration::from_secs(90);
-/// How long installing the peers may take.
+/// Time limit to install the peers.
 const SETUP_TIMEOUT: Duration = Duration::from_secs(600);
 
 /// The two foreign clients; both have the same commands.
@@ -35,7 +34,7 @@ pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
-/// Installs the peers once; prints nothing and is quick when they are there.
+/// Installs the peers once; fast when they are installed already.
 pub async fn installed() {
     static INSTALLED: OnceCell<()> = OnceCell::const_new();
     INSTALLED
@@ -51,7 +50,7 @@ pub async fn installed() {
         .await;
 }
 
-/// A foreign client at work, one command after the other: starting it takes seconds.
+/// A running foreign client, which executes one command after the other: its start takes seconds.
 struct Process {
     peer: Peer,
     _child: Child,
@@ -154,7 +153,7 @@ impl<'a> Foreign<'a> {
         result["results"].as_array().unwrap_or_else(|| panic!("{result}")).clone()
     }
 
-    /// Runs a command that listens; `when_ready` is done once it does.
+    /// Runs a command that subscribes, and `when_ready` once it has.
     async fn listen(&self, arguments: &[&str], when_ready: impl AsyncFnOnce()) -> Value {
         let mut process = self.process.lock().await;
         process.begin(&self.signed_in(arguments)).await;
@@ -168,39 +167,63 @@ fn nsu(identifier: &str) -> String {
     format!("nsu=urn:verbund:cpt:FOR_MUC;s={identifier}")
 }
 
-/// Everything a foreign client does with the twin, one after the other.
+/// Identifiers of the example's nodes that the foreign clients use.
+struct Nodes {
+    field: String,
+    undecided: String,
+    request: String,
+    decide: String,
+}
+
+impl Nodes {
+    fn new() -> Self {
+        Self {
+            field: nsu(&field_id("net", "progressStatus")),
+            undecided: nsu(&field_id("net", "percent")),
+            request: nsu("net/op/MakeFrame1/req/ReqResponse1"),
+            decide: nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"),
+        }
+    }
+}
+
+const REFUSAL: &str = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
+
+/// Checks all services that a foreign client uses, one after the other.
 async fn works_with(peer: Peer) {
     let (twin, process) = tokio::join!(TestTwin::start(), Process::start(peer));
     twin.handle.apply(document(message("net", 1)));
     twin.handle.publish_decision(&field("net", "progressStatus"), external());
-    let engineer = Foreign::new(&process, &twin, "anna").await;
-    let operator = Foreign::new(&process, &twin, "otto").await;
+    let nodes = Nodes::new();
+    check_writes(&Foreign::new(&process, &twin, "otto").await, &nodes).await;
     let viewer = Foreign::new(&process, &twin, "vera").await;
-    let id = nsu(&field_id("net", "progressStatus"));
-    let (object, method) = (
-        nsu("net/op/MakeFrame1/req/ReqResponse1"),
-        nsu("net/op/MakeFrame1/req/ReqResponse1#Decide"),
-    );
-    let refusal = r#"[["String", "percent"], ["Int32", 2], ["String", "not ours to tell"]]"#;
+    check_reads(&viewer, &nodes).await;
+    check_subscription(&viewer, &twin, &nodes).await;
+    check_decision(&Foreign::new(&process, &twin, "anna").await, &nodes).await;
+    check_change_events(&viewer, &twin).await;
+    check_session_events(&viewer, &twin, peer).await;
+    twin.stop().await;
+}
 
-    let undecided = nsu(&field_id("net", "percent"));
+async fn check_writes(operator: &Foreign<'_>, nodes: &Nodes) {
     let statuses = operator
         .batch(&[
-            &["write", &id, "UInt64", "5"],
-            &["write", &undecided, "Double", "5.0"],
-            &["write", &id, "Int32", "6"],
-            &["call", &object, &method, refusal],
+            &["write", &nodes.field, "UInt64", "5"],
+            &["write", &nodes.undecided, "Double", "5.0"],
+            &["write", &nodes.field, "Int32", "6"],
+            &["call", &nodes.request, &nodes.decide, REFUSAL],
         ])
         .await;
     let statuses: Vec<&Value> = statuses.iter().map(|result| &result["status"]).collect();
     assert_eq!(statuses, ["Good", "BadNotWritable", "BadTypeMismatch", "BadUserAccessDenied"]);
+}
 
+async fn check_reads(viewer: &Foreign<'_>, nodes: &Nodes) {
     let found = viewer
         .batch(&[
             &["browse", &nsu("net#OperationNetwork")],
-            &["read", &id],
-            &["read", &format!("{id}#EngineeringUnits")],
-            &["write", &id, "UInt64", "6"],
+            &["read", &nodes.field],
+            &["read", &format!("{}#EngineeringUnits", nodes.field)],
+            &["write", &nodes.field, "UInt64", "6"],
         ])
         .await;
     let children = found[0]["children"].as_array().unwrap();
@@ -211,9 +234,11 @@ async fn works_with(peer: Peer) {
     assert_eq!((&found[1]["value"], &found[1]["status"]), (&json!(5), &json!("Good")), "{found:?}");
     assert_eq!(found[2]["status"], "Good", "{found:?}");
     assert_eq!(found[3]["status"], "BadUserAccessDenied", "{found:?}");
+}
 
+async fn check_subscription(viewer: &Foreign<'_>, twin: &TestTwin, nodes: &Nodes) {
     let changes = viewer
-        .listen(&["subscribe", &id, "3"], async || {
+        .listen(&["subscribe", &nodes.field, "3"], async || {
             for value in [8_u64, 9] {
                 twin.handle.publish_values(vec![(
                     field("net", "progressStatus"),
@@ -225,11 +250,14 @@ async fn works_with(peer: Peer) {
     let values: Vec<&Value> =
         changes["changes"].as_array().unwrap().iter().map(|c| &c["value"]).collect();
     assert_eq!(values, [&json!(5), &json!(8), &json!(9)], "{changes}");
+}
 
+/// Refuses a field, and exports the interface as a NodeSet that contains the whole network.
+async fn check_decision(engineer: &Foreign<'_>, nodes: &Nodes) {
     let decided = engineer
         .batch(&[
-            &["call", &object, &method, refusal],
-            &["read", &format!("{undecided}#DecisionReason")],
+            &["call", &nodes.request, &nodes.decide, REFUSAL],
+            &["read", &format!("{}#DecisionReason", nodes.undecided)],
             &["call", &nsu("net"), &nsu("net#ExportNodeSet"), "[]"],
         ])
         .await;
@@ -245,10 +273,12 @@ async fn works_with(peer: Peer) {
         &"FOR_MUC".parse().unwrap(),
     );
     let Ok(asi_model::messages::PlatformMessage::OperationNetwork(again)) = again else {
-        panic!("what was exported can be read: {again:?}")
+        panic!("an exported network can be parsed: {again:?}")
     };
     assert_eq!(again.operation_network, message("net", 1).operation_network);
+}
 
+async fn check_change_events(viewer: &Foreign<'_>, twin: &TestTwin) {
     let changed = viewer
         .listen(&["events", "1", "GeneralModelChangeEvent"], async || {
             twin.handle.apply(document(message("another", 1)));
@@ -264,15 +294,20 @@ async fn works_with(peer: Peer) {
         .await;
     assert_eq!(audited["events"][0]["ClientUserId"], "otto", "{audited}");
     assert_eq!(audited["events"][0]["Status"], true, "{audited}");
+}
 
+async fn check_session_events(viewer: &Foreign<'_>, twin: &TestTwin, peer: Peer) {
+    let sign_in_wrongly = async || {
+        assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
+    };
     let sessions = viewer
         .listen(&["events", "4", "AuditSessionEvent"], async || {
             twin.client("otto").await.close().await;
-            assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
+            sign_in_wrongly().await;
         })
         .await;
     let events = sessions["events"].as_array().unwrap_or_else(|| panic!("{sessions}"));
-    let told: Vec<[&Value; 3]> =
+    let reported: Vec<[&Value; 3]> =
         events.iter().map(|e| [&e["SourceName"], &e["ClientUserId"], &e["Status"]]).collect();
     let (create, activate, close) =
         ("Session/CreateSession", "Session/ActivateSession", "Session/CloseSession");
@@ -282,14 +317,11 @@ async fn works_with(peer: Peer) {
         (close, "otto", true),
         (create, "System/CreateSession", true),
     ];
-    for (told, (source, user, status)) in told.iter().zip(expected) {
-        assert_eq!(told, &[&json!(source), &json!(user), &json!(status)], "{peer:?}: {sessions}");
+    for (event, (source, user, status)) in reported.iter().zip(expected) {
+        assert_eq!(event, &[&json!(source), &json!(user), &json!(status)], "{peer:?}: {sessions}");
     }
-    let refused = viewer
-        .listen(&["events", "1", "AuditActivateSessionEvent"], async || {
-            assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
-        })
-        .await;
+    let refused =
+        viewer.listen(&["events", "1", "AuditActivateSessionEvent"], sign_in_wrongly).await;
     assert_eq!(refused["events"][0]["ClientUserId"], "otto", "{refused}");
     assert_eq!(refused["events"][0]["Status"], false, "{refused}");
     let channel = viewer
@@ -298,7 +330,6 @@ async fn works_with(peer: Peer) {
         })
         .await;
     assert_eq!(channel["events"][0]["Status"], true, "{channel}");
-    twin.stop().await;
 }
 
 #[tokio::test]

@@ -1,4 +1,4 @@
-//! A running twin with a connector's two ports, and clients of the same stack.
+//! A running twin with substitutes for the connector, and clients of the same stack.
 
 use std::{
     sync::{Arc, OnceLock},
@@ -32,14 +32,14 @@ use twin::{
     Twin, TwinConfig, TwinHandle, TwinUser,
 };
 
-/// How long a test waits for anything.
+/// Time limit of every wait in a test.
 pub const DEADLINE: Duration = Duration::from_secs(20);
 /// The namespace index of the instances: 0 standard, 1 server, 2 types.
 pub const INSTANCES: u16 = 3;
 pub const TYPES: u16 = 2;
 
-/// Stands for the connector: keeps what it is given, and publishes it as the connector does after a
-/// commit.
+/// Substitute for the connector: stores values and decisions, and publishes them like the connector
+/// after a commit.
 #[derive(Default)]
 pub struct Connector {
     pub handle: OnceLock<TwinHandle>,
@@ -81,7 +81,8 @@ impl FieldWriter for Connector {
     }
 }
 
-/// `anna` engineers, `otto` operates, `vera` looks; the password is the name and `-secret`.
+/// The engineer `anna`, the operator `otto` and the viewer `vera`; the password is the name with
+/// `-secret`.
 struct Users;
 
 #[async_trait]
@@ -112,7 +113,7 @@ pub fn now() -> DateTime {
 }
 
 impl TestTwin {
-    /// Trusts every client certificate, as the tests' clients make new ones.
+    /// Starts a twin that trusts every client certificate: the clients of the tests make new ones.
     pub async fn start() -> Self {
         Self::start_with(|config| config.security.trust_unknown_certificates = true).await
     }
@@ -121,7 +122,7 @@ impl TestTwin {
         Self::start_of("FOR_MUC", adjust).await
     }
 
-    /// The twin of another factory than the usual one.
+    /// Starts the twin of a given factory.
     pub async fn start_of(factory: &str, adjust: impl FnOnce(&mut TwinConfig)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut config = TwinConfig {
@@ -146,7 +147,7 @@ impl TestTwin {
         drop(self.stop_but_keep().await);
     }
 
-    /// Stops, and leaves what it wrote for a look or another one.
+    /// Stops the twin and returns its folder.
     pub async fn stop_but_keep(self) -> tempfile::TempDir {
         self.shutdown.cancel();
         tokio::time::timeout(DEADLINE, self.running).await.unwrap().unwrap().unwrap();
@@ -190,7 +191,7 @@ impl Client {
         Self::connect_for(url, pki, identity, policy, DEADLINE).await
     }
 
-    /// With a session that may be silent for so long.
+    /// Connects with a session timeout.
     pub async fn connect_for(
         url: &str,
         pki: std::path::PathBuf,
@@ -229,7 +230,7 @@ impl Client {
         tokio::time::timeout(DEADLINE, self.events).await.unwrap().unwrap();
     }
 
-    /// Goes without a word: the connection ends, the session stays.
+    /// Drops the connection without closing the session.
     pub fn vanish(self) {
         self.events.abort();
     }
@@ -276,7 +277,7 @@ impl Client {
         references
     }
 
-    /// The names behind forward references.
+    /// Returns the BrowseNames of the targets of forward references.
     pub async fn children(&self, node_id: impl Into<NodeId>) -> Vec<String> {
         let references = self.browse(node_id, BrowseDirection::Forward).await;
         references.into_iter().map(|r| r.browse_name.name.to_string()).collect()
@@ -339,7 +340,7 @@ impl Client {
     }
 }
 
-/// The next notification, within the deadline.
+/// Waits for the next notification, within the deadline.
 pub async fn next<T>(receiver: &mut mpsc::UnboundedReceiver<T>) -> T {
     tokio::time::timeout(DEADLINE, receiver.recv())
         .await
@@ -351,7 +352,7 @@ pub fn instance(identifier: &str) -> NodeId {
     NodeId::new(INSTANCES, identifier)
 }
 
-/// The message of the wire contract's example, with another revision and id.
+/// Returns the example message of the wire contract, with another revision and id.
 pub fn message(network: &str, revision: u64) -> OperationNetworkMessage {
     let text = include_str!("frame-order.json");
     let PlatformMessage::OperationNetwork(mut message) = serde_json::from_str(text).unwrap() else {
@@ -393,7 +394,7 @@ pub fn external() -> FieldRecord {
     }
 }
 
-/// The identifier of a field of the example's request.
+/// Returns the identifier of a field of the example's request.
 pub fn field_id(network: &str, name: &str) -> String {
     format!("{network}/op/MakeFrame1/req/ReqResponse1/{name}")
 }

@@ -1,4 +1,4 @@
-//! Slow, silent and hostile clients: the others go on as if they were alone.
+//! Slow, silent and hostile clients, which must not affect the others.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,7 @@ fn address(twin: &TestTwin) -> String {
     twin.url.trim_start_matches("opc.tcp://").trim_end_matches('/').to_owned()
 }
 
-/// A Hello as a client begins with, for this endpoint.
+/// Returns a Hello message for this endpoint.
 pub fn hello(url: &str, buffer_size: u32) -> Vec<u8> {
     let mut body = Vec::new();
     for number in [0, buffer_size, buffer_size, 0, 0] {
@@ -66,14 +66,14 @@ pub fn framed(kind: &[u8; 4], body: &[u8]) -> Vec<u8> {
     [kind.as_slice(), &length.to_le_bytes(), body].concat()
 }
 
-/// Sends bytes on a connection of their own and waits for its end.
+/// Sends bytes on a new connection and waits for its end.
 pub async fn send(twin: &TestTwin, bytes: &[u8]) {
     let mut stream = TcpStream::connect(address(twin)).await.unwrap();
     stream.write_all(bytes).await.unwrap();
     drain(&mut stream, DEADLINE).await;
 }
 
-/// One frame of the server.
+/// Reads one frame of the server.
 async fn frame(stream: &mut TcpStream) -> Vec<u8> {
     let mut header = [0; 8];
     stream.read_exact(&mut header).await.unwrap();
@@ -94,12 +94,12 @@ async fn channel(twin: &TestTwin) -> (TcpStream, u32) {
     (stream, u32::from_le_bytes(opened[8..12].try_into().unwrap()))
 }
 
-/// What every chunk of a message begins with: channel, token, sequence number, request id.
+/// Returns the header of a chunk: channel, token, sequence number, request id.
 fn chunk_header(channel: u32, sequence: u32, request: u32) -> Vec<u8> {
     [channel, 1, sequence, request].iter().flat_map(|n| n.to_le_bytes()).collect()
 }
 
-/// Reads until the peer closes or goes quiet; how many bytes came.
+/// Reads until the peer closes or is silent. Returns the number of bytes.
 async fn drain(stream: &mut TcpStream, patience: Duration) -> usize {
     let (mut total, mut buffer) = (0, [0; 4096]);
     while let Ok(Ok(count @ 1..)) = tokio::time::timeout(patience, stream.read(&mut buffer)).await {
@@ -108,7 +108,7 @@ async fn drain(stream: &mut TcpStream, patience: Duration) -> usize {
     total
 }
 
-/// A well-behaved client still gets its answers at once.
+/// Asserts that another client still gets its answers at once.
 async fn assert_served(client: &Client) {
     let start = Instant::now();
     assert!(client.read("net#Revision").await.status().is_good());
@@ -150,7 +150,7 @@ async fn half_open_connections_are_closed_and_limited() {
 }
 
 #[tokio::test]
-async fn giant_messages_are_cut_short_before_anybody_signed_in() {
+async fn giant_messages_before_a_sign_in_are_refused() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
@@ -172,7 +172,7 @@ async fn giant_messages_are_cut_short_before_anybody_signed_in() {
 }
 
 #[tokio::test]
-async fn sessions_that_nobody_activates_lock_nobody_out() {
+async fn sessions_that_are_never_activated_do_not_block_clients() {
     let twin = TestTwin::start_with(|config| {
         config.security.trust_unknown_certificates = true;
         config.limits.sessions_max = 5;
@@ -200,7 +200,7 @@ async fn sessions_that_nobody_activates_lock_nobody_out() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
+async fn a_thousand_sessions_do_not_affect_an_existing_one() {
     const CROWD: usize = 1000;
     const AT_ONCE: usize = 50;
     const ROOM: usize = 20;
@@ -222,7 +222,7 @@ async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
             match outcome {
                 Ok(one) => inside.push(one),
                 Err(status) => {
-                    // No room, or somebody else took it between creating and activating.
+                    // No session is free, or another client got it between creating and activating.
                     let is_expected =
                         [StatusCode::BadTooManySessions, StatusCode::BadSessionIdInvalid];
                     assert!(is_expected.contains(&status), "{status}");
@@ -244,7 +244,7 @@ async fn a_thousand_sessions_shut_out_nobody_who_is_in() {
 }
 
 #[tokio::test]
-async fn garbage_of_every_kind_harms_nobody() {
+async fn random_bytes_do_not_affect_other_clients() {
     const SEED: u64 = 0x5EED_A51F_u64;
     let twin = TestTwin::start_with(|config| {
         config.security.trust_unknown_certificates = true;
@@ -307,7 +307,7 @@ async fn garbage_of_every_kind_harms_nobody() {
 }
 
 #[tokio::test]
-async fn a_client_that_takes_no_answers_gets_no_further_ones() {
+async fn a_client_that_reads_no_answers_gets_no_further_ones() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;

@@ -1,4 +1,4 @@
-//! The twin as its clients see it: a real server on loopback, real sessions.
+//! The twin as its clients see it: a real server on loopback with real sessions.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
 #![allow(
@@ -7,6 +7,7 @@
 )]
 
 mod address_space;
+mod application_certificate;
 mod audit;
 mod authority;
 mod changes;
@@ -14,7 +15,6 @@ mod discovery;
 mod foreign;
 mod harness;
 mod hostile;
-mod own_certificate;
 mod providers;
 mod scale;
 mod security;

@@ -1,4 +1,4 @@
-//! Providers that come and go while clients are connected.
+//! Providers that are added and removed while clients are connected.
 
 use std::{ops::ControlFlow, sync::Arc};
 
@@ -19,7 +19,7 @@ use crate::harness::{TestTwin, next};
 
 const URI: &str = "urn:example:skills";
 
-/// One variable under the objects folder.
+/// Provider of one variable below the Objects folder.
 struct Skills(u16);
 
 impl Skills {
@@ -84,7 +84,7 @@ impl NodeProvider for Skills {
 }
 
 #[tokio::test]
-async fn a_provider_comes_and_goes_under_connected_clients() {
+async fn a_provider_is_added_and_removed_while_clients_are_connected() {
     let twin = TestTwin::start().await;
     let client = twin.client("vera").await;
     let mut namespaces = client

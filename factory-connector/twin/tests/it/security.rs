@@ -1,4 +1,4 @@
-//! Who gets in.
+//! Access of clients: policies, passwords, certificates, authorities.
 
 use opcua_stack::opcua::{
     client::IdentityToken,
@@ -55,7 +55,7 @@ async fn neither_deprecated_nor_missing_security_is_offered() {
 }
 
 #[tokio::test]
-async fn wrong_passwords_and_unknown_users_are_told_apart_by_nobody() {
+async fn wrong_passwords_and_unknown_users_get_the_same_answer() {
     let twin = TestTwin::start_with(|config| {
         config.security.trust_unknown_certificates = true;
         config.security.login_failures_max = 3;
@@ -108,7 +108,7 @@ async fn a_certificate_waits_for_its_approval() {
 }
 
 #[tokio::test]
-async fn certificates_of_a_trusted_authority_open_the_door_until_they_are_revoked() {
+async fn certificates_of_a_trusted_authority_are_accepted_until_they_are_revoked() {
     let twin = TestTwin::start_with(|_| {}).await;
     let (plant, stranger) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
     let connect = async |folder: &std::path::Path| {
@@ -153,7 +153,7 @@ async fn certificates_of_a_trusted_authority_open_the_door_until_they_are_revoke
 }
 
 #[tokio::test]
-async fn authorities_and_their_lists_are_shown_with_what_they_lack() {
+async fn authorities_are_listed_with_the_state_of_their_revocation_lists() {
     let twin = TestTwin::start_with(|_| {}).await;
     let list = twin.handle.trust_list();
     let (root, between) = (Authority::new("Root"), Authority::new("Between"));
@@ -195,7 +195,7 @@ async fn authorities_and_their_lists_are_shown_with_what_they_lack() {
 }
 
 #[tokio::test]
-async fn files_for_the_trust_list_are_refused_with_everything_that_is_wrong() {
+async fn files_for_the_trust_list_are_refused_with_all_their_faults() {
     let twin = TestTwin::start_with(|_| {}).await;
     let list = twin.handle.trust_list();
     let codes = |result: Result<(), TwinError>| match result {
@@ -239,7 +239,7 @@ async fn files_for_the_trust_list_are_refused_with_everything_that_is_wrong() {
 }
 
 #[tokio::test]
-async fn nobody_is_anonymous_unless_a_developer_says_so() {
+async fn anonymous_users_need_the_development_setting() {
     let open =
         TestTwin::start_with(|config| config.security.allow_anonymous_unencrypted = true).await;
     let pki = open.folder.path().join("client");

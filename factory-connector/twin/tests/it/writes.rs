@@ -1,4 +1,4 @@
-//! Writing and calling.
+//! Writes and method calls.
 
 use asi_model::{StatusCode as ModelStatus, messages::MappingState};
 use opcua_stack::opcua::types::{CallMethodRequest, NodeId, StatusCode, Variant};
@@ -9,7 +9,7 @@ use crate::harness::{
 };
 
 #[tokio::test]
-async fn only_external_fields_are_written_and_only_by_those_who_may() {
+async fn only_external_fields_are_written_and_only_by_roles_with_the_right() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let (viewer, operator) = (twin.client("vera").await, twin.client("otto").await);

@@ -1,5 +1,4 @@
-//! Certificates of authorities: those whose clients are trusted, and those that only complete
-//! chains.
+//! Certificates of authorities: trusted ones, and those that only complete chains.
 
 use std::fs;
 
@@ -11,54 +10,49 @@ use x509_parser::{
 };
 
 use super::{
-    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read,
-    refuse, time,
+    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time,
 };
 use crate::{
     error::TwinError,
-    security::validation::{FILE_BYTES_MAX, is_signed_by},
+    security::{
+        certificate_files::FILE_BYTES_MAX, issuance::is_signed_by, rejected_clients::thumbprint,
+    },
 };
 
-/// What is known of the certificates that an authority revoked. Without a current list its clients
-/// stay outside.
+/// State of an authority's revocation list. Without a current list its clients are rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RevocationKnowledge {
-    /// Its list is here.
+    /// The list is current.
     Current {
-        /// When the next one is due, where the list says so.
+        /// Time at which the next list is due, if the list says so.
         next_update: Option<DateTime>,
     },
-    /// Its list is here, but should have been replaced.
-    Outdated {
-        /// When.
-        next_update: DateTime,
-    },
-    /// There is none.
+    /// The list should have been replaced at `next_update`.
+    Outdated { next_update: DateTime },
+    /// There is no list.
     Missing,
 }
 
 /// The certificate of an authority.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Authority {
-    /// SHA-1 over the certificate, in lower-case hexadecimal digits: its identity here.
+    /// SHA-1 over the certificate in lower-case hexadecimal digits; identifies it in the trust list.
     pub thumbprint: String,
     /// The subject's distinguished name.
     pub subject: String,
-    /// The distinguished name of who issued it; the subject's where it did so itself.
+    /// The issuer's distinguished name; the subject's when it is self-signed.
     pub issuer: String,
     /// Beginning of its validity.
     pub not_before: DateTime,
     /// End of its validity.
     pub not_after: DateTime,
-    /// Clients with a certificate of it may connect; otherwise it only leads to one that is
-    /// trusted.
+    /// True when clients with its certificates may connect; otherwise it only completes chains.
     pub is_trusted: bool,
-    /// What it has revoked.
     pub revocation: RevocationKnowledge,
 }
 
 impl TrustList {
-    /// The authorities, the trusted ones first.
+    /// Returns the authorities, the trusted ones first.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
@@ -90,11 +84,10 @@ impl TrustList {
         Ok(all)
     }
 
-    /// Lets an authority's certificate take part in chains without being trusted itself, as DER.
+    /// Adds an authority's certificate (DER) that completes chains without being trusted itself.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
-    /// cannot be stored.
+    /// [`TwinError::Refused`] with all its faults, [`TwinError::Pki`] when it cannot be stored.
     pub fn add_issuer(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let parsed = faults::certificate(der)?;
         refuse(faults::of_authority(&parsed, ASN1Time::now()))?;
@@ -110,15 +103,15 @@ impl TrustList {
         Ok(())
     }
 
-    /// Takes an authority's certificate away: its clients stay outside from the next connection on.
-    /// False where there is none.
+    /// Removes an authority's certificate: its clients are rejected from the next connection on.
+    /// False when there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
-    pub fn remove_authority(&self, wanted: &str, by: &str) -> Result<bool, TwinError> {
+    pub fn remove_authority(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
         let mut is_removed = false;
         for folder in [TRUSTED, ISSUERS] {
-            let Some(path) = self.find(folder, wanted)? else { continue };
+            let Some(path) = self.find(folder, thumbprint)? else { continue };
             let der =
                 fs::read(&path).map_err(|source| TwinError::Pki { path: path.clone(), source })?;
             let is_authority = X509Certificate::from_der(&der)
@@ -129,13 +122,13 @@ impl TrustList {
             }
         }
         if is_removed {
-            self.changed(by, format!("The authority's certificate {wanted} was removed."));
+            self.changed(by, format!("The authority's certificate {thumbprint} was removed."));
         }
         Ok(is_removed)
     }
 
-    /// The files of a folder with their content, as many as are listed; what cannot be read is left
-    /// out.
+    /// Returns the files of a folder with their content, as many as are listed; files that cannot be
+    /// read are left out.
     pub(super) fn contents(
         &self,
         folder: &str,

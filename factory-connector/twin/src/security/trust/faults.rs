@@ -1,4 +1,4 @@
-//! What is wrong with a file that somebody wants to add to the trust list, all at once. Pure.
+//! Faults of a file that is to be added to the trust list, all at once. Pure.
 
 use opcua_stack::opcua::crypto::X509;
 use x509_parser::{
@@ -6,28 +6,13 @@ use x509_parser::{
     revocation_list::CertificateRevocationList, time::ASN1Time,
 };
 
-use crate::security::validation::is_signed_by;
+use crate::security::{fault::TrustFault, issuance::is_signed_by};
 
-/// Sizes of a client's RSA key in bits that any security policy takes.
+/// Sizes of a client's RSA key in bits that the security policies accept.
 const KEY_BITS: std::ops::RangeInclusive<usize> = 2048..=4096;
 
-/// Why a file is not taken.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TrustFault {
-    /// For programs.
-    pub code: &'static str,
-    /// For people: what is wrong, and what to do.
-    pub message: String,
-}
-
-impl TrustFault {
-    pub(crate) fn new(code: &'static str, message: impl Into<String>) -> Self {
-        Self { code, message: message.into() }
-    }
-}
-
-/// The application that a certificate was made for: the URI among its alternative names (OPC
-/// 10000-6 §6.2.2).
+/// Returns the application of a certificate: the URI among its alternative names (OPC 10000-6
+/// §6.2.2).
 pub(crate) fn application_uri<'a>(certificate: &'a X509Certificate<'_>) -> Option<&'a str> {
     let names = certificate.subject_alternative_name().ok().flatten()?;
     names.value.general_names.iter().find_map(|name| match name {
@@ -36,13 +21,12 @@ pub(crate) fn application_uri<'a>(certificate: &'a X509Certificate<'_>) -> Optio
     })
 }
 
-/// An authority's certificate rather than an application's: it may issue others and names no
-/// application.
+/// Returns whether a certificate is an authority's: it may issue others and names no application.
 pub(crate) fn is_authority(certificate: &X509Certificate<'_>) -> bool {
     certificate.is_ca() && application_uri(certificate).is_none()
 }
 
-/// Reads a certificate.
+/// Parses a certificate.
 pub(crate) fn certificate(der: &[u8]) -> Result<X509Certificate<'_>, TrustFault> {
     match X509Certificate::from_der(der) {
         Ok(([], certificate)) => Ok(certificate),
@@ -57,7 +41,7 @@ pub(crate) fn certificate(der: &[u8]) -> Result<X509Certificate<'_>, TrustFault>
     }
 }
 
-/// What keeps a client's certificate from opening the door, beside its not being trusted yet.
+/// Returns the faults for which a client's certificate would be rejected though it is trusted.
 pub(crate) fn of_client(
     der: &[u8],
     certificate: &X509Certificate<'_>,
@@ -83,7 +67,7 @@ pub(crate) fn of_client(
     faults
 }
 
-/// What keeps a certificate from being an authority's.
+/// Returns the faults for which a certificate cannot be an authority's.
 pub(crate) fn of_authority(certificate: &X509Certificate<'_>, now: ASN1Time) -> Vec<TrustFault> {
     let mut faults = Vec::new();
     if !certificate.is_ca() {
@@ -100,7 +84,7 @@ pub(crate) fn of_authority(certificate: &X509Certificate<'_>, now: ASN1Time) -> 
     faults
 }
 
-/// Reads a revocation list.
+/// Parses a revocation list.
 pub(crate) fn revocation_list(der: &[u8]) -> Result<CertificateRevocationList<'_>, TrustFault> {
     match CertificateRevocationList::from_der(der) {
         Ok(([], list)) => Ok(list),
@@ -115,8 +99,8 @@ pub(crate) fn revocation_list(der: &[u8]) -> Result<CertificateRevocationList<'_
     }
 }
 
-/// What keeps a revocation list from being of use, given the authorities and the lists that are
-/// known.
+/// Returns the faults for which a revocation list cannot be used, given the authorities and lists
+/// of the trust list.
 pub(crate) fn of_revocation_list(
     list: &CertificateRevocationList<'_>,
     authorities: &[X509Certificate<'_>],

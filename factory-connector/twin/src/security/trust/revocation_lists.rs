@@ -1,4 +1,4 @@
-//! Lists of certificates that authorities revoked.
+//! Revocation lists of authorities.
 
 use std::fs;
 
@@ -8,30 +8,31 @@ use x509_parser::{
     time::ASN1Time,
 };
 
-use super::{
-    ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, knocks::thumbprint, read, refuse, time,
+use super::{ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time};
+use crate::{
+    error::TwinError,
+    security::{issuance::is_signed_by, rejected_clients::thumbprint},
 };
-use crate::{error::TwinError, security::validation::is_signed_by};
 
 /// An authority's list of certificates that it revoked.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RevocationList {
-    /// Its identity here.
+    /// Name of its file; identifies it in the trust list.
     pub id: String,
     /// The distinguished name of the authority.
     pub issuer: String,
-    /// When it was made.
+    /// Time at which it was issued.
     pub this_update: DateTime,
-    /// When the next one is due, where it says so.
+    /// Time at which the next one is due, if it says so.
     pub next_update: Option<DateTime>,
-    /// How many certificates it names.
+    /// Number of revoked certificates.
     pub revoked: usize,
-    /// An authority that is known here signed it; otherwise it is of no use.
+    /// True when an authority of the trust list signed it; otherwise it is ignored.
     pub is_signed_by_known_authority: bool,
 }
 
 impl TrustList {
-    /// The revocation lists, by authority.
+    /// Returns the revocation lists, ordered by authority.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
@@ -57,12 +58,11 @@ impl TrustList {
         Ok(all)
     }
 
-    /// Takes an authority's revocation list as DER; it replaces the ones before of the same
-    /// authority. Certificates of an authority open the door only while its current list is here.
+    /// Stores an authority's revocation list (DER) in place of its older ones. Certificates of an
+    /// authority are accepted only with a current list.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong with it, [`TwinError::Pki`] when it
-    /// cannot be stored.
+    /// [`TwinError::Refused`] with all its faults, [`TwinError::Pki`] when it cannot be stored.
     pub fn put_revocation_list(&self, der: &[u8], by: &str) -> Result<(), TwinError> {
         let list = faults::revocation_list(der)?;
         let authorities = self.authority_files()?;
@@ -74,10 +74,10 @@ impl TrustList {
             .collect();
         refuse(faults::of_revocation_list(&list, &authorities, &known_lists, ASN1Time::now()))?;
         let authority =
-            signer(&list, &authorities).expect("a list that nobody known signed was refused");
+            signer(&list, &authorities).expect("a list without a known signer was refused");
         let name = format!("{}.crl", thumbprint(&read(authority.as_raw())?));
         self.write(REVOCATION_LISTS, &name, der)?;
-        // The lists that it replaces may lie under other names, put there by hand.
+        // Older lists may have other file names if they were copied by hand.
         for (path, der) in known
             .iter()
             .filter(|(path, _)| path.file_name().is_none_or(|found| found != name.as_str()))
@@ -94,14 +94,14 @@ impl TrustList {
         Ok(())
     }
 
-    /// Takes a revocation list away: certificates of its authority open no door until there is a
-    /// new one. False where there is none.
+    /// Removes a revocation list: certificates of its authority are rejected until there is a new
+    /// one. False when there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
     pub fn remove_revocation_list(&self, id: &str, by: &str) -> Result<bool, TwinError> {
-        let is_meant = |path: &std::path::PathBuf| path.file_stem().is_some_and(|stem| stem == id);
-        let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(is_meant) else {
+        let has_id = |path: &std::path::PathBuf| path.file_stem().is_some_and(|stem| stem == id);
+        let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(has_id) else {
             return Ok(false);
         };
         fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
@@ -109,7 +109,7 @@ impl TrustList {
         Ok(true)
     }
 
-    /// The certificates that may have issued others, as files.
+    /// Returns the certificates of all possible issuers, as DER.
     fn authority_files(&self) -> Result<Vec<Vec<u8>>, TwinError> {
         let mut all = Vec::new();
         for folder in [TRUSTED, ISSUERS] {

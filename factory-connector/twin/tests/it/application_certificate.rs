@@ -1,27 +1,26 @@
-//! A certificate of the twin's own that an authority issued: requested, checked, installed under
-//! running sessions.
+//! Application certificate issued by an authority: requested, checked, and installed during sessions.
 
 use std::{path::Path, time::Duration};
 
 use asi_model::FactoryId;
 use opcua_stack::opcua::types::ObjectTypeId;
 use tokio::time::Instant;
-use twin::{ApplicationCertificate, OwnCertificate, RequestedSubject, TwinConfig, TwinError};
+use twin::{ApplicationCertificate, InstalledCertificate, RequestedSubject, TwinConfig, TwinError};
 use x509_parser::{certificate::X509Certificate, prelude::FromDer as _};
 
 use crate::{
-    audit::{FIELDS, connect_anew, next_of, shown},
+    audit::{FIELDS, connect_again, next_of, shown},
     authority::Authority,
     changes::events,
     harness::{DEADLINE, TestTwin, document, message},
 };
 
-/// What the authority makes of a request.
+/// Issues a certificate for a request.
 fn issue(authority: &Authority, request: &str) -> String {
     issue_other(authority, request, |_| {})
 }
 
-/// What an authority makes of a request that does not do as it is asked.
+/// Issues a certificate that differs from the request.
 fn issue_other(
     authority: &Authority,
     request: &str,
@@ -33,7 +32,7 @@ fn issue_other(
     request.signed_by(&authority.issuer).unwrap().pem()
 }
 
-/// A folder as a connector has it before its first start.
+/// Returns the folder of a connector before its first start.
 fn offline() -> (tempfile::TempDir, ApplicationCertificate) {
     let folder = tempfile::tempdir().unwrap();
     let config = TwinConfig {
@@ -45,7 +44,7 @@ fn offline() -> (tempfile::TempDir, ApplicationCertificate) {
     (folder, own)
 }
 
-fn codes(result: Result<OwnCertificate, TwinError>) -> Vec<&'static str> {
+fn codes(result: Result<InstalledCertificate, TwinError>) -> Vec<&'static str> {
     match result {
         Err(TwinError::Refused { faults }) => faults.into_iter().map(|fault| fault.code).collect(),
         other => panic!("it should be refused, not {other:?}"),
@@ -56,7 +55,7 @@ fn public_key(der: &[u8]) -> Vec<u8> {
     X509Certificate::from_der(der).unwrap().1.public_key().raw.to_vec()
 }
 
-fn own_der(folder: &Path) -> Vec<u8> {
+fn certificate_der(folder: &Path) -> Vec<u8> {
     std::fs::read(folder.join("own/cert.der")).unwrap()
 }
 
@@ -88,7 +87,7 @@ fn a_request_names_application_and_hosts_and_never_the_key() {
             x509_parser::pem::parse_x509_pem(issue(&authority, request).as_bytes()).unwrap();
         public_key(&block.contents)
     };
-    let present = public_key(&own_der(folder.path()));
+    let present = public_key(&certificate_der(folder.path()));
     assert_eq!(requested(&request), present);
     let new = own.request(&RequestedSubject { with_new_key: true, ..wanted }).unwrap();
     assert_ne!(requested(&new), present);
@@ -104,7 +103,7 @@ fn a_request_names_application_and_hosts_and_never_the_key() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_with_everything_that_is_wrong() {
+fn a_certificate_is_refused_with_all_its_faults() {
     let (folder, own) = offline();
     let (plant, stranger) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
     let request = own.request(&RequestedSubject::default()).unwrap();
@@ -144,7 +143,7 @@ fn what_does_not_fit_is_refused_with_everything_that_is_wrong() {
             "UNKNOWN_ISSUER"
         ]
     );
-    assert_eq!(install(own_der(folder.path())), ["SELF_SIGNED"]);
+    assert_eq!(install(certificate_der(folder.path())), ["SELF_SIGNED"]);
     assert_eq!(own.show().unwrap(), before, "nothing was changed");
 
     // After all of this the right one is taken.
@@ -156,7 +155,7 @@ fn what_does_not_fit_is_refused_with_everything_that_is_wrong() {
 }
 
 #[tokio::test]
-async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over_a_restart() {
+async fn an_issued_certificate_is_used_from_the_next_connection_on_and_after_a_restart() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let before = twin.client("vera").await;
@@ -185,7 +184,7 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
     let new = loop {
         assert!(Instant::now() < deadline, "it is used in time");
         assert!(before.read("net#Revision").await.status().is_good(), "open sessions go on");
-        let client = connect_anew(&twin).await;
+        let client = connect_again(&twin).await;
         let new = shown(&client);
         client.close().await;
         if new != old {
@@ -193,7 +192,7 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
         }
         tokio::time::sleep(Duration::from_millis(100)).await;
     };
-    assert_eq!(new, own_der(&twin.folder.path().join("pki")));
+    assert_eq!(new, certificate_der(&twin.folder.path().join("pki")));
     assert_eq!(twin.handle.application_certificate().show().unwrap(), installed);
     before.close().await;
     anna.close().await;
@@ -210,7 +209,7 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_kept_over
             config.host_names = host_names;
         })
         .await;
-        assert_eq!(own_der(&pki), new);
+        assert_eq!(certificate_der(&pki), new);
         again.stop().await;
     }
 }

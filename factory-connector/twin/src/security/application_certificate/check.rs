@@ -1,4 +1,4 @@
-//! What is wrong with a certificate that is to become the twin's own. Pure.
+//! Faults of a certificate that is to be installed for the twin. Pure.
 
 use std::net::IpAddr;
 
@@ -7,26 +7,31 @@ use x509_parser::{
 };
 
 use crate::security::{
-    trust::{TrustFault, faults},
-    validation::{CHAIN_LENGTH_MAX, is_issued_by},
+    fault::TrustFault,
+    issuance::{CHAIN_LENGTH_MAX, is_issued_by},
+    trust::faults,
 };
 
-/// What the certificate has to be for.
-pub(super) struct Wanted<'w> {
-    pub application_uri: &'w str,
-    pub host_names: &'w [String],
+/// Properties that the certificate must have.
+pub(super) struct Expected<'a> {
+    pub application_uri: &'a str,
+    pub host_names: &'a [String],
     pub now: ASN1Time,
 }
 
-/// Everything that is wrong with a certificate, given those of authorities.
-pub(super) fn faults(der: &[u8], authorities: &[Vec<u8>], wanted: &Wanted<'_>) -> Vec<TrustFault> {
+/// Returns all faults of a certificate, given those of authorities.
+pub(super) fn faults(
+    der: &[u8],
+    authorities: &[Vec<u8>],
+    expected: &Expected<'_>,
+) -> Vec<TrustFault> {
     let leaf = match faults::certificate(der) {
         Ok(leaf) => leaf,
         Err(fault) => return vec![fault],
     };
     let mut found = Vec::new();
-    of_validity(&leaf, wanted.now, &mut found);
-    of_names(&leaf, wanted, &mut found);
+    of_validity(&leaf, expected.now, &mut found);
+    of_names(&leaf, expected, &mut found);
     of_usage(&leaf, &mut found);
     let authorities: Vec<_> =
         authorities.iter().filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1)).collect();
@@ -34,7 +39,7 @@ pub(super) fn faults(der: &[u8], authorities: &[Vec<u8>], wanted: &Wanted<'_>) -
     found
 }
 
-/// The names and addresses of machines in a certificate.
+/// Returns the host names and addresses in a certificate.
 pub(super) fn host_names(certificate: &X509Certificate<'_>) -> Vec<String> {
     let Ok(Some(names)) = certificate.subject_alternative_name() else { return Vec::new() };
     let text = |name: &GeneralName<'_>| match name {
@@ -48,7 +53,7 @@ pub(super) fn host_names(certificate: &X509Certificate<'_>) -> Vec<String> {
     names.value.general_names.iter().filter_map(text).collect()
 }
 
-/// Whether a certificate names a machine.
+/// Returns whether a certificate contains a host name or address.
 pub(crate) fn names_host(certificate: &X509Certificate<'_>, host: &str) -> bool {
     let canonical =
         host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
@@ -68,9 +73,9 @@ fn of_validity(leaf: &X509Certificate<'_>, now: ASN1Time, found: &mut Vec<TrustF
     }
 }
 
-fn of_names(leaf: &X509Certificate<'_>, wanted: &Wanted<'_>, found: &mut Vec<TrustFault>) {
+fn of_names(leaf: &X509Certificate<'_>, expected: &Expected<'_>, found: &mut Vec<TrustFault>) {
     let uri = faults::application_uri(leaf);
-    if uri != Some(wanted.application_uri) {
+    if uri != Some(expected.application_uri) {
         let says =
             uri.map_or_else(|| "no application".to_owned(), |uri| format!("the application {uri}"));
         found.push(TrustFault::new(
@@ -78,11 +83,11 @@ fn of_names(leaf: &X509Certificate<'_>, wanted: &Wanted<'_>, found: &mut Vec<Tru
             format!(
                 "It names {says} among its alternative names, but clients expect {}. The authority has to take the \
                  alternative names over from the request.",
-                wanted.application_uri
+                expected.application_uri
             ),
         ));
     }
-    let missing: Vec<&str> = wanted
+    let missing: Vec<&str> = expected
         .host_names
         .iter()
         .map(String::as_str)
@@ -122,7 +127,7 @@ fn of_usage(leaf: &X509Certificate<'_>, found: &mut Vec<TrustFault>) {
     }
 }
 
-/// From issuer to issuer up to the root.
+/// Follows the issuers up to the root.
 fn of_chain(leaf: &X509Certificate<'_>, authorities: &[X509Certificate<'_>]) -> Option<TrustFault> {
     if leaf.issuer().as_raw() == leaf.subject().as_raw() {
         return Some(TrustFault::new(

@@ -1,7 +1,7 @@
-//! Who knocked last with a certificate that opens no door, as far as that is known.
+//! Last rejected connection attempt per untrusted certificate.
 //!
-//! One small file per certificate. Anybody may knock, so only certificates that lie in a folder of
-//! the trust list are remembered, and each at most once a second.
+//! One small file per certificate. Any client may try to connect, so attempts are recorded only for
+//! certificates of the trust list, and at most once a second for each.
 
 use std::{
     fs, io,
@@ -14,22 +14,22 @@ use asi_model::DateTime;
 use opcua_stack::opcua::{crypto::X509, server::CertificateBearer};
 use serde::{Deserialize, Serialize};
 
-use super::replace;
+use super::certificate_files::replace;
 
-/// The folder within that of the trust list.
+/// The folder within that of the trust list. Its name on disk is older than the words used here.
 pub(crate) const FOLDER: &str = "knocks";
-/// Knocks of one certificate closer together than this are one.
+/// Shortest time between two recorded attempts with one certificate.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Longest name of an application that is kept, in characters.
+/// Longest name of an application that is stored, in characters.
 const NAME_CHARS_MAX: usize = 128;
 /// Longest file read, in bytes.
 const FILE_BYTES_MAX: u64 = 16 * 1024;
 
-/// Why a certificate was turned away.
+/// Cause for which a certificate was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RejectionReason {
-    /// Nobody has approved it, or somebody took the approval back.
+    /// It was never approved, or the approval was withdrawn.
     NotTrusted,
     /// It is not valid at this time.
     OutOfTime,
@@ -45,17 +45,16 @@ pub enum RejectionReason {
     RevocationUnknown,
 }
 
-/// A certificate was turned away.
+/// A rejected connection attempt.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Rejection {
-    /// When, the last time.
+    /// Time of the last attempt.
     pub rejected_at: DateTime,
-    /// Why.
     pub reason: RejectionReason,
-    /// From where; unknown for a server that the twin itself called.
+    /// Address of the client; none for a discovery server that the twin called.
     pub address: Option<IpAddr>,
-    /// What the application calls itself; it may say anything.
+    /// Name of the application as it claims.
     pub application_name: Option<String>,
 }
 
@@ -83,56 +82,57 @@ impl Rejection {
     }
 }
 
-/// The last knock with each certificate.
+/// Store of the last rejected attempt with each certificate.
 #[derive(Debug, Clone)]
-pub(crate) struct Knocks {
+pub(crate) struct RejectedClients {
     folder: PathBuf,
 }
 
-impl Knocks {
+impl RejectedClients {
+    /// Creates the store in the folder of certificates.
     pub fn new(pki_directory: &Path) -> Self {
         Self { folder: pki_directory.join(FOLDER) }
     }
 
-    /// Remembers a knock. A disk that fails costs nothing but this memory.
-    pub fn remember(&self, certificate: &X509, rejection: &Rejection) {
+    /// Records an attempt. Errors of the disk are logged, and the attempt is lost.
+    pub fn record(&self, certificate: &X509, rejection: &Rejection) {
         let thumbprint = thumbprint(certificate);
-        let is_news = self.last(&thumbprint).is_none_or(|last| {
+        let is_due = self.last(&thumbprint).is_none_or(|last| {
             last.rejected_at > rejection.rejected_at
                 || last.rejected_at.after(PAUSE) <= rejection.rejected_at
         });
-        if is_news && let Err(error) = self.write(&thumbprint, rejection) {
+        if is_due && let Err(error) = self.write(&thumbprint, rejection) {
             tracing::warn!(
                 error = &error as &dyn std::error::Error,
                 certificate.thumbprint = thumbprint,
-                "It could not be noted when a certificate was turned away."
+                "A rejected connection attempt could not be recorded."
             );
         }
     }
 
-    /// The last knock with the certificate of this thumbprint.
+    /// Returns the last rejected attempt with the certificate of this thumbprint.
     pub fn last(&self, thumbprint: &str) -> Option<Rejection> {
         let path = self.path(thumbprint);
-        let is_ours = fs::metadata(&path).is_ok_and(|metadata| metadata.len() <= FILE_BYTES_MAX);
-        is_ours
+        let is_small = fs::metadata(&path).is_ok_and(|metadata| metadata.len() <= FILE_BYTES_MAX);
+        is_small
             .then(|| fs::read(&path).ok())
             .flatten()
             .and_then(|bytes| serde_json::from_slice(&bytes).ok())
     }
 
-    /// The certificate is trusted now, or gone: what was is no longer of interest.
+    /// Removes the record of a certificate that is trusted now or was removed.
     pub fn forget(&self, thumbprint: &str) {
         match fs::remove_file(self.path(thumbprint)) {
             Ok(()) => {}
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => {
-                tracing::warn!(%error, certificate.thumbprint = thumbprint, "An old note could not be removed.")
+                tracing::warn!(%error, certificate.thumbprint = thumbprint, "The record of a rejected certificate could not be removed.")
             }
         }
     }
 
     fn write(&self, thumbprint: &str, rejection: &Rejection) -> Result<(), crate::TwinError> {
-        let bytes = serde_json::to_vec(rejection).expect("what was noted serialises");
+        let bytes = serde_json::to_vec(rejection).expect("a rejection has text keys only");
         replace(&self.path(thumbprint), &bytes)
     }
 
@@ -141,7 +141,7 @@ impl Knocks {
     }
 }
 
-/// SHA-1 over a certificate in lower-case hexadecimal digits.
+/// Returns SHA-1 over a certificate in lower-case hexadecimal digits.
 pub(crate) fn thumbprint(certificate: &X509) -> String {
     certificate.thumbprint().as_hex_string().to_ascii_lowercase()
 }
@@ -160,10 +160,10 @@ mod tests {
     }
 
     #[test]
-    fn the_last_knock_is_kept_with_what_is_known_of_the_bearer() {
+    fn the_last_attempt_is_stored_with_address_and_name() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join(FOLDER)).unwrap();
-        let (knocks, certificate) = (Knocks::new(folder.path()), certificate());
+        let (rejected, certificate) = (RejectedClients::new(folder.path()), certificate());
         let application = ApplicationDescription {
             application_name: LocalizedText::new("", &format!("Plan\u{1b}ner{}", "r".repeat(500))),
             ..ApplicationDescription::default()
@@ -174,22 +174,22 @@ mod tests {
             Rejection::new(DateTime::from_unix_micros(micros), RejectionReason::NotTrusted, &bearer)
         };
         let thumbprint = thumbprint(&certificate);
-        assert_eq!(knocks.last(&thumbprint), None);
-        knocks.remember(&certificate, &at(5_000_000));
-        let last = knocks.last(&thumbprint.to_ascii_uppercase()).unwrap();
+        assert_eq!(rejected.last(&thumbprint), None);
+        rejected.record(&certificate, &at(5_000_000));
+        let last = rejected.last(&thumbprint.to_ascii_uppercase()).unwrap();
         assert_eq!(last.address, Some("10.0.0.7".parse().unwrap()));
         let name = last.application_name.clone().unwrap();
         assert!(name.starts_with("Planner") && name.len() == NAME_CHARS_MAX, "{name}");
 
-        // Many knocks at once are one; a clock that was set back is believed.
+        // Attempts within a second count as one. A clock that was set back is trusted.
         for (micros, expected) in
             [(5_900_000, 5_000_000), (6_000_000, 6_000_000), (1_000_000, 1_000_000)]
         {
-            knocks.remember(&certificate, &at(micros));
-            assert_eq!(knocks.last(&thumbprint), Some(at(expected)));
+            rejected.record(&certificate, &at(micros));
+            assert_eq!(rejected.last(&thumbprint), Some(at(expected)));
         }
-        knocks.forget(&thumbprint);
-        assert_eq!(knocks.last(&thumbprint), None);
-        knocks.forget(&thumbprint);
+        rejected.forget(&thumbprint);
+        assert_eq!(rejected.last(&thumbprint), None);
+        rejected.forget(&thumbprint);
     }
 }

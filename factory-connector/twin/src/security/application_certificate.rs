@@ -1,5 +1,5 @@
-//! An own certificate that an authority issues: the request for it, and its installation. The key
-//! is made here and stays.
+//! Application certificate of the twin: its description, a request to an authority, and the
+//! installation of an issued one. The key is generated here and never leaves.
 
 mod check;
 
@@ -19,32 +19,34 @@ use x509_parser::{certificate::X509Certificate, pem::Pem, prelude::FromDer, time
 
 use super::{
     certificate::{
-        CERTIFICATE_FILE, KEY_BITS, KEY_FILE, certified_names, create_if_missing, is_pair,
-        prepare_folders, restrict,
+        CERTIFICATE_FILE, KEY_BITS, KEY_FILE, create_if_missing, is_pair, prepare_folders, restrict,
     },
-    trust::{TrustFault, faults, knocks::thumbprint, refuse, replace, time},
+    certificate_files::{files, replace},
+    fault::TrustFault,
+    rejected_clients::thumbprint,
+    trust::{faults, refuse, time},
 };
-use crate::{config::TwinConfig, error::TwinError};
+use crate::{config::TwinConfig, error::TwinError, host_names::certified_names};
 
 /// The key of the last request, within the folder.
 const REQUESTED_KEY_FILE: &str = "private/requested.pem";
 /// Longest certificate with its chain, in bytes.
 const FILE_BYTES_MAX: usize = 256 * 1024;
 
-/// The certificate that the twin shows its clients.
+/// The certificate that clients see at present.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OwnCertificate {
+pub struct InstalledCertificate {
     /// SHA-1 over the certificate, in lower-case hexadecimal digits.
     pub thumbprint: String,
     /// The subject's distinguished name.
     pub subject: String,
-    /// The distinguished name of who issued it.
+    /// The issuer's distinguished name.
     pub issuer: String,
-    /// The twin made it itself, and renews it itself.
+    /// True when the twin made it and renews it.
     pub is_self_signed: bool,
-    /// The application it is for.
+    /// ApplicationUri in its alternative names.
     pub application_uri: Option<String>,
-    /// The names and addresses of the machine it is for.
+    /// Host names and addresses in its alternative names.
     pub host_names: Vec<String>,
     /// Beginning of its validity.
     pub not_before: DateTime,
@@ -54,20 +56,18 @@ pub struct OwnCertificate {
     pub key_bits: usize,
 }
 
-/// Whose certificate is asked for, beside application and hosts. Authorities may put something else
-/// in its place.
+/// Subject of a certificate request, beside application and hosts. Authorities may replace it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RequestedSubject {
-    /// The common name; the twin's own where absent.
+    /// The common name; the twin's default when absent.
     pub common_name: Option<String>,
-    /// The organisation.
     pub organization: Option<String>,
-    /// Whether a new key is made instead of using the present one.
+    /// True to generate a new key instead of using the present one.
     pub with_new_key: bool,
 }
 
-/// The twin's own certificate and key, as files. What changes there is used from the next
-/// connection on, also by a twin that runs in another process.
+/// Certificate and key of the twin, as files. A change is used from the next connection on, also by
+/// a twin that runs in another process.
 #[derive(Debug, Clone)]
 pub struct ApplicationCertificate {
     config: TwinConfig,
@@ -75,33 +75,33 @@ pub struct ApplicationCertificate {
 }
 
 impl ApplicationCertificate {
-    /// Of the twin of a factory.
+    /// Creates the access to the files of a factory's twin.
     #[must_use]
     pub fn new(factory_id: &FactoryId, config: TwinConfig) -> Self {
         Self { config, application_uri: application_uri(factory_id) }
     }
 
-    /// The certificate that is there. One is made where there is none yet.
+    /// Describes the stored certificate. One is made if there is none yet.
     ///
     /// # Errors
     /// [`TwinError`] when it cannot be read or made.
-    pub fn show(&self) -> Result<OwnCertificate, TwinError> {
+    pub fn show(&self) -> Result<InstalledCertificate, TwinError> {
         self.ensure()?;
         let read = CertificateStore::read_cert(&self.path(CERTIFICATE_FILE));
         describe(&read.map_err(|reason| TwinError::Certificate { reason })?)
     }
 
-    /// A request for a certificate (PKCS #10, as PEM) for this application and its configured host
-    /// names, to be given to an authority. The key that it is signed with is kept until a
-    /// certificate for it is installed.
+    /// Creates a certificate request (PKCS #10, as PEM) for this application and its configured host
+    /// names, to be given to an authority. Its key is stored until a certificate for it is
+    /// installed.
     ///
     /// # Errors
-    /// [`TwinError`] when the key cannot be read, made or kept, or a name cannot stand in a
-    /// certificate.
-    pub fn request(&self, wanted: &RequestedSubject) -> Result<String, TwinError> {
+    /// [`TwinError`] when the key cannot be read, generated or stored, or a certificate cannot
+    /// contain a name.
+    pub fn request(&self, subject: &RequestedSubject) -> Result<String, TwinError> {
         let failed = |reason: String| TwinError::Certificate { reason };
         self.ensure()?;
-        let key = if wanted.with_new_key {
+        let key = if subject.with_new_key {
             PrivateKey::new(KEY_BITS).map_err(|error| failed(error.to_string()))?
         } else {
             CertificateStore::read_pkey(&self.path(KEY_FILE)).map_err(failed)?
@@ -109,38 +109,37 @@ impl ApplicationCertificate {
         let der = key.to_der().map_err(|error| failed(error.to_string()))?;
         let key = KeyPair::try_from(der.as_bytes()).map_err(|error| failed(error.to_string()))?;
         let request = self
-            .parameters(wanted)
+            .parameters(subject)
             .and_then(|parameters| parameters.serialize_request(&key))
             .and_then(|request| request.pem())
             .map_err(|error| failed(format!("the request cannot be made: {error}")))?;
-        self.keep_requested_key(key.serialize_pem().as_bytes())?;
+        self.store_requested_key(key.serialize_pem().as_bytes())?;
         tracing::info!(
-            with_new_key = wanted.with_new_key,
+            with_new_key = subject.with_new_key,
             "A certificate for the twin was requested."
         );
         Ok(request)
     }
 
-    /// Puts an issued certificate in the place of the present one. The content is PEM - the
-    /// certificate, and those of the authorities up to the root in any order - or the certificate
-    /// alone in DER where its authorities are known to the trust list.
+    /// Replaces the present certificate by an issued one. The content is PEM - the certificate, and
+    /// those of the authorities up to the root in any order - or only the certificate in DER, if the
+    /// trust list contains its authorities.
     ///
     /// # Errors
-    /// [`TwinError::Refused`] with everything that is wrong, [`TwinError`] when it cannot be
-    /// stored.
-    pub fn install(&self, content: &[u8], by: &str) -> Result<OwnCertificate, TwinError> {
+    /// [`TwinError::Refused`] with all faults, [`TwinError`] when it cannot be stored.
+    pub fn install(&self, content: &[u8], by: &str) -> Result<InstalledCertificate, TwinError> {
         prepare_folders(&self.config.pki_directory)?;
         let certificates = certificates(content)?;
         let keys: Vec<(&str, PrivateKey)> = [KEY_FILE, REQUESTED_KEY_FILE]
             .into_iter()
             .filter_map(|file| Some((file, CertificateStore::read_pkey(&self.path(file)).ok()?)))
             .collect();
-        let fitting = certificates.iter().find_map(|der| {
+        let matching = certificates.iter().find_map(|der| {
             let certificate = X509::from_der(der).ok()?;
             let (file, _) = keys.iter().find(|(_, key)| is_pair(&certificate, key))?;
             Some((der, certificate, *file))
         });
-        let Some((der, certificate, key_file)) = fitting else {
+        let Some((der, certificate, key_file)) = matching else {
             return Err(TrustFault::new(
                 "WRONG_KEY",
                 "No certificate in it was issued for the twin's key, nor for that of the last request. Give the \
@@ -148,17 +147,17 @@ impl ApplicationCertificate {
             )
             .into());
         };
-        let wanted = check::Wanted {
+        let expected = check::Expected {
             application_uri: &self.application_uri,
             host_names: &certified_names(&self.config),
             now: ASN1Time::now(),
         };
         let mut authorities = certificates.clone();
         authorities.extend(self.known_authorities());
-        refuse(check::faults(der, &authorities, &wanted))?;
+        refuse(check::faults(der, &authorities, &expected))?;
 
-        // The certificate last: the twin takes a pair only when it fits, and a request outlives a
-        // crash in between.
+        // The certificate last: the twin uses a pair only when it matches, and after a crash in
+        // between the requested key still exists.
         if key_file == REQUESTED_KEY_FILE {
             self.write_key(KEY_FILE, &read_file(&self.path(REQUESTED_KEY_FILE))?)?;
         }
@@ -182,7 +181,7 @@ impl ApplicationCertificate {
         create_if_missing(&self.config, &self.application_uri)
     }
 
-    fn parameters(&self, wanted: &RequestedSubject) -> Result<CertificateParams, rcgen::Error> {
+    fn parameters(&self, subject: &RequestedSubject) -> Result<CertificateParams, rcgen::Error> {
         let hosts = certified_names(&self.config);
         let mut parameters = CertificateParams::default();
         let own_name =
@@ -190,8 +189,8 @@ impl ApplicationCertificate {
         parameters.distinguished_name = rcgen::DistinguishedName::new();
         parameters
             .distinguished_name
-            .push(DnType::CommonName, wanted.common_name.clone().unwrap_or_else(own_name));
-        let organization = wanted.organization.clone().unwrap_or_else(|| "Verbund".to_owned());
+            .push(DnType::CommonName, subject.common_name.clone().unwrap_or_else(own_name));
+        let organization = subject.organization.clone().unwrap_or_else(|| "Verbund".to_owned());
         parameters.distinguished_name.push(DnType::OrganizationName, organization);
         // OPC 10000-6 §6.2.2: the ApplicationUri is the first alternative name; usages as given
         // there.
@@ -215,11 +214,11 @@ impl ApplicationCertificate {
         Ok(parameters)
     }
 
-    fn keep_requested_key(&self, pem: &[u8]) -> Result<(), TwinError> {
+    fn store_requested_key(&self, pem: &[u8]) -> Result<(), TwinError> {
         self.write_key(REQUESTED_KEY_FILE, pem)
     }
 
-    /// Nobody but the owner may ever read it, not even while it is written.
+    /// Writes a key file that only its owner may read, also while it is written.
     fn write_key(&self, file: &str, pem: &[u8]) -> Result<(), TwinError> {
         let (path, new) = (self.path(file), self.path("private/new.pem"));
         let failed = |source| TwinError::Pki { path: path.clone(), source };
@@ -229,14 +228,10 @@ impl ApplicationCertificate {
         fs::rename(&new, &path).map_err(failed)
     }
 
-    /// The certificates of authorities that the trust list knows.
+    /// Returns the certificates of authorities in the trust list.
     fn known_authorities(&self) -> Vec<Vec<u8>> {
         let folders = ["trusted", "issuers"].map(|folder| self.config.pki_directory.join(folder));
-        folders
-            .iter()
-            .flat_map(|folder| super::validation::files(folder, "der"))
-            .map(|(_, der)| der)
-            .collect()
+        folders.iter().flat_map(|folder| files(folder, "der")).map(|(_, der)| der).collect()
     }
 
     fn path(&self, file: &str) -> PathBuf {
@@ -244,12 +239,12 @@ impl ApplicationCertificate {
     }
 }
 
-/// What the twin of a factory calls itself.
+/// Returns the ApplicationUri of a factory's twin.
 pub(crate) fn application_uri(factory_id: &FactoryId) -> String {
     format!("urn:verbund:twin:{factory_id}")
 }
 
-/// The certificates in a file.
+/// Parses the certificates in a file.
 fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
     if content.len() > FILE_BYTES_MAX {
         return Err(TrustFault::new(
@@ -287,11 +282,11 @@ fn certificates(content: &[u8]) -> Result<Vec<Vec<u8>>, TwinError> {
     Ok(found)
 }
 
-fn describe(certificate: &X509) -> Result<OwnCertificate, TwinError> {
+fn describe(certificate: &X509) -> Result<InstalledCertificate, TwinError> {
     let der = certificate.as_byte_string();
     let (_, parsed) = X509Certificate::from_der(der.as_ref())
         .map_err(|error| TwinError::Certificate { reason: error.to_string() })?;
-    Ok(OwnCertificate {
+    Ok(InstalledCertificate {
         thumbprint: thumbprint(certificate),
         subject: parsed.subject().to_string(),
         issuer: parsed.issuer().to_string(),
