@@ -25,6 +25,6 @@ pub enum SendOutcome {
     /// people.
     Parked(Rejection),
     /// The time to live had passed before the message could be sent. The store removes the row and
-    /// announces the gap where one arises.
+    /// announces the gap if there is one.
     Expired,
 }

@@ -13,7 +13,7 @@ const DEFAULT_PORT: u16 = 8080;
 pub struct HttpProxy {
     pub(crate) host: String,
     pub(crate) port: u16,
-    /// Credentials for the proxy, where it asks for any.
+    /// Credentials for the proxy, if it asks for any.
     pub login: Option<Login>,
 }
 

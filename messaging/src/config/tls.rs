@@ -10,9 +10,9 @@ use zeroize::Zeroizing;
 pub struct TlsConfig {
     /// Certificate authorities that may issue the broker's certificate.
     pub roots: Roots,
-    /// The client certificate, where the broker asks for one.
+    /// The client certificate, if the broker asks for one.
     pub identity: Option<ClientIdentity>,
-    /// The name expected in the broker's certificate, where it differs from the URL's host.
+    /// The name expected in the broker's certificate, if it differs from the URL's host.
     pub server_name: Option<String>,
 }
 

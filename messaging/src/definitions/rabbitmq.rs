@@ -91,7 +91,7 @@ fn binding(virtual_host: &str, source: &str, queue: &str, key: &str) -> Value {
     })
 }
 
-/// The hash that RabbitMQ keeps: the salt, then SHA-256 over salt and password.
+/// Returns the hash that RabbitMQ stores: the salt, then SHA-256 over salt and password.
 fn user(rights: &Rights<'_>, salt: [u8; 4]) -> Value {
     let digest = Sha256::new()
         .chain_update(salt)

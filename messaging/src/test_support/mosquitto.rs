@@ -44,7 +44,7 @@ impl Mosquitto {
         Self::start_with(plan, saving, None).await
     }
 
-    /// Starts a broker whose WebSockets are encrypted where there is a certificate.
+    /// Starts a broker whose WebSockets are encrypted if there is a certificate.
     ///
     /// # Panics
     /// Panics when Mosquitto is not installed or does not start.

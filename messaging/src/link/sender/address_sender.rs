@@ -3,10 +3,7 @@
 use std::{collections::HashSet, sync::Arc, time::Duration};
 
 use futures::{FutureExt, StreamExt, future::BoxFuture, stream::FuturesUnordered};
-use tokio::{
-    sync::mpsc::{self, error::TrySendError},
-    task::JoinSet,
-};
+use tokio::{sync::mpsc, task::JoinSet};
 
 use crate::{
     address::LogicalAddress,
@@ -61,12 +58,9 @@ impl AddressSender {
         Self { rows }
     }
 
-    /// Hands a row over.
-    ///
-    /// # Errors
-    /// The row, when the task is ending.
-    pub(super) fn send(&self, row: SpoolRow) -> Result<(), TrySendError<SpoolRow>> {
-        self.rows.try_send(row)
+    /// Hands a row over. Returns false when the task is ending, so that the row was not sent.
+    pub(super) fn send(&self, row: SpoolRow) -> bool {
+        self.rows.try_send(row).is_ok()
     }
 }
 

@@ -117,7 +117,7 @@ impl Addresses {
                 AddressSender::start(&mut self.tasks, &self.context, address.clone(), terminus)
             });
             // Fails while the task is ending; another one is started once its end is known.
-            sender.send(row).is_ok()
+            sender.send(row)
         };
         if is_sent {
             state.in_flight += 1;

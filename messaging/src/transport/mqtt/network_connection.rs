@@ -35,7 +35,7 @@ use crate::config::LinkLimits;
 
 /// Packets that may wait to be written.
 const PACKETS_BUFFERED: usize = 256;
-/// The limit where a broker names none (MQTT 5 §3.2.2.3.3).
+/// Receive Maximum of a broker that sends none (MQTT 5 §3.2.2.3.3).
 const RECEIVE_MAX_DEFAULT: u16 = u16::MAX;
 
 type PacketStream = Framed<Box<dyn Stream>, PacketCodec>;

@@ -1,4 +1,4 @@
-//! Bytes come out as they went in.
+//! Bytes are received as they were sent.
 
 use std::time::Duration;
 
