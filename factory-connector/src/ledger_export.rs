@@ -173,7 +173,7 @@ fn rows(
         .unwrap_or_default();
     let payload = &report["Payload"];
     let precision =
-        |told: Option<&Statement>| told.map(|told| told.said_in(language)).unwrap_or_default();
+        |told: Option<&Statement>| told.map(|told| told.in_language(language)).unwrap_or_default();
     let of_row = |field: Option<&str>| -> Vec<String> {
         COLUMNS
             .iter()
@@ -216,7 +216,7 @@ fn rows(
 /// An event in words; one of a later version by its code.
 fn said(event: &Value, language: Language) -> String {
     EventKind::deserialize(event)
-        .map_or_else(|_| plain(event), |kind| kind.said_in(language).to_owned())
+        .map_or_else(|_| plain(event), |kind| kind.in_language(language).to_owned())
 }
 
 /// A JSON value as a person reads it: the body of a variant, texts without quotes.
@@ -271,7 +271,7 @@ mod tests {
             message_id: Some("m1".to_owned()),
             sent_at: Some("2026-11-21T10:00:01Z".to_owned()),
             delivered_at: None,
-            precision: [("note".to_owned(), DisclosurePolicy::default().told(None))].into(),
+            precision: [("note".to_owned(), Statement::of(&DisclosurePolicy::default(), None))].into(),
         }
     }
 

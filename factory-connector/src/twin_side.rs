@@ -23,7 +23,7 @@ use crate::{
     desk::{DeskError, DeskHandle, Taken},
     store::{self, Role},
 };
-use disclosure::Outcome;
+use disclosure::GateOutcome;
 
 /// Takes what OPC UA clients write and decide to the desk.
 pub struct DeskWriter(pub DeskHandle);
@@ -71,16 +71,15 @@ impl FieldWriter for DeskWriter {
     }
 }
 
-const fn status_of(outcome: Outcome) -> StatusCode {
+const fn status_of(outcome: GateOutcome) -> StatusCode {
     match outcome {
-        Outcome::Disclosed { is_coarsened: true } | Outcome::Unchanged { is_coarsened: true } => {
-            StatusCode::GOOD_CLAMPED
-        }
-        Outcome::Disclosed { .. } | Outcome::Unchanged { .. } => StatusCode::GOOD,
-        Outcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
+        GateOutcome::Disclosed { is_coarsened: true }
+        | GateOutcome::Unchanged { is_coarsened: true } => StatusCode::GOOD_CLAMPED,
+        GateOutcome::Disclosed { .. } | GateOutcome::Unchanged { .. } => StatusCode::GOOD,
+        GateOutcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
         // It was taken, but nothing of it will ever be seen: the policy withholds the present
         // state.
-        Outcome::Suppressed => StatusCode::GOOD_CLAMPED,
+        GateOutcome::Suppressed => StatusCode::GOOD_CLAMPED,
     }
 }
 

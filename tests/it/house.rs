@@ -15,6 +15,9 @@ mod tables;
 /// Packages that keep every rule of form, by their folders.
 const ENFORCED: &[&str] = &[
     "daemon",
+    "factory-connector/disclosure",
+    "factory-connector/ledger",
+    "factory-connector/twin",
     "mapping-engine",
     "mapping-engine/mapping",
     "mapping-engine/script-protocol",

@@ -1,8 +1,8 @@
-//! One value per window of time, in place of every change within it.
+//! Aggregation: one value per window of time instead of every change within it.
 //!
-//! Windows are multiples of their length since 1970. A value counts as long as it held: the one
-//! that held when a window began belongs to it as well. What comes out carries the window's
-//! beginning as its source time, so that no time within the window leaves.
+//! Windows are multiples of their length since 1970. A value counts for as long as it is current; the
+//! one that is current when a window begins belongs to it as well. The source time of an aggregate is
+//! the beginning of its window, so that no time within the window is disclosed.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Decimal;
 
-/// What is made of a window's values.
+/// Function that aggregates a window's values.
 #[derive(
     Debug,
     Clone,
@@ -27,20 +27,20 @@ use super::Decimal;
 )]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AggregateFunction {
-    /// The value that held at the window's end; for any type of field.
+    /// The value that is current at the window's end; for any type of field.
     Last,
-    /// The greatest.
+    /// The greatest value.
     Maximum,
-    /// The least.
+    /// The least value.
     Minimum,
-    /// The sum of the values that came within the window; zero where none came.
+    /// The sum of the candidates within the window; zero when there is none.
     Sum,
-    /// The mean over time: each value weighs as long as it held.
+    /// The mean over time: each value is weighted with the time for which it is current.
     Mean,
 }
 
 impl AggregateFunction {
-    /// In words, as part of a sentence.
+    /// Returns a description, as part of a sentence.
     #[must_use]
     pub const fn describe(self) -> &'static str {
         match self {
@@ -57,26 +57,25 @@ impl AggregateFunction {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct WindowAggregate {
-    /// What is made of a window's values.
     pub function: AggregateFunction,
     /// Length of a window in milliseconds.
     pub window_ms: u64,
 }
 
 impl WindowAggregate {
-    /// The length of a window; never zero.
+    /// Returns the length of a window; never zero.
     #[must_use]
     pub fn window(self) -> Duration {
         Duration::from_millis(self.window_ms.max(1))
     }
 }
 
-/// What a gate remembers of the windows: the value that holds, and the window that is open.
+/// State of the aggregation: the current value, and the open window.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Aggregation {
-    /// The newest value.
+    /// The current value.
     pub held: Option<DataValue>,
-    /// The window whose end will publish something.
+    /// The window whose end will release a value.
     pub open: Option<Box<OpenWindow>>,
 }
 
@@ -85,38 +84,38 @@ pub struct Aggregation {
 pub struct OpenWindow {
     /// Its first instant.
     pub from: DateTime,
-    /// From when the held value has not been weighed yet.
+    /// Time up to which the current value was weighted.
     pub weighed_until: DateTime,
     /// Sum of value times nanoseconds.
     pub weighted: f64,
-    /// Nanoseconds that were weighed.
+    /// Sum of the weights, in nanoseconds.
     pub weight: f64,
-    /// The sum of what came, exact for integers.
+    /// Sum of the candidates, exact for integers.
     pub sum: Sum,
-    /// The least.
+    /// The least value.
     pub minimum: Option<Scalar>,
-    /// The greatest.
+    /// The greatest value.
     pub maximum: Option<Scalar>,
-    /// A value in it was not Good.
+    /// True when a value in it was not Good.
     pub has_doubtful: bool,
 }
 
 /// A sum in the arithmetic of its field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sum {
-    /// Of integers; `None` after an overflow.
+    /// Sum of integers; `None` after an overflow.
     Exact(Option<i128>),
-    /// Of fractions.
+    /// Sum of floating-point numbers.
     Float(f64),
 }
 
 impl Aggregation {
-    /// When the open window ends.
+    /// Returns the end of the open window.
     pub fn ends_at(&self, aggregate: WindowAggregate) -> Option<DateTime> {
         self.open.as_ref().map(|open| open.from.after(aggregate.window()))
     }
 
-    /// A value came at `now`; the window before has been closed.
+    /// Adds a candidate at `now`; the window before it has been closed.
     pub fn take(
         &mut self,
         aggregate: WindowAggregate,
@@ -134,7 +133,7 @@ impl Aggregation {
         self.held = Some(value);
     }
 
-    /// From `now` on the held value counts no more: what follows is withheld.
+    /// Stops the current value from counting from `now` on: the following time is withheld.
     pub fn pause(&mut self, now: DateTime) {
         if let Some(open) = &mut self.open {
             open.weigh(self.held.as_ref(), now);
@@ -142,7 +141,7 @@ impl Aggregation {
         self.held = None;
     }
 
-    /// The clock was set back: what was gathered counts for the window that is open now.
+    /// Corrects the state after the clock was set back: the open window counts as the present one.
     pub fn set_clock_back(&mut self, now: DateTime) {
         if let Some(open) = self.open.as_mut().filter(|open| open.from > now) {
             open.from = now;
@@ -150,8 +149,8 @@ impl Aggregation {
         }
     }
 
-    /// Ends the open window if it is over: its aggregate, and when it ended. A window that would
-    /// say something else than this one though nothing comes is opened at once.
+    /// Closes the open window if it is over. Returns its end and its aggregate. Opens the next window
+    /// if its aggregate will differ though no candidate arrives.
     pub fn close(
         &mut self,
         aggregate: WindowAggregate,
@@ -166,7 +165,7 @@ impl Aggregation {
         let mut silent = idle.clone();
         silent.weigh(self.held.as_ref(), end.after(aggregate.window()));
         let next = silent.result(aggregate.function, self.held.as_ref(), field_type);
-        if result.is_some() && next.is_some_and(|next| !says_the_same(&next, result.as_ref())) {
+        if result.is_some() && next.is_some_and(|next| !is_same(&next, result.as_ref())) {
             idle.weighed_until = end;
             self.open = Some(Box::new(idle));
         }
@@ -174,7 +173,7 @@ impl Aggregation {
     }
 }
 
-fn says_the_same(next: &DataValue, last: Option<&DataValue>) -> bool {
+fn is_same(next: &DataValue, last: Option<&DataValue>) -> bool {
     let is_no_number = |value: &DataValue| value.value.as_f64().is_some_and(f64::is_nan);
     last.is_some_and(|last| {
         last.status == next.status
@@ -182,7 +181,7 @@ fn says_the_same(next: &DataValue, last: Option<&DataValue>) -> bool {
     })
 }
 
-/// The scalar of a value that can be reckoned with.
+/// Returns the scalar of a value that can be aggregated.
 fn usable(value: &DataValue) -> Option<&Scalar> {
     let is_finite = |scalar: &&Scalar| scalar.as_f64().is_none_or(f64::is_finite);
     value.value.as_scalar().filter(|_| !value.status.is_bad()).filter(is_finite)
@@ -207,7 +206,7 @@ impl OpenWindow {
         window
     }
 
-    /// Lets the held value weigh until `now`.
+    /// Adds the weight of the current value until `now`.
     #[allow(clippy::cast_precision_loss)]
     fn weigh(&mut self, held: Option<&DataValue>, now: DateTime) {
         let duration = now.since(self.weighed_until).as_nanos() as f64;
@@ -218,7 +217,7 @@ impl OpenWindow {
         }
     }
 
-    /// Notes a value's status and whether it is the greatest or least so far.
+    /// Updates status, minimum and maximum with a value.
     fn count(&mut self, value: &DataValue) {
         let usable = usable(value);
         self.has_doubtful |= usable.is_none() || !value.status.is_good();
@@ -245,7 +244,7 @@ impl OpenWindow {
         &self,
         function: AggregateFunction,
         held: Option<&DataValue>,
-        wanted: BuiltInType,
+        target: BuiltInType,
     ) -> Option<DataValue> {
         let from = Some(self.from);
         let of = |value: Variant| {
@@ -267,35 +266,35 @@ impl OpenWindow {
             AggregateFunction::Maximum => self.maximum.clone(),
             AggregateFunction::Minimum => self.minimum.clone(),
             AggregateFunction::Mean => {
-                (self.weight > 0.0).then(|| as_type(self.weighted / self.weight, wanted)).flatten()
+                (self.weight > 0.0).then(|| as_type(self.weighted / self.weight, target)).flatten()
             }
             AggregateFunction::Sum => match self.sum {
-                Sum::Exact(sum) => match sum.and_then(|sum| Scalar::from_i128(sum, wanted)) {
+                Sum::Exact(sum) => match sum.and_then(|sum| Scalar::from_i128(sum, target)) {
                     Some(sum) => Some(sum),
                     None => {
                         return Some(DataValue::status_only(StatusCode::BAD_OUT_OF_RANGE, from));
                     }
                 },
-                Sum::Float(sum) => as_type(sum, wanted),
+                Sum::Float(sum) => as_type(sum, target),
             },
         };
         match number {
             Some(number) => Some(of(Variant::Scalar(number))),
-            // Nothing but Bad values: the newest says what is wrong.
+            // Only Bad values: the newest one has the cause.
             None => held.map(|held| DataValue::status_only(held.status, from)),
         }
     }
 }
 
-/// A number in the field's type, integers rounded to the nearest.
+/// Converts a number to the field's type; integers are rounded to the nearest.
 #[allow(clippy::cast_possible_truncation)]
-fn as_type(number: f64, wanted: BuiltInType) -> Option<Scalar> {
-    match wanted {
+fn as_type(number: f64, target: BuiltInType) -> Option<Scalar> {
+    match target {
         BuiltInType::Double => Some(Scalar::Double(number)),
         BuiltInType::Float => Some(Scalar::Float(number as f32)),
         _ => {
             let whole = Decimal::from_f64(number.round())?.to_integer()?;
-            Scalar::from_i128(whole, wanted)
+            Scalar::from_i128(whole, target)
         }
     }
 }
@@ -315,8 +314,8 @@ mod tests {
         DateTime::from_unix_micros(1_800_000_000_000_000 + ms * 1_000)
     }
 
-    /// Values at milliseconds into windows of a second; what leaves by 3.5 s, with the second in
-    /// which it leaves.
+    /// Aggregates values at milliseconds over windows of a second. Returns the releases until 3.5 s,
+    /// with their seconds.
     fn run(function: AggregateFunction, values: &[(i64, f64)]) -> Vec<(i64, f64)> {
         let aggregate = WindowAggregate { function, window_ms: 1000 };
         let mut aggregation = Aggregation::default();
@@ -343,18 +342,17 @@ mod tests {
     }
 
     #[test]
-    fn windows_say_one_value_each() {
+    fn each_window_has_one_value() {
         use AggregateFunction as F;
         for (function, values, expected) in [
             (F::Last, &[(0, 1.0), (400, 5.0), (900, 2.0)][..], &[(1, 2.0)][..]),
             (F::Maximum, &[(0, 1.0), (400, 5.0), (900, 2.0)], &[(1, 5.0), (2, 2.0)]),
             (F::Minimum, &[(0, 3.0), (400, 1.0), (900, 2.0)], &[(1, 1.0), (2, 2.0)]),
-            // A second of 2 in the first window's quarter, then 6: the mean weighs how long each
-            // held.
+            // 2 in the first quarter of the window, then 6: the mean is weighted with their times.
             (F::Mean, &[(0, 2.0), (750, 6.0)], &[(1, 3.0), (2, 6.0)]),
-            // A window in which nothing came sums to zero, and says so once.
+            // A window without a candidate has the sum zero, released once.
             (F::Sum, &[(0, 2.0), (500, 3.0), (600, 5.0)], &[(1, 10.0), (2, 0.0)]),
-            // The value that held when the window began belongs to it.
+            // The value that is current when the window begins belongs to it.
             (F::Maximum, &[(0, 9.0), (2500, 1.0)], &[(1, 9.0), (3, 9.0)]),
             (F::Mean, &[(0, 4.0), (2500, 8.0)], &[(1, 4.0), (3, 6.0)]),
         ] {
@@ -363,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_that_does_not_fit_is_said_to_be_none() {
+    fn a_sum_that_overflows_has_no_value() {
         let aggregate = WindowAggregate { function: AggregateFunction::Sum, window_ms: 1000 };
         let mut aggregation = Aggregation::default();
         for ms in [0, 1] {
@@ -374,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_values_do_not_count_but_show() {
+    fn bad_values_do_not_count_but_their_status_shows() {
         let aggregate = WindowAggregate { function: AggregateFunction::Mean, window_ms: 1000 };
         let mut aggregation = Aggregation::default();
         let lost = DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at(500)));

@@ -1,4 +1,4 @@
-//! Coarsening of one value: what remains of it after rounding, banding and stepping its times.
+//! Coarsening of one value: rounding, banding, significant digits and time steps.
 
 use std::sync::Arc;
 
@@ -6,15 +6,14 @@ use asi_model::{BuiltInType, DataValue, Scalar, StatusCode, Variant, values::Arr
 
 use super::{Decimal, DisclosurePolicy, RoundingStep, decimal::divide_to_nearest};
 
-/// What remains of a candidate, and whether that is less than there was.
+/// A coarsened candidate; `is_coarsened` when it differs from the candidate.
 pub(super) struct Coarsened {
     pub(super) value: DataValue,
     pub(super) is_coarsened: bool,
 }
 
-/// Coarsens a candidate for a field of a type. A value of another type than the field's never
-/// passes: it could carry digits that no rounding step reaches. A Bad value carries its status
-/// only.
+/// Coarsens a candidate for a field of a type. A value of another type than the field's is never
+/// released: a rounding step may not apply to its digits. A Bad value has only its status.
 pub(super) fn coarsen(
     policy: &DisclosurePolicy,
     field_type: BuiltInType,
@@ -29,8 +28,7 @@ pub(super) fn coarsen(
     };
     let source_timestamp = candidate.source_timestamp.map(|time| time.floor_to(policy.time_step()));
     let is_coarsened = value != candidate.value || source_timestamp != candidate.source_timestamp;
-    // Only the source's time travels on; what a server or a finer clock would add is nobody's
-    // business.
+    // Only the source's time is released. A server's time or a finer clock would reveal more.
     let source_picoseconds =
         if policy.time_step_ms.is_some() { 0 } else { candidate.source_picoseconds };
     Coarsened {
@@ -71,7 +69,7 @@ fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
             } else {
                 band(scalar, &policy.bands)
             };
-            // The digits are cut last: what was one value before stays one value.
+            // The digits are cut last: equal values stay equal.
             policy
                 .significant_digits
                 .map_or_else(|| coarse.clone(), |digits| cut_digits(&coarse, digits))
@@ -88,13 +86,13 @@ fn cut_digits(scalar: &Scalar, digits: u8) -> Scalar {
             Decimal::from_f32(value).map_or(value, |decimal| decimal.with_digits(digits).to_f32()),
         ),
         _ => {
-            let wanted = scalar.built_in_type();
+            let target = scalar.built_in_type();
             let exact = Decimal::new(scalar.as_i128().unwrap_or(0), 0);
             // Beyond the type's limits the next such number towards zero.
             [exact.with_digits(digits), exact.truncated_to(digits)]
                 .into_iter()
-                .find_map(|decimal| Scalar::from_i128(decimal.to_integer()?, wanted))
-                .or_else(|| Scalar::from_i128(0, wanted))
+                .find_map(|decimal| Scalar::from_i128(decimal.to_integer()?, target))
+                .or_else(|| Scalar::from_i128(0, target))
                 .expect("zero fits every integer type")
         }
     }
@@ -119,12 +117,12 @@ fn round(scalar: &Scalar, step: RoundingStep) -> Scalar {
 
 /// The nearest multiple of the step that the type can hold: beyond its limits the next one towards
 /// zero.
-fn round_integer(value: i128, step: i128, wanted: BuiltInType) -> Scalar {
+fn round_integer(value: i128, step: i128, target: BuiltInType) -> Scalar {
     let count = divide_to_nearest(value, step);
     let towards_zero = count - count.signum();
-    Scalar::from_i128(count * step, wanted)
-        .or_else(|| Scalar::from_i128(towards_zero * step, wanted))
-        .or_else(|| Scalar::from_i128(0, wanted))
+    Scalar::from_i128(count * step, target)
+        .or_else(|| Scalar::from_i128(towards_zero * step, target))
+        .or_else(|| Scalar::from_i128(0, target))
         .expect("zero fits every integer type")
 }
 
@@ -145,9 +143,9 @@ fn band(scalar: &Scalar, bounds: &[f64]) -> Scalar {
             let bound =
                 bounds.iter().rev().map(|bound| *bound as i128).find(|bound| *bound <= value);
             let bound = bound.unwrap_or(lowest as i128);
-            let wanted = scalar.built_in_type();
-            Scalar::from_i128(bound, wanted)
-                .or_else(|| Scalar::from_i128(0, wanted))
+            let target = scalar.built_in_type();
+            Scalar::from_i128(bound, target)
+                .or_else(|| Scalar::from_i128(0, target))
                 .expect("zero fits every integer type")
         }
     }
@@ -192,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_of_another_type_never_passes() {
+    fn a_value_of_another_type_is_never_released() {
         let coarse = coarsen(
             &DisclosurePolicy::default(),
             BuiltInType::Int32,

@@ -1,5 +1,4 @@
-//! Exact decimals: rounding must neither lose digits of 64-bit integers nor let binary fractions
-//! show through.
+//! Exact decimals: rounding must neither lose digits of 64-bit integers nor show binary fractions.
 
 use std::{fmt, str::FromStr};
 
@@ -20,7 +19,7 @@ impl Decimal {
     /// Zero.
     pub const ZERO: Self = Self { mantissa: 0, exponent: 0 };
 
-    /// `mantissa * 10^exponent`, normalised.
+    /// Creates `mantissa * 10^exponent`, normalised.
     #[must_use]
     pub const fn new(mut mantissa: i128, mut exponent: i32) -> Self {
         if mantissa == 0 {
@@ -33,31 +32,31 @@ impl Decimal {
         Self { mantissa, exponent }
     }
 
-    /// The shortest decimal that reads back as this number; `None` for NaN and the infinities.
+    /// Returns the shortest decimal that parses to this number; `None` for NaN and the infinities.
     #[must_use]
     pub fn from_f64(value: f64) -> Option<Self> {
         value.is_finite().then(|| format!("{value:e}").parse().ok()).flatten()
     }
 
-    /// The shortest decimal that reads back as this number; `None` for NaN and the infinities.
+    /// Returns the shortest decimal that parses to this number; `None` for NaN and the infinities.
     #[must_use]
     pub fn from_f32(value: f32) -> Option<Self> {
         value.is_finite().then(|| format!("{value:e}").parse().ok()).flatten()
     }
 
-    /// The nearest `f64`.
+    /// Returns the nearest `f64`.
     #[must_use]
     pub fn to_f64(self) -> f64 {
         self.scientific().parse().unwrap_or(f64::NAN)
     }
 
-    /// The nearest `f32`.
+    /// Returns the nearest `f32`.
     #[must_use]
     pub fn to_f32(self) -> f32 {
         self.scientific().parse().unwrap_or(f32::NAN)
     }
 
-    /// The number as an integer, where it is one that fits.
+    /// Returns the number as an integer, if it is one that fits.
     #[must_use]
     pub fn to_integer(self) -> Option<i128> {
         if self.exponent < 0 {
@@ -67,7 +66,7 @@ impl Decimal {
         }
     }
 
-    /// The multiple of `step` nearest to this number, ties away from zero. A number so large that
+    /// Returns the multiple of `step` nearest to this number, ties away from zero. A number so large that
     /// even its own last digit is coarser than the step is returned as it is.
     #[must_use]
     pub fn round_to(self, step: RoundingStep) -> Self {
@@ -90,27 +89,27 @@ impl Decimal {
         count.checked_mul(step.mantissa).map_or(self, |mantissa| Self::new(mantissa, step.exponent))
     }
 
-    /// The nearest number with at most so many significant digits, ties away from zero.
+    /// Rounds to at most so many significant digits, ties away from zero.
     #[must_use]
     pub fn with_digits(self, digits: u8) -> Self {
         let (unit, exponent) = self.unit_of(digits);
         Self::new(divide_to_nearest(self.mantissa, unit), exponent)
     }
 
-    /// The number cut after so many significant digits, towards zero.
+    /// Cuts after so many significant digits, towards zero.
     #[must_use]
     pub fn truncated_to(self, digits: u8) -> Self {
         let (unit, exponent) = self.unit_of(digits);
         Self::new(self.mantissa / unit, exponent)
     }
 
-    /// How many significant digits it has; one for zero.
+    /// Returns the number of significant digits; one for zero.
     #[must_use]
     pub fn digits(self) -> u32 {
         self.mantissa.unsigned_abs().checked_ilog10().unwrap_or(0) + 1
     }
 
-    /// The last of so many digits in units of the mantissa's last digit, and its exponent.
+    /// Returns the last of so many digits in units of the mantissa's last digit, and its exponent.
     fn unit_of(self, digits: u8) -> (i128, i32) {
         let excess = self.digits().saturating_sub(u32::from(digits.max(1)));
         (10_i128.pow(excess), self.exponent + i32::try_from(excess).unwrap_or(0))
@@ -121,7 +120,7 @@ impl Decimal {
     }
 }
 
-/// `10^exponent`, where it fits.
+/// Returns `10^exponent`, if it fits.
 fn power_of_ten(exponent: i32) -> Option<i128> {
     if !(0..=POWER_MAX).contains(&exponent) {
         return None;
@@ -129,7 +128,7 @@ fn power_of_ten(exponent: i32) -> Option<i128> {
     10_i128.checked_pow(exponent.unsigned_abs())
 }
 
-/// The integer nearest to a quotient, ties away from zero; the denominator is positive.
+/// Returns the integer nearest to a quotient, ties away from zero; the denominator is positive.
 pub(super) const fn divide_to_nearest(numerator: i128, denominator: i128) -> i128 {
     let (quotient, remainder) = (numerator / denominator, numerator % denominator);
     // `remainder >= denominator - remainder` says `2 * remainder >= denominator` without overflow.
@@ -174,23 +173,23 @@ impl fmt::Display for Decimal {
     }
 }
 
-/// Not a positive decimal number.
+/// Fault of a text that is not a positive decimal number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a rounding step must be a positive number with at most 15 digits, but is {found}")]
 pub struct InvalidStep {
-    /// What was found, cut after 40 characters.
+    /// The text, cut after 40 characters.
     pub found: String,
 }
 
-/// A positive decimal with at most 15 significant digits: values leave as multiples of it.
+/// A positive decimal with at most 15 significant digits: values are rounded to multiples of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RoundingStep(Decimal);
 
 impl RoundingStep {
-    /// From a decimal.
+    /// Creates a step from a decimal.
     ///
     /// # Errors
-    /// [`InvalidStep`] where it is not positive, has more than 15 digits or an exponent beyond ±30.
+    /// [`InvalidStep`] when it is not positive, has more than 15 digits or an exponent beyond ±30.
     pub fn new(step: Decimal) -> Result<Self, InvalidStep> {
         if step.mantissa > 0
             && step.mantissa < 1_000_000_000_000_000
@@ -202,13 +201,13 @@ impl RoundingStep {
         }
     }
 
-    /// The step as a decimal.
+    /// Returns the step as a decimal.
     #[must_use]
     pub const fn decimal(self) -> Decimal {
         self.0
     }
 
-    /// The step, where it is an integer.
+    /// Returns the step, if it is an integer.
     #[must_use]
     pub fn to_integer(self) -> Option<i128> {
         self.0.to_integer()

@@ -1,4 +1,4 @@
-//! Policies and rules as documents of their own: named, versioned, kept for ever.
+//! Policies and rules as documents: named, versioned, never deleted.
 
 use std::{fmt, str::FromStr};
 
@@ -12,17 +12,17 @@ pub const NAME_CHARS_MAX: usize = 120;
 /// Most policies, and most rules.
 pub const DOCUMENTS_MAX: usize = 500;
 
-/// Not the id of a policy or rule.
+/// Fault of a text that is not the id of a policy or rule.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("an id has 1 to 64 letters, digits, _ or -")]
 pub struct InvalidDocumentId;
 
-/// The id of a policy or rule, chosen by whoever makes it.
+/// The id of a policy or rule, chosen by its author.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DocumentId(Box<str>);
 
 impl DocumentId {
-    /// As text.
+    /// Returns the id as text.
     #[must_use]
     pub const fn as_str(&self) -> &str {
         &self.0
@@ -64,22 +64,20 @@ impl<'de> Deserialize<'de> for DocumentId {
 )]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentVersion {
-    /// Which.
     #[schema(value_type = String)]
     pub id: DocumentId,
-    /// From 1, one more with every change.
+    /// From 1, increases by one with every change.
     pub version: u32,
 }
 
-/// A policy with a name, to be chosen for fields and set for recipients.
+/// A policy with a name, which can be chosen for fields and set for recipients.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NamedPolicy {
-    /// What it is called.
+    /// Name for people, 1 to 120 characters.
     pub name: String,
-    /// What it says.
     pub disclosure: DisclosurePolicy,
-    /// It is kept, but offered and applied no more.
+    /// True when it is no longer offered or applied.
     #[serde(default)]
     pub is_retired: bool,
 }
@@ -88,15 +86,14 @@ pub struct NamedPolicy {
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Versioned<T> {
-    /// Which, in which version.
+    /// Id and version.
     #[serde(flatten)]
     pub key: DocumentVersion,
-    /// What it says.
+    /// Content of the document.
     #[serde(flatten)]
     pub document: T,
-    /// Who changed it last.
+    /// User of the last change.
     pub changed_by: String,
-    /// When.
     #[schema(value_type = String, format = "date-time")]
     pub changed_at: DateTime,
 }

@@ -1,4 +1,4 @@
-//! What each part of a policy does to one value, for the engineer to see before consenting.
+//! Effect of each part of a policy on one value, which the engineer sees before the consent.
 
 use asi_model::{BuiltInType, DataValue, DateTime};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use super::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum EffectKind {
-    /// Nothing leaves in certain states.
+    /// Withheld in certain states.
     Withheld,
     /// One value per window.
     Aggregated,
@@ -23,32 +23,31 @@ pub enum EffectKind {
     Digits,
     /// Times in steps.
     TimeStep,
-    /// Late.
+    /// Released with a delay.
     Delayed,
     /// At most one value per interval.
     Interval,
-    /// At most so many values per period.
+    /// Most values per period.
     Rate,
     /// Within certain hours.
     Hours,
 }
 
-/// What a part of a policy does.
+/// Effect of one part of a policy.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Effect {
-    /// Which part.
     pub kind: EffectKind,
-    /// In words.
+    /// Sentence in English.
     pub text: String,
     /// The same as codes with parameters.
     pub parts: Vec<StatementPart>,
-    /// It changes this very value or its times, or holds it back now.
+    /// True when it changes this value or its times, or withholds it at present.
     pub is_felt: bool,
 }
 
-/// What each part of a policy does to a candidate at a time, in the order in which they are
-/// applied. `is_withheld`: the policy withholds the present state.
+/// Returns the effects of a policy on a candidate at a time, in the order of application.
+/// `is_withheld`: the policy withholds the present state.
 #[must_use]
 pub fn effects(
     policy: &DisclosurePolicy,
@@ -65,7 +64,7 @@ pub fn effects(
     let mut effects = Vec::new();
     let mut add = |kind, part: DisclosurePolicy, is_felt: bool| {
         if !part.is_open() {
-            let Statement { statement, statement_parts } = part.told(None);
+            let Statement { statement, statement_parts } = Statement::of(&part, None);
             effects.push(Effect { kind, text: statement, parts: statement_parts, is_felt });
         }
     };
@@ -105,8 +104,8 @@ pub fn effects(
     effects
 }
 
-/// The most values per hour that a policy lets through; `None` where there is no limit but the
-/// publishing interval.
+/// Returns the most values per hour that a policy releases; `None` when only the publishing interval
+/// limits them.
 #[must_use]
 pub fn values_per_hour_max(policy: &DisclosurePolicy) -> Option<f64> {
     const HOUR_MS: f64 = 3_600_000.0;
@@ -122,16 +121,16 @@ pub fn values_per_hour_max(policy: &DisclosurePolicy) -> Option<f64> {
     slots.into_iter().flatten().map(per).chain(rates).reduce(f64::min)
 }
 
-/// The shortest time that can be told apart by when values leave and by their times, in words and
-/// milliseconds; zero where changes leave as they happen.
+/// Returns the resolution of the times of values and of their releases, in milliseconds; zero when
+/// changes are released at once.
 #[must_use]
 pub fn time_resolution_ms(policy: &DisclosurePolicy) -> u64 {
-    // A minimum interval and rates limit how often something leaves, not how exactly it is timed.
+    // A minimum interval and rates limit the number of releases, not the resolution of their times.
     let window = policy.aggregate.map_or(0, |aggregate| aggregate.window_ms);
     policy.time_step_ms.unwrap_or(0).max(window)
 }
 
-/// A period in words.
+/// Formats a period with its unit.
 #[must_use]
 pub fn period_in_words(ms: u64) -> String {
     describe_period(ms)
@@ -142,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn effects_say_which_part_is_felt() {
+    fn effects_show_the_parts_that_apply() {
         let policy: DisclosurePolicy = serde_json::from_str(
             r#"{"roundingStep":10,"significantDigits":2,"minimumIntervalMs":60000,"withholdWhile":[{"states":[0]}]}"#,
         )
@@ -171,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tightest_limit_says_how_many_leave() {
+    fn the_tightest_limit_determines_the_values_per_hour() {
         for (json, expected) in [
             ("{}", None),
             (r#"{"minimumIntervalMs":60000}"#, Some(60.0)),

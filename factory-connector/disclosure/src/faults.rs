@@ -1,4 +1,4 @@
-//! What keeps a policy from being applied to a field.
+//! Faults for which a policy cannot be applied to a field.
 
 use asi_model::{BuiltInType, DateTime};
 
@@ -9,13 +9,13 @@ use super::{
     withholding::{CONDITIONS_MAX, STATE_CHARS_MAX, STATES_MAX},
 };
 
-/// What is wrong with a policy for a field.
+/// Fault of a policy for a field.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{member}: {message}")]
 pub struct PolicyFault {
     /// The member of the policy, as in JSON.
     pub member: &'static str,
-    /// What is wrong and what to do.
+    /// The fault and its remedy.
     pub message: String,
 }
 
@@ -23,7 +23,7 @@ pub struct PolicyFault {
 const BANDS_MAX: usize = 64;
 /// Most hours beside the working hours.
 const FURTHER_HOURS_MAX: usize = 8;
-/// Most digits that a number of 64 bits can promise.
+/// Most digits that every number of 64 bits can represent.
 pub(super) const DIGITS_MAX: u8 = 15;
 
 struct Faults(Vec<PolicyFault>);
@@ -33,16 +33,16 @@ impl Faults {
         self.0.push(PolicyFault { member, message: message.into() });
     }
 
-    fn unless(&mut self, holds: bool, member: &'static str, message: &str) {
-        if !holds {
+    fn unless(&mut self, is_valid: bool, member: &'static str, message: &str) {
+        if !is_valid {
             self.add(member, message);
         }
     }
 }
 
 impl DisclosurePolicy {
-    /// Everything that keeps this policy from being applied to a field of this type, a single value
-    /// or an array.
+    /// Returns all faults for which this policy cannot be applied to a field of this type, a single
+    /// value or an array.
     #[must_use]
     pub fn faults(&self, field_type: BuiltInType, is_array: bool) -> Vec<PolicyFault> {
         let mut faults = self.own_faults();
@@ -97,7 +97,7 @@ impl DisclosurePolicy {
         faults
     }
 
-    /// Everything that is wrong with this policy whatever the field.
+    /// Returns all faults of this policy for any field.
     #[must_use]
     pub fn own_faults(&self) -> Vec<PolicyFault> {
         let mut faults = Faults(Vec::new());
@@ -235,7 +235,7 @@ mod tests {
                 vec!["rateLimits"],
             ),
             (r#"{"withholdWhile":[{"states":[]}]}"#, BuiltInType::String, vec!["withholdWhile"]),
-            // A step of a day is at midnight only, and the hours never are.
+            // A step of a day is at midnight, which is outside of the hours.
             (
                 r#"{"timeStepMs":86400000,"workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"}}"#,
                 BuiltInType::String,

@@ -1,4 +1,4 @@
-//! The gate of one field: a state machine over candidates and time.
+//! Gate of one field: a state machine over candidates and time.
 
 mod document;
 
@@ -19,71 +19,62 @@ use super::{
     rate,
 };
 
-/// Most values that wait for their delay; within a share of the delay the latest replaces the one
-/// before it.
+/// Most values that wait for their delay. Within this fraction of the delay the latest replaces the
+/// one before it.
 const DELAYED_MAX: u32 = 256;
 
-/// What became of a candidate.
+/// Result of a candidate at the gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// It is disclosed now.
-    Disclosed {
-        /// Less than the candidate said is disclosed.
-        is_coarsened: bool,
-    },
-    /// It says nothing that was not disclosed already.
-    Unchanged {
-        /// Less than the candidate said is disclosed.
-        is_coarsened: bool,
-    },
-    /// It waits; a newer one may take its place until then.
-    Withheld {
-        /// When it may leave at the earliest.
-        until: DateTime,
-    },
-    /// It never leaves: the policy withholds what comes in the present state.
+pub enum GateOutcome {
+    /// Released now; `is_coarsened` when the released value is less precise than the candidate.
+    Disclosed { is_coarsened: bool },
+    /// Equal to the value released before; `is_coarsened` as above.
+    Unchanged { is_coarsened: bool },
+    /// Waiting, at least until this time; a newer candidate may replace it.
+    Withheld { until: DateTime },
+    /// Never released: the policy withholds candidates in the present state.
     Suppressed,
 }
 
-/// What a gate remembers over restarts.
+/// State of a gate that is stored over restarts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GateState {
-    /// When a value last left, for the minimum interval.
+    /// Time of the last release, for the minimum interval.
     pub last_released_at: Option<DateTime>,
-    /// The value that left last.
+    /// The value released last.
     pub disclosed: Option<DataValue>,
-    /// Coarsened values that wait, with the time they came, oldest first.
+    /// Coarsened values that wait, with their times of arrival, oldest first.
     pub waiting: VecDeque<(DateTime, DataValue)>,
-    /// When values left, for the limits on their rate, oldest first.
+    /// Times of releases, for the rate limits, oldest first.
     pub released: VecDeque<DateTime>,
     /// The window of an aggregate.
     pub aggregation: Aggregation,
-    /// The field's own value is in a state in which nothing leaves.
+    /// True when the field's own value is in a withheld state.
     pub is_in_withheld_state: bool,
-    /// Whether other fields are in a state in which nothing leaves, as far as that is known.
+    /// Other fields; true for those in a withheld state, absent when that is not known.
     pub withheld_by: BTreeMap<FieldName, bool>,
 }
 
-/// Decides what of a field's candidates leaves, and when.
+/// Decides which of a field's candidates are released, and at which time.
 ///
-/// `now` must never run backwards within one gate's life; [`Gate::new`] copes with a clock that did
-/// so between lives.
+/// `now` must never decrease for one gate; [`Gate::new`] corrects a state from a clock that was set
+/// back.
 #[derive(Debug, Clone)]
 pub struct Gate {
     policy: Arc<DisclosurePolicy>,
-    /// The policy coarsens values alone: what comes may leave at once.
+    /// True when the policy only coarsens values, so that every candidate is released at once.
     is_immediate: bool,
     field_type: BuiltInType,
     state: GateState,
-    /// The newest value whose delay is over, with the time it came.
-    ripe: Option<(DateTime, DataValue)>,
-    /// What was due was noticed too late, outside of the hours; this is when they begin again.
+    /// The newest value whose delay is over, with its time of arrival.
+    releasable: Option<(DateTime, DataValue)>,
+    /// Begin of the next hours, when a due value was noticed too late, outside of them.
     not_before: Option<DateTime>,
     has_released: bool,
 }
 
 impl Gate {
-    /// A gate in a remembered state (a default one for a new field).
+    /// Creates a gate in a stored state; a default one for a new field.
     #[must_use]
     pub fn new(
         policy: Arc<DisclosurePolicy>,
@@ -91,7 +82,7 @@ impl Gate {
         mut state: GateState,
         now: DateTime,
     ) -> Self {
-        // A clock that was set back must neither open the gate early nor keep it shut for years.
+        // After a clock was set back, the gate must neither release early nor be closed for years.
         state.last_released_at = state.last_released_at.map(|at| at.min(now));
         for (arrived_at, _) in &mut state.waiting {
             *arrived_at = (*arrived_at).min(now);
@@ -106,51 +97,51 @@ impl Gate {
             is_immediate,
             field_type,
             state,
-            ripe: None,
+            releasable: None,
             not_before: None,
             has_released: false,
         }
     }
 
-    /// The policy in force.
+    /// Returns the present policy.
     #[must_use]
     pub const fn policy(&self) -> &Arc<DisclosurePolicy> {
         &self.policy
     }
 
-    /// The value that left last: what the node shows and the partner has.
+    /// Returns the value released last, which the node shows and the partner has.
     #[must_use]
     pub const fn disclosed(&self) -> Option<&DataValue> {
         self.state.disclosed.as_ref()
     }
 
-    /// What to remember over a restart.
+    /// Returns the state to store for a restart.
     #[must_use]
     pub fn state(&self) -> GateState {
         let mut state = self.state.clone();
-        if let Some(ripe) = &self.ripe {
-            state.waiting.push_front(ripe.clone());
+        if let Some(releasable) = &self.releasable {
+            state.waiting.push_front(releasable.clone());
         }
         state
     }
 
-    /// True once after each release.
+    /// Returns true once after each release.
     pub const fn take_released(&mut self) -> bool {
         std::mem::replace(&mut self.has_released, false)
     }
 
-    /// The clock was set back: what was remembered of a time yet to come counts as of now.
+    /// Corrects the state after the clock was set back: times in the future become the present.
     pub fn set_clock_back(&mut self, now: DateTime) {
         let Self { state, .. } =
             Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now);
         self.state = state;
-        self.ripe = None;
+        self.releasable = None;
     }
 
-    /// Takes a candidate. Whatever was due before it is released first.
-    pub fn on(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
+    /// Handles a candidate. Values that were due before it are released first.
+    pub fn on(&mut self, now: DateTime, candidate: DataValue) -> GateOutcome {
         if self.is_idle() && self.state.last_released_at.is_none_or(|last| last <= now) {
-            return self.on_at_once(now, candidate);
+            return self.release_at_once(now, candidate);
         }
         self.on_time(now);
         if let Some(is_withheld) = self.policy.is_own_state_withheld(&candidate) {
@@ -158,7 +149,7 @@ impl Gate {
         }
         if self.is_withheld() {
             self.state.aggregation.pause(now);
-            return Outcome::Suppressed;
+            return GateOutcome::Suppressed;
         }
         let released_before = self.take_released();
         let mut is_coarsened = true;
@@ -166,7 +157,7 @@ impl Gate {
             self.state.aggregation.take(
                 aggregate,
                 now,
-                self.of_its_type(candidate),
+                self.checked_type(candidate),
                 self.field_type,
             );
         } else {
@@ -178,35 +169,35 @@ impl Gate {
         let is_released = self.has_released;
         self.has_released |= released_before;
         match self.due() {
-            _ if is_released => Outcome::Disclosed { is_coarsened },
-            None => Outcome::Unchanged { is_coarsened },
-            Some(until) => Outcome::Withheld { until },
+            _ if is_released => GateOutcome::Disclosed { is_coarsened },
+            None => GateOutcome::Unchanged { is_coarsened },
+            Some(until) => GateOutcome::Withheld { until },
         }
     }
 
-    /// Nothing waits, and nothing that comes has to.
+    /// Returns true when no value waits, and no candidate has to.
     fn is_idle(&self) -> bool {
         self.is_immediate
-            && self.ripe.is_none()
+            && self.releasable.is_none()
             && self.state.waiting.is_empty()
             && !self.state.is_in_withheld_state
     }
 
-    /// Takes a candidate where [`Self::is_idle`]: what all of the above comes to then, for the many
-    /// fields of which every change leaves.
-    fn on_at_once(&mut self, now: DateTime, candidate: DataValue) -> Outcome {
+    /// Handles a candidate when [`Self::is_idle`], with the same result as the general path. For the
+    /// many fields of which every change is released.
+    fn release_at_once(&mut self, now: DateTime, candidate: DataValue) -> GateOutcome {
         let Coarsened { value, is_coarsened } = coarsen(&self.policy, self.field_type, candidate);
         if self.is_known(&value) {
-            return Outcome::Unchanged { is_coarsened };
+            return GateOutcome::Unchanged { is_coarsened };
         }
         self.state.disclosed = Some(value);
         self.state.last_released_at = Some(now);
         self.has_released = true;
-        Outcome::Disclosed { is_coarsened }
+        GateOutcome::Disclosed { is_coarsened }
     }
 
-    /// Another field came into, or left, a state in which nothing of this one leaves; `None` where
-    /// its state is not known. True where that is news.
+    /// Notes that another field entered or left a state in which this one is withheld; `None` when
+    /// its state is not known. Returns whether that is a change.
     pub fn on_state(
         &mut self,
         now: DateTime,
@@ -226,7 +217,7 @@ impl Gate {
         before != is_withheld
     }
 
-    /// Nothing leaves at present because of a state, and what comes now never will.
+    /// Returns true while no value is released because of a state; candidates of this time never are.
     #[must_use]
     pub fn is_withheld(&self) -> bool {
         self.state.is_in_withheld_state
@@ -238,7 +229,7 @@ impl Gate {
                 .any(|other| self.state.withheld_by.get(other) != Some(&false))
     }
 
-    /// Releases what is due. The caller wakes the gate at [`Gate::due`].
+    /// Releases the value that is due. The caller wakes the gate at [`Gate::due`].
     pub fn on_time(&mut self, now: DateTime) {
         self.close_windows(now);
         let delay = self.policy.delay();
@@ -246,14 +237,14 @@ impl Gate {
             if arrived_at.after(delay) > now {
                 break;
             }
-            self.ripe = self.state.waiting.pop_front();
+            self.releasable = self.state.waiting.pop_front();
         }
-        if self.ripe.as_ref().is_some_and(|(_, value)| self.is_known(value)) {
-            self.ripe = None;
+        if self.releasable.as_ref().is_some_and(|(_, value)| self.is_known(value)) {
+            self.releasable = None;
         }
         if self.release_at().is_some_and(|at| at <= now) {
-            // Noticed late, perhaps after a restart: what was due within the hours must not leave
-            // after them.
+            // Noticed late, for example after a restart: a value that was due within the hours must
+            // not be released after them.
             match self.first_within_hours(now) {
                 Some(at) if at > now => self.not_before = Some(at),
                 None => {}
@@ -263,14 +254,14 @@ impl Gate {
     }
 
     fn release(&mut self, now: DateTime) {
-        self.state.disclosed = self.ripe.take().map(|(_, value)| value);
+        self.state.disclosed = self.releasable.take().map(|(_, value)| value);
         self.state.last_released_at = Some(now);
         rate::remember(&mut self.state.released, &self.policy.rate_limits, now);
         self.not_before = None;
         self.has_released = true;
     }
 
-    /// Lets the aggregates of windows that are over wait for their delay.
+    /// Closes windows that are over; their aggregates wait for the delay.
     fn close_windows(&mut self, now: DateTime) {
         let Some(aggregate) = self.policy.aggregate else { return };
         while let Some((ended_at, value)) =
@@ -281,28 +272,28 @@ impl Gate {
         }
     }
 
-    /// A candidate of another type than the field's is none: it is left out of an aggregate as Bad.
-    fn of_its_type(&self, candidate: DataValue) -> DataValue {
+    /// Replaces a candidate of another type than the field's by a Bad one, which aggregates skip.
+    fn checked_type(&self, candidate: DataValue) -> DataValue {
         let untouched = DisclosurePolicy::default();
         coarsen(&untouched, self.field_type, candidate).value
     }
 
-    /// When something may be released next.
+    /// Returns the time at which a value may be released next.
     #[must_use]
     pub fn due(&self) -> Option<DateTime> {
         if self.is_idle() {
             return None;
         }
-        let ripens_at =
+        let releasable_at =
             self.state.waiting.front().map(|(arrived_at, _)| arrived_at.after(self.policy.delay()));
         let ends_at =
             self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
-        [self.release_at(), ripens_at, ends_at].into_iter().flatten().min()
+        [self.release_at(), releasable_at, ends_at].into_iter().flatten().min()
     }
 
-    /// Another policy takes effect. What waits was coarsened under the old one and is coarsened
-    /// again under the new one; the minimum interval goes on counting. What was to leave as part of
-    /// an aggregate only never leaves singly.
+    /// Replaces the policy. Waiting values were coarsened under the old one and are coarsened again
+    /// under the new one; the minimum interval continues. Values that were part of an aggregate are
+    /// never released individually.
     pub fn change_policy(&mut self, policy: Arc<DisclosurePolicy>, now: DateTime) {
         if self.policy.aggregate != policy.aggregate {
             self.state.aggregation = Aggregation::default();
@@ -315,7 +306,7 @@ impl Gate {
         self.is_immediate = policy.is_immediate();
         self.policy = policy;
         let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
-        self.ripe = self.ripe.take().map(|(at, value)| (at, again(value)));
+        self.releasable = self.releasable.take().map(|(at, value)| (at, again(value)));
         self.state.waiting = std::mem::take(&mut self.state.waiting)
             .into_iter()
             .map(|(at, v)| (at, again(v)))
@@ -323,9 +314,9 @@ impl Gate {
         self.on_time(now);
     }
 
-    /// The consent ended: nothing that waits will leave, and nothing is shown any more.
+    /// Closes the gate because the consent ended: waiting values are dropped, and none is shown.
     pub fn close(&mut self) {
-        self.ripe = None;
+        self.releasable = None;
         self.not_before = None;
         self.state.waiting.clear();
         self.state.aggregation = Aggregation::default();
@@ -336,9 +327,9 @@ impl Gate {
     fn wait(&mut self, now: DateTime, value: DataValue) {
         let delay = self.policy.delay();
         if delay.is_zero() {
-            // Ripe at once; what was kept from leaving until now gives way to it.
+            // No delay: replaces any value still waiting.
             self.state.waiting.clear();
-            self.ripe = Some((now, value));
+            self.releasable = Some((now, value));
             return;
         }
         let share: Duration = delay / DELAYED_MAX;
@@ -349,8 +340,8 @@ impl Gate {
         waiting.push_back((now, value));
     }
 
-    /// Nothing new for those who know what left last. A sum is new with every window: two fives are
-    /// ten.
+    /// Returns true when a value is equal to the one released last. A sum is new in every window,
+    /// unless it is zero.
     fn is_known(&self, value: &DataValue) -> bool {
         let is_sum = || {
             self.policy
@@ -363,9 +354,9 @@ impl Gate {
             && (!is_sum() || is_zero())
     }
 
-    /// When the ripe value may leave.
+    /// Returns the time at which the releasable value is released.
     fn release_at(&self) -> Option<DateTime> {
-        let (arrived_at, _) = self.ripe.as_ref().filter(|_| !self.is_withheld())?;
+        let (arrived_at, _) = self.releasable.as_ref().filter(|_| !self.is_withheld())?;
         let mut at = arrived_at.after(self.policy.delay());
         if let Some(last) = self.state.last_released_at {
             at = at.max(last.after(self.policy.minimum_interval()));
@@ -382,7 +373,7 @@ impl Gate {
         self.policy.first_slot(at.max(self.not_before.unwrap_or(at)))
     }
 
-    /// The first instant from `at` on within all working hours.
+    /// Returns the first instant from `at` on within all working hours.
     fn first_within_hours(&self, at: DateTime) -> Option<DateTime> {
         if self.policy.has_hours() {
             self.policy.first_slot_of(at, Duration::ZERO)

@@ -1,18 +1,16 @@
-//! The languages that people of the plant read: English and German.
+//! Languages of texts for people in the plant: English and German.
 
 /// The language of a page to print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Language {
-    /// English.
     #[default]
     En,
-    /// German.
     De,
 }
 
 impl Language {
-    /// The text in this language.
+    /// Returns the text in this language.
     #[must_use]
     pub const fn choose<'a>(self, english: &'a str, german: &'a str) -> &'a str {
         match self {

@@ -1,9 +1,9 @@
-//! The disclosure gate: the one place where a value becomes something a partner may know.
+//! Disclosure gate: the single point at which values are released to partners.
 //!
 //! Every candidate - from a mapping, from an OPC UA client, from the operator's page - is coarsened
-//! in value *and* time as the engineer's consent says, and only what [`Gate`] has released can
-//! reach the reporter, the twin's nodes and the ledger. The gate is pure: it has no clock and does
-//! no I/O, so its promises are stated as properties and tested.
+//! in value *and* time by the policy of the engineer's consent. Only values that the [`Gate`] has
+//! released reach the reports, the twin's nodes and the ledger. The gate is pure, without a clock
+//! and without I/O, so its guarantees are tested as properties.
 
 mod aggregate;
 mod basis;
@@ -33,7 +33,7 @@ pub use effects::{
     Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max,
 };
 pub use faults::PolicyFault;
-pub use gate::{Gate, GateState, Outcome, gate_from_json, gate_to_json};
+pub use gate::{Gate, GateOutcome, GateState, gate_from_json, gate_to_json};
 pub use language::Language;
 pub use leak::{
     Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget,
@@ -42,6 +42,6 @@ pub use leak::{
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;
 pub use rules::{Rule, RuleAction, RuleCondition, RuleFault, RuleOutcome, outcome};
-pub use statement::{Statement, StatementPart};
+pub use statement::{Statement, StatementPart, disclosure_statement};
 pub use withholding::{StateValue, WithholdCondition};
 pub use working_hours::{ClockTime, Weekday, WorkingHours};

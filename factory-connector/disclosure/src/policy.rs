@@ -1,4 +1,4 @@
-//! The disclosure policy of a field: what the engineer consented to.
+//! Disclosure policy of a field, to which the engineer consents.
 
 use std::time::Duration;
 
@@ -7,11 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{RateLimit, RoundingStep, WindowAggregate, WithholdCondition, WorkingHours};
 
-/// How a field's values are coarsened before they leave. Empty: every change leaves as it is.
+/// Coarsening of a field's values before they are released. Empty: every change is released
+/// unchanged.
 ///
-/// In this order: what comes in a withheld state is dropped, an aggregate is made of each window,
-/// the number is banded or rounded and then cut to its significant digits; the result waits for its
-/// delay, the intervals and rates, the time step and the working hours.
+/// In this order: values in a withheld state are dropped, each window is aggregated, the number is
+/// banded or rounded and then cut to its significant digits; the result waits for its delay, the
+/// intervals and rates, the time step and the working hours.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct DisclosurePolicy {
@@ -23,32 +24,32 @@ pub struct DisclosurePolicy {
     /// all); ascending.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<f64>,
-    /// Numbers have at most so many significant digits, 1 to 15.
+    /// Most significant digits of numbers, 1 to 15.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub significant_digits: Option<u8>,
-    /// One value leaves per window, made of all that held within it.
+    /// One value is released per window, aggregated over it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aggregate: Option<WindowAggregate>,
-    /// At most one value leaves per this many milliseconds; the latest wins.
+    /// Shortest time between two released values, in milliseconds; the latest value wins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_interval_ms: Option<u64>,
-    /// At most so many values leave per period; all of these hold.
+    /// Most released values per period; all of these limits apply.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rate_limits: Vec<RateLimit>,
-    /// Times are rounded down to multiples of this many milliseconds since 1970, and values leave
-    /// on them only.
+    /// Times are rounded down to multiples of this many milliseconds since 1970, and values are
+    /// released only at these times.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_step_ms: Option<u64>,
-    /// Every value leaves this many milliseconds late.
+    /// Delay of every value, in milliseconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_ms: Option<u64>,
-    /// Values leave within these hours only.
+    /// Values are released only within these hours.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_hours: Option<WorkingHours>,
-    /// Values leave within each of these hours only, beside the working hours.
+    /// Values are released only within all of these hours, too.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further_hours: Vec<WorkingHours>,
-    /// Nothing leaves while any of these is met, and what comes meanwhile never leaves.
+    /// No value is released while one of these conditions is met; candidates of that time never are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withhold_while: Vec<WithholdCondition>,
 }
@@ -59,14 +60,13 @@ pub(super) const PERIOD_MS_MAX: u64 = 366 * 86_400_000;
 const SLOT_ROUNDS_MAX: usize = 64;
 
 impl DisclosurePolicy {
-    /// True where nothing is coarsened.
+    /// Returns true when nothing is coarsened.
     #[must_use]
     pub fn is_open(&self) -> bool {
         *self == Self::default()
     }
 
-    /// True where values are coarsened at most: when they leave, and whether, is left to those who
-    /// bring them.
+    /// Returns true when the policy only coarsens values and never delays or withholds them.
     pub(super) fn is_immediate(&self) -> bool {
         self.aggregate.is_none()
             && self.rate_limits.is_empty()
@@ -77,36 +77,36 @@ impl DisclosurePolicy {
                 .all(Duration::is_zero)
     }
 
-    /// The minimum interval, zero without one.
+    /// Returns the minimum interval, zero without one.
     #[must_use]
     pub fn minimum_interval(&self) -> Duration {
         Duration::from_millis(self.minimum_interval_ms.unwrap_or(0))
     }
 
-    /// The time step, zero without one.
+    /// Returns the time step, zero without one.
     #[must_use]
     pub fn time_step(&self) -> Duration {
         Duration::from_millis(self.time_step_ms.unwrap_or(0))
     }
 
-    /// The delay, zero without one.
+    /// Returns the delay, zero without one.
     #[must_use]
     pub fn delay(&self) -> Duration {
         Duration::from_millis(self.delay_ms.unwrap_or(0))
     }
 
-    /// Values leave within certain hours only.
+    /// Returns true when values are released only within certain hours.
     pub(super) const fn has_hours(&self) -> bool {
         self.working_hours.is_some() || !self.further_hours.is_empty()
     }
 
-    /// All hours, within each of which a value must lie to leave.
+    /// Returns all hours; a value is released only within each of them.
     pub(super) fn hours(&self) -> impl Iterator<Item = &WorkingHours> {
         self.working_hours.iter().chain(&self.further_hours)
     }
 
-    /// The first instant from `at` on that is on the time step and within all hours; `None` where
-    /// there is none.
+    /// Returns the first instant from `at` on that is on the time step and within all hours; `None`
+    /// when there is none.
     pub(super) fn first_slot(&self, at: DateTime) -> Option<DateTime> {
         self.first_slot_of(at, self.time_step())
     }
@@ -126,8 +126,8 @@ impl DisclosurePolicy {
         None
     }
 
-    /// Whether a value is in a state in which nothing of its own field leaves; `None` where it does
-    /// not say.
+    /// Returns whether a value is in a withheld state of its own field; `None` when that cannot be
+    /// determined.
     pub(super) fn is_own_state_withheld(&self, value: &DataValue) -> Option<bool> {
         let mut own =
             self.withhold_while.iter().filter(|condition| condition.field.is_none()).peekable();
@@ -137,7 +137,7 @@ impl DisclosurePolicy {
     }
 }
 
-/// Rounded up to a multiple of `step` since 1970; unchanged where the step is zero.
+/// Rounds up to a multiple of `step` since 1970; unchanged when the step is zero.
 fn ceil_to(at: DateTime, step: Duration) -> DateTime {
     let floor = at.floor_to(step);
     if floor == at { at } else { floor.after(step) }

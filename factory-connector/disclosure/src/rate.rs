@@ -1,36 +1,37 @@
-//! At most so many values per period.
+//! Limits on the number of released values per period.
 
 use std::{collections::VecDeque, time::Duration};
 
 use asi_model::DateTime;
 use serde::{Deserialize, Serialize};
 
-/// Most values per period that a limit can allow: as many releases are remembered.
+/// Most values per period that a limit can allow: so many times of releases are stored.
 pub(super) const VALUES_MAX: u32 = 100;
 /// Most limits of one policy.
 pub(super) const LIMITS_MAX: usize = 4;
 
-/// At most so many values leave within any period of this length.
+/// Most values that are released within any period of this length.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,
 )]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RateLimit {
-    /// How many values, 1 to 100.
+    /// Number of values, 1 to 100.
     pub values: u32,
     /// The period in milliseconds.
     pub period_ms: u64,
 }
 
 impl RateLimit {
-    /// When the next value may leave, given when values left, oldest first.
+    /// Returns the time at which the next value may be released, given the times of releases, oldest
+    /// first.
     pub(super) fn next_at(self, released: &VecDeque<DateTime>) -> Option<DateTime> {
-        let place = released.len().checked_sub(usize::try_from(self.values.max(1)).ok()?)?;
-        released.get(place).map(|at| at.after(Duration::from_millis(self.period_ms)))
+        let index = released.len().checked_sub(usize::try_from(self.values.max(1)).ok()?)?;
+        released.get(index).map(|at| at.after(Duration::from_millis(self.period_ms)))
     }
 }
 
-/// Remembers a release for as long as one of the limits needs it.
+/// Records a release for as long as one of the limits needs it.
 pub(super) fn remember(released: &mut VecDeque<DateTime>, limits: &[RateLimit], now: DateTime) {
     let Some(count) = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max() else {
         return released.clear();

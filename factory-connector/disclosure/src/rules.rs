@@ -1,6 +1,6 @@
-//! Standing rules: what the engineer has decided once for a kind of field of certain partners.
+//! Standing rules: decisions that the engineer makes once for a kind of field of certain partners.
 //!
-//! A rule says whether it means a requested field. The connector's state applies what follows.
+//! A rule matches requested fields. The connector's state applies its action.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const ENTRIES_MAX: usize = 100;
 /// Longest reason, unit, semantic or pattern, in characters.
 const TEXT_CHARS_MAX: usize = 400;
 
-/// What a rule does with the fields it means.
+/// Action of a rule for the fields that it matches.
 #[derive(
     Debug,
     Clone,
@@ -34,11 +34,11 @@ const TEXT_CHARS_MAX: usize = 400;
 )]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RuleAction {
-    /// Values flow, in the rule's precision, where a source for them is known.
+    /// Values are disclosed in the rule's precision, when a source for them is known.
     Accept,
-    /// The engineer is offered the rule's precision and decides.
+    /// The rule's precision is offered to the engineer, who decides.
     Prefill,
-    /// No values; the partner is told the rule's reason.
+    /// No values; the partner gets the rule's reason.
     Refuse,
 }
 
@@ -46,39 +46,38 @@ pub enum RuleAction {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Rule {
-    /// What it is called.
+    /// Name for people, 1 to 120 characters.
     pub name: String,
-    /// It is applied to new requests; otherwise it is kept, and can be looked at.
+    /// True when it is applied to new requests.
     #[serde(default)]
     pub is_enabled: bool,
-    /// Which fields it means.
+    /// Selection of fields.
     pub when: RuleCondition,
-    /// What is done with them.
     pub action: RuleAction,
-    /// Where values come from, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping that
-    /// the field had before a change of its request, or that of an equal field of the same
-    /// operation; without one the engineer is asked.
+    /// Source of the values, with `ACCEPT`: `MANUAL`, `EXTERNAL`, or `MAPPING` - the mapping of the
+    /// field before a change of its request, or that of an equal field of the same operation; without
+    /// one the engineer decides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub value_source: Option<ValueSource>,
     /// The precision, with `ACCEPT` and `PREFILL`.
     #[serde(default)]
     pub disclosure: DisclosurePolicy,
-    /// A named policy that holds beside it: the strictest of both.
+    /// A named policy that applies as well: the strictest of both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub policy_id: Option<DocumentId>,
-    /// What the partner is told, with `REFUSE`.
+    /// Reason for the partner, with `REFUSE`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
-/// Which fields a rule means: those that every list names. An empty list names everything.
+/// Selection of fields: those that every list contains. An empty list matches all.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct RuleCondition {
-    /// Organisations. A rule that accepts or pre-fills means requests of which the requester and
-    /// *every* recipient are among them; a rule that refuses, requests of which any is.
+    /// Organisations. A rule that accepts or pre-fills matches requests of which the requester and
+    /// *every* recipient are listed; a rule that refuses, requests of which any is.
     #[schema(value_type = Vec<String>)]
     pub partners: Vec<OrganisationId>,
     /// Built-in types by name.
@@ -87,32 +86,33 @@ pub struct RuleCondition {
     pub semantics: Vec<String>,
     /// Units as requested.
     pub units: Vec<String>,
-    /// The field's name, where `*` stands for anything; upper and lower case are alike.
+    /// Pattern of the field's name, in which `*` matches any text; case does not matter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name_pattern: Option<String>,
 }
 
-/// What is wrong with a rule.
+/// Fault of a rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RuleFault {
     /// JSON pointer into the rule.
     pub pointer: String,
-    /// What is wrong and what to do.
+    /// The fault and its remedy.
     pub message: String,
 }
 
 impl Rule {
-    /// Whether a requested field is meant.
+    /// Returns whether the rule matches a requested field.
     #[must_use]
-    pub fn means(&self, request: &DynamicDataRequest, field: &ReportField) -> bool {
+    pub fn matches(&self, request: &DynamicDataRequest, field: &ReportField) -> bool {
         let when = &self.when;
         let is_listed = |organisation: &OrganisationId| when.partners.contains(organisation);
-        let mut asking = std::iter::once(&request.requester_id).chain(&request.recipient_list);
+        let mut organisations =
+            std::iter::once(&request.requester_id).chain(&request.recipient_list);
         let is_partner = when.partners.is_empty()
             || if self.action == RuleAction::Refuse {
-                asking.any(is_listed)
+                organisations.any(is_listed)
             } else {
-                asking.all(is_listed)
+                organisations.all(is_listed)
             };
         let names = |list: &[String], found: Option<&str>| {
             list.is_empty() || found.is_some_and(|found| list.iter().any(|entry| entry == found))
@@ -121,10 +121,13 @@ impl Rule {
             && names(&when.data_types, Some(field.field_type.0.name()))
             && names(&when.semantics, field.semantic.as_ref().map(|semantic| semantic.as_str()))
             && names(&when.units, field.unit.as_deref())
-            && when.name_pattern.as_deref().is_none_or(|pattern| is_like(&field.name, pattern))
+            && when
+                .name_pattern
+                .as_deref()
+                .is_none_or(|pattern| matches_pattern(&field.name, pattern))
     }
 
-    /// Everything that is wrong with the rule.
+    /// Returns all faults of the rule.
     #[must_use]
     pub fn faults(&self) -> Vec<RuleFault> {
         let mut faults = Vec::new();
@@ -177,8 +180,8 @@ impl Rule {
     }
 }
 
-/// Whether a name is like a pattern in which `*` stands for anything. Linear in both.
-fn is_like(name: &FieldName, pattern: &str) -> bool {
+/// Returns whether a name matches a pattern in which `*` matches any text. Linear in both.
+fn matches_pattern(name: &FieldName, pattern: &str) -> bool {
     let (name, pattern) = (name.as_str().to_ascii_lowercase(), pattern.to_ascii_lowercase());
     let mut parts = pattern.split('*');
     let Some(first) = parts.next() else { return false };
@@ -186,44 +189,42 @@ fn is_like(name: &FieldName, pattern: &str) -> bool {
     let parts: Vec<&str> = parts.collect();
     let Some((last, middle)) = parts.split_last() else { return rest.is_empty() };
     for part in middle {
-        let Some(place) = rest.find(part) else { return false };
-        rest = &rest[place + part.len()..];
+        let Some(index) = rest.find(part) else { return false };
+        rest = &rest[index + part.len()..];
     }
     rest.ends_with(last)
 }
 
-/// What the rules that mean a field come to. The most cautious action wins, and of those that let
-/// values flow the strictest precision holds.
+/// Combined result of the rules that match a field: the most cautious action, and the strictest
+/// precision of the rules that disclose values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RuleOutcome<'r, K> {
-    /// What is done.
     pub action: RuleAction,
-    /// The rules of this action, first the one that gives reason and source.
+    /// The rules of this action. The first one determines reason and source.
     pub rules: Vec<(&'r K, &'r Rule)>,
-    /// The precision.
     pub disclosure: Arc<DisclosurePolicy>,
 }
 
-/// Asks the rules about a field, in their order; `named` yields named policies.
+/// Applies rules to a field, in their order; `named` returns named policies.
 pub fn outcome<'r, K: 'r>(
     rules: impl Iterator<Item = (&'r K, &'r Rule)>,
     named: impl Fn(&DocumentId) -> Option<DisclosurePolicy>,
     request: &DynamicDataRequest,
     field: &ReportField,
 ) -> Option<RuleOutcome<'r, K>> {
-    let mut meant: Vec<(&K, &Rule)> =
-        rules.filter(|(_, rule)| rule.means(request, field)).collect();
-    let action = meant.iter().map(|(_, rule)| rule.action).max()?;
+    let mut matching: Vec<(&K, &Rule)> =
+        rules.filter(|(_, rule)| rule.matches(request, field)).collect();
+    let action = matching.iter().map(|(_, rule)| rule.action).max()?;
     let mut disclosure = DisclosurePolicy::default();
-    for (_, rule) in meant.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse) {
+    for (_, rule) in matching.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse) {
         disclosure = disclosure.strictest(&rule.disclosure);
         if let Some(policy) = rule.policy_id.as_ref().and_then(&named) {
             disclosure = disclosure.strictest(&policy);
         }
     }
-    meant.retain(|(_, rule)| rule.action == action);
+    matching.retain(|(_, rule)| rule.action == action);
     let disclosure = Arc::new(disclosure.fitted_to(field.field_type.0, field.value_rank >= 0));
-    Some(RuleOutcome { action, rules: meant, disclosure })
+    Some(RuleOutcome { action, rules: matching, disclosure })
 }
 
 impl From<PolicyFault> for RuleFault {
@@ -255,13 +256,13 @@ mod tests {
     }
 
     #[test]
-    fn a_rule_means_what_all_its_lists_name() {
+    fn a_rule_matches_fields_that_all_its_lists_contain() {
         let field: ReportField =
             serde_json::from_value(json!({ "name": "spindle_Temp", "type": 11, "unit": "CEL" }))
                 .expect("a field");
         let check = |action: &str, when: serde_json::Value, recipients: &[&str], expected: bool| {
             assert_eq!(
-                rule(action, when.clone()).means(&request(recipients), &field),
+                rule(action, when.clone()).matches(&request(recipients), &field),
                 expected,
                 "{action} {when}"
             );
@@ -291,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn the_most_cautious_rule_wins_and_the_strictest_precision_holds() {
+    fn the_most_cautious_rule_wins_and_the_strictest_precision_applies() {
         let field: ReportField =
             serde_json::from_value(json!({ "name": "made", "type": 9 })).expect("a field");
         let mut rules = [
@@ -314,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_are_told_at_once() {
+    fn all_faults_are_returned_at_once() {
         let mut rule = rule("ACCEPT", json!({ "dataTypes": ["Integer"] }));
         rule.name = " ".to_owned();
         rule.value_source = None;

@@ -1,102 +1,38 @@
-//! What the partner is told about the precision it gets.
+//! Statement of a policy: the precision as published to the partner.
 
+mod part;
 mod words;
 
 use asi_model::messages::{AggregateStatement, DisclosureStatement, RateStatement};
 use serde::Serialize;
 
+pub use part::StatementPart;
 pub(super) use words::describe_period;
 use words::sentence;
 
-use super::{
-    AggregateFunction, DisclosurePolicy, Language, RateLimit, RoundingStep, WindowAggregate,
-    WorkingHours,
-};
+use super::{DisclosurePolicy, Language, WorkingHours};
 
-/// A part of a policy as the partner is told it: a code with its parameters, for who says it in
-/// another language.
-#[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
-#[serde(tag = "code", rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum StatementPart {
-    /// Every change, as it is: the only part of an open policy.
-    Unchanged,
-    /// One value per window.
-    Aggregated {
-        /// What is made of a window's values.
-        function: AggregateFunction,
-        /// Its length in milliseconds.
-        #[serde(rename = "windowMs")]
-        window_ms: u64,
-    },
-    /// The nearest multiple of a step.
-    Rounded {
-        /// The step.
-        #[schema(value_type = f64)]
-        step: RoundingStep,
-        /// The field's unit.
-        unit: Option<String>,
-    },
-    /// The greatest bound not above the value.
-    Banded {
-        /// The bounds, ascending.
-        bounds: Vec<f64>,
-        /// The field's unit.
-        unit: Option<String>,
-    },
-    /// Few significant digits.
-    Digits {
-        /// How many.
-        digits: u8,
-    },
-    /// At most one value per interval.
-    Interval {
-        /// The interval in milliseconds.
-        #[serde(rename = "periodMs")]
-        period_ms: u64,
-    },
-    /// At most so many values per period.
-    Rate {
-        /// How many.
-        values: u32,
-        /// The period in milliseconds.
-        #[serde(rename = "periodMs")]
-        period_ms: u64,
-    },
-    /// Times in steps.
-    TimeStep {
-        /// The step in milliseconds.
-        #[serde(rename = "periodMs")]
-        period_ms: u64,
-    },
-    /// Late.
-    Delayed {
-        /// By so many milliseconds.
-        #[serde(rename = "periodMs")]
-        period_ms: u64,
-    },
-    /// Within certain hours only.
-    Hours {
-        /// The hours.
-        hours: WorkingHours,
-    },
-    /// Nothing in certain states. Which these are is the plant's business.
-    Withheld,
-}
-
-/// A precision as the partner is told it.
+/// A precision as published to the partner.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Statement {
-    /// In words: the English sentence that the partner gets.
+    /// The English sentence that the partner gets.
     pub statement: String,
     /// The same as codes with parameters.
     pub statement_parts: Vec<StatementPart>,
 }
 
 impl Statement {
-    /// In words of a language.
+    /// Describes a policy; `unit` is the field's.
     #[must_use]
-    pub fn said_in(&self, language: Language) -> String {
+    pub fn of(policy: &DisclosurePolicy, unit: Option<&str>) -> Self {
+        let parts = StatementPart::all_of(policy, unit);
+        Self { statement: sentence(&parts, Language::En), statement_parts: parts }
+    }
+
+    /// Returns the sentence in a language.
+    #[must_use]
+    pub fn in_language(&self, language: Language) -> String {
         match language {
             Language::En => self.statement.clone(),
             Language::De => sentence(&self.statement_parts, language),
@@ -104,72 +40,28 @@ impl Statement {
     }
 }
 
-impl DisclosurePolicy {
-    /// What the partner is told about its precision.
-    #[must_use]
-    pub fn statement(&self, unit: Option<&str>) -> DisclosureStatement {
-        DisclosureStatement {
-            description: sentence(&self.parts(unit), Language::En),
-            rounding_step: self.rounding_step.map(|step| step.decimal().to_f64()),
-            significant_digits: self.significant_digits,
-            aggregate: self.aggregate.map(|aggregate| AggregateStatement {
-                function: aggregate.function.describe().to_owned(),
-                window_ms: aggregate.window_ms,
-            }),
-            minimum_interval_ms: self.minimum_interval_ms,
-            rate_limit_list: self
-                .rate_limits
-                .iter()
-                .map(|limit| RateStatement { values: limit.values, period_ms: limit.period_ms })
-                .collect(),
-            time_step_ms: self.time_step_ms,
-            delay_ms: self.delay_ms,
-            band_list: self.bands.clone(),
-            hours_list: self.hours().map(WorkingHours::statement).collect(),
-            is_withheld_in_states: !self.withhold_while.is_empty(),
-        }
-    }
-
-    /// The same for pages.
-    #[must_use]
-    pub fn told(&self, unit: Option<&str>) -> Statement {
-        let parts = self.parts(unit);
-        Statement { statement: sentence(&parts, Language::En), statement_parts: parts }
-    }
-
-    /// The same as codes with parameters.
-    #[must_use]
-    pub fn parts(&self, unit: Option<&str>) -> Vec<StatementPart> {
-        let unit = || unit.map(str::to_owned);
-        let mut parts = Vec::new();
-        let aggregated = |of: WindowAggregate| StatementPart::Aggregated {
-            function: of.function,
-            window_ms: of.window_ms,
-        };
-        parts.extend(self.aggregate.map(aggregated));
-        parts.extend(self.rounding_step.map(|step| StatementPart::Rounded { step, unit: unit() }));
-        if !self.bands.is_empty() {
-            parts.push(StatementPart::Banded { bounds: self.bands.clone(), unit: unit() });
-        }
-        parts.extend(self.significant_digits.map(|digits| StatementPart::Digits { digits }));
-        parts.extend(
-            self.minimum_interval_ms.map(|period_ms| StatementPart::Interval { period_ms }),
-        );
-        let rate = |limit: &RateLimit| StatementPart::Rate {
-            values: limit.values,
-            period_ms: limit.period_ms,
-        };
-        parts.extend(self.rate_limits.iter().map(rate));
-        parts.extend(self.time_step_ms.map(|period_ms| StatementPart::TimeStep { period_ms }));
-        parts.extend(self.delay_ms.map(|period_ms| StatementPart::Delayed { period_ms }));
-        parts.extend(self.hours().map(|hours| StatementPart::Hours { hours: hours.clone() }));
-        if !self.withhold_while.is_empty() {
-            parts.push(StatementPart::Withheld);
-        }
-        if parts.is_empty() {
-            parts.push(StatementPart::Unchanged);
-        }
-        parts
+/// Returns the statement of a policy for the message to the partner.
+#[must_use]
+pub fn disclosure_statement(policy: &DisclosurePolicy, unit: Option<&str>) -> DisclosureStatement {
+    DisclosureStatement {
+        description: sentence(&StatementPart::all_of(policy, unit), Language::En),
+        rounding_step: policy.rounding_step.map(|step| step.decimal().to_f64()),
+        significant_digits: policy.significant_digits,
+        aggregate: policy.aggregate.map(|aggregate| AggregateStatement {
+            function: aggregate.function.describe().to_owned(),
+            window_ms: aggregate.window_ms,
+        }),
+        minimum_interval_ms: policy.minimum_interval_ms,
+        rate_limit_list: policy
+            .rate_limits
+            .iter()
+            .map(|limit| RateStatement { values: limit.values, period_ms: limit.period_ms })
+            .collect(),
+        time_step_ms: policy.time_step_ms,
+        delay_ms: policy.delay_ms,
+        band_list: policy.bands.clone(),
+        hours_list: policy.hours().map(WorkingHours::statement).collect(),
+        is_withheld_in_states: !policy.withhold_while.is_empty(),
     }
 }
 
@@ -178,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_what_the_partner_gets() {
+    fn a_statement_describes_the_precision() {
         for (json, unit, text) in [
             ("{}", None, "Every change, as it is."),
             (
@@ -204,22 +96,22 @@ mod tests {
             ),
         ] {
             let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");
-            assert_eq!(policy.statement(unit).description, text);
+            assert_eq!(disclosure_statement(&policy, unit).description, text);
             assert_eq!(serde_json::to_string(&policy).expect("serialises"), json);
         }
     }
 
     #[test]
-    fn the_same_is_said_as_codes_and_in_german() {
+    fn a_statement_has_codes_and_a_german_text() {
         let policy: DisclosurePolicy = serde_json::from_str(
             r#"{"roundingStep":10,"bands":[0.5,50.0],"significantDigits":2,"aggregate":{"function":"MEAN","windowMs":3600000},
             "minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}],"timeStepMs":1000,"delayMs":5,
             "workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"},"withholdWhile":[{"states":["SETUP"]}]}"#,
         )
         .expect("a policy");
-        let told = policy.told(Some("PIECE"));
-        let statement = policy.statement(Some("PIECE"));
-        assert_eq!(told.statement, statement.description);
+        let stated = Statement::of(&policy, Some("PIECE"));
+        let statement = disclosure_statement(&policy, Some("PIECE"));
+        assert_eq!(stated.statement, statement.description);
         let hours = &statement.hours_list[0];
         assert_eq!(
             (&hours.day_list[0][..], &hours.from[..], &hours.until[..]),
@@ -227,12 +119,12 @@ mod tests {
         );
         assert_eq!((statement.band_list, statement.is_withheld_in_states), (vec![0.5, 50.0], true));
         assert_eq!(
-            told.said_in(Language::De),
+            stated.in_language(Language::De),
             "Ein Wert je 1 h: zeitlicher Mittelwert; gerundet auf Vielfache von 10 PIECE; in Bändern ab 0,5; 50 PIECE; mit 2 \
              gültigen Ziffern; höchstens einmal je 1 min; höchstens 3 Werte je 1 h; Zeiten in Schritten von 1 s; 5 ms \
              später; nur Mo von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten."
         );
-        let parts = serde_json::to_value(&told.statement_parts).expect("serialises");
+        let parts = serde_json::to_value(&stated.statement_parts).expect("serialises");
         let expected = serde_json::json!([
             { "code": "AGGREGATED", "function": "MEAN", "windowMs": 3_600_000 },
             { "code": "ROUNDED", "step": 10, "unit": "PIECE" },
@@ -246,6 +138,9 @@ mod tests {
             { "code": "WITHHELD" },
         ]);
         assert_eq!(parts, expected);
-        assert_eq!(DisclosurePolicy::default().parts(None), [StatementPart::Unchanged]);
+        assert_eq!(
+            StatementPart::all_of(&DisclosurePolicy::default(), None),
+            [StatementPart::Unchanged]
+        );
     }
 }

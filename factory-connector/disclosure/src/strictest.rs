@@ -1,7 +1,7 @@
-//! The strictest of several policies, and a policy fitted to a field.
+//! Strictest of several policies, and adaptation of a policy to a field.
 //!
-//! All recipients of a request get the same values, so that where policies differ the strictest
-//! holds in each dimension: what leaves is never finer, faster or earlier than any of them allows.
+//! All recipients of a request get the same values. If their policies differ, the strictest applies
+//! in each dimension: a released value is never finer, faster or earlier than any of them allows.
 
 use asi_model::BuiltInType;
 
@@ -11,12 +11,12 @@ use super::{
 };
 
 impl DisclosurePolicy {
-    /// The strictest of two policies, dimension by dimension.
+    /// Combines two policies to the strictest, dimension by dimension.
     ///
-    /// Of steps, intervals, windows and delays the longer holds, of digits the fewer; limits on the
-    /// rate, hours and withheld states hold together. Of two lists of bands the common bounds
-    /// remain; beside a rounding step the bands that are at least as wide. Where windows are alike
-    /// and functions differ, the function that tells least of a single value holds.
+    /// The longer of two steps, intervals, windows and delays applies, and the smaller number of
+    /// digits; all rate limits, hours and withheld states apply. Of two lists of bands the common
+    /// bounds remain; beside a rounding step the bands that are at least as wide. Of two aggregates
+    /// with the same window, the function that reveals less of a single value applies.
     #[must_use]
     pub fn strictest(&self, other: &Self) -> Self {
         let (bands, rounding_step) = strictest_values(self, other);
@@ -52,9 +52,8 @@ impl DisclosurePolicy {
         }
     }
 
-    /// What of this policy applies to a field of this type: a policy for many kinds of fields
-    /// leaves out what a kind cannot have, and whole numbers get steps and bounds that are at least
-    /// as coarse.
+    /// Adapts this policy to a field of this type: parts that the type cannot have are removed, and
+    /// whole numbers get steps and bounds that are at least as coarse.
     #[must_use]
     pub fn fitted_to(&self, field_type: BuiltInType, is_array: bool) -> Self {
         let mut fitted = self.clone();
@@ -69,8 +68,8 @@ impl DisclosurePolicy {
             fitted.bands.dedup();
         }
         if is_array || !field_type.is_numeric() {
-            // A single value out of the window tells no more than its aggregate in time, only in
-            // value; there is no aggregate of these values, so that the time is what can be kept.
+            // These values have no aggregate. A single value of the window reveals more of the
+            // value, but no more of the time.
             let last =
                 |aggregate| WindowAggregate { function: AggregateFunction::Last, ..aggregate };
             fitted.aggregate = self.aggregate.map(last);
@@ -79,7 +78,7 @@ impl DisclosurePolicy {
     }
 }
 
-/// The next whole number from a step on; none is needed where the step is not above one.
+/// Returns the next whole number from a step on; none when the step is at most one.
 fn whole_step(step: RoundingStep) -> Option<RoundingStep> {
     let whole = step.to_integer().unwrap_or_else(|| {
         let fraction = step.decimal().to_f64().ceil();
@@ -109,18 +108,18 @@ fn strictest_values(
         (left, right) => {
             let common: Vec<f64> =
                 left.iter().filter(|bound| right.contains(bound)).copied().collect();
-            // No common bound: one band for everything.
+            // No common bound: one band for all values.
             if common.is_empty() { left[..1].to_vec() } else { common }
         }
     };
     let width = step.map_or(0.0, |step| step.decimal().to_f64());
-    let mut kept: Vec<f64> = Vec::with_capacity(bands.len());
+    let mut remaining: Vec<f64> = Vec::with_capacity(bands.len());
     for bound in bands {
-        if kept.last().is_none_or(|last| bound - last >= width) {
-            kept.push(bound);
+        if remaining.last().is_none_or(|last| bound - last >= width) {
+            remaining.push(bound);
         }
     }
-    (kept, None)
+    (remaining, None)
 }
 
 fn strictest_aggregate(
@@ -131,17 +130,17 @@ fn strictest_aggregate(
     [left, right].into_iter().flatten().max_by_key(order)
 }
 
-/// All limits hold, but for those that another one implies.
+/// Returns all limits except those that another one implies.
 fn strictest_rates(left: &[RateLimit], right: &[RateLimit]) -> Vec<RateLimit> {
     let all: Vec<RateLimit> = left.iter().chain(right).copied().collect();
     let implies = |by: &RateLimit, limit: &RateLimit| {
         by != limit && by.values <= limit.values && by.period_ms >= limit.period_ms
     };
-    let mut kept: Vec<RateLimit> =
+    let mut remaining: Vec<RateLimit> =
         all.iter().filter(|limit| !all.iter().any(|by| implies(by, limit))).copied().collect();
-    kept.sort_unstable();
-    kept.dedup();
-    kept
+    remaining.sort_unstable();
+    remaining.dedup();
+    remaining
 }
 
 #[cfg(test)]
@@ -151,7 +150,7 @@ mod tests {
 
     use super::{super::coarsening::coarsen, *};
 
-    /// The numbers that are tried.
+    /// The tested numbers.
     fn range() -> std::ops::RangeInclusive<i64> {
         -260..=260
     }
@@ -178,8 +177,8 @@ mod tests {
         coarse.value.value.as_scalar().and_then(Scalar::as_i128).expect("an integer")
     }
 
-    /// What a value is known to lie between, by all that is shown, for values that are not at the
-    /// range's ends.
+    /// Returns each shown value with the number of values that it stands for, without the ends of
+    /// the range.
     fn widths(policy: &DisclosurePolicy) -> Vec<(i128, i64)> {
         let mut widths: Vec<(i128, i64)> = Vec::new();
         for value in range() {
@@ -205,9 +204,9 @@ mod tests {
             for policy in [&left, &right] {
                 if let Some(step) = policy.rounding_step.and_then(RoundingStep::to_integer) {
                     for (shown, width) in widths(&both) {
-                        // Ties are rounded away from zero: of its two ends, zero has neither.
+                        // Ties are rounded away from zero, so zero contains neither of its two ends.
                         let width = width + i64::from(shown == 0);
-                        prop_assert!(i128::from(width) >= step, "{shown} says {width} wide, {step} is allowed");
+                        prop_assert!(i128::from(width) >= step, "{shown} stands for {width} values, {step} is allowed");
                     }
                 }
                 if let Some(digits) = policy.significant_digits {
@@ -226,7 +225,7 @@ mod tests {
         #[test]
         fn the_order_does_not_matter(left in value_policies(), right in value_policies()) {
             let (both, other) = (left.strictest(&right), right.strictest(&left));
-            // Without a common bound one band remains, whose single value says nothing.
+            // Without a common bound one band remains, whose single value has no information.
             if both.bands.len() != 1 {
                 prop_assert_eq!(&both, &other);
             }
@@ -236,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn times_and_rates_hold_together() {
+    fn times_and_rates_are_combined() {
         let check = |left: &str, right: &str, both: &str| {
             let parse =
                 |json: &str| serde_json::from_str::<DisclosurePolicy>(json).expect("a policy");

@@ -1,4 +1,4 @@
-//! States in which nothing leaves.
+//! States in which values are withheld.
 
 use asi_model::{DataValue, FieldName, Scalar, Variant};
 use serde::{Deserialize, Serialize};
@@ -10,13 +10,13 @@ pub(super) const CONDITIONS_MAX: usize = 8;
 /// Longest text of a state, in characters.
 pub(super) const STATE_CHARS_MAX: usize = 256;
 
-/// While a value is in one of these states nothing of the field leaves, and what comes meanwhile
-/// never leaves.
+/// Condition that withholds a field: while a value is in one of these states, no value of the field
+/// is released, and candidates of that time never are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct WithholdCondition {
-    /// Another field of the same request; the field's own value without it. While the other field's
-    /// state is not known the condition counts as met.
+    /// Another field of the same request; absent for the field's own value. While the other field's
+    /// state is not known, the condition counts as met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>)]
     pub field: Option<FieldName>,
@@ -24,7 +24,7 @@ pub struct WithholdCondition {
     pub states: Vec<StateValue>,
 }
 
-/// A state as a plain value.
+/// A state as a JSON value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(untagged)]
 pub enum StateValue {
@@ -39,8 +39,7 @@ pub enum StateValue {
 }
 
 impl WithholdCondition {
-    /// Whether a value is in one of the states; `None` where that is not known since there is no
-    /// usable value.
+    /// Returns whether a value is in one of the states; `None` when the value is Bad or null.
     #[must_use]
     pub fn is_met_by(&self, value: &DataValue) -> Option<bool> {
         if value.status.is_bad() {

@@ -1,4 +1,4 @@
-//! Working hours: when values may leave at all.
+//! Working hours, in which values may be released.
 
 use std::{fmt, str::FromStr, time::Duration};
 
@@ -20,7 +20,7 @@ pub enum Weekday {
 }
 
 impl Weekday {
-    /// As messages name it.
+    /// Returns its name in messages.
     #[must_use]
     pub const fn code(self) -> &'static str {
         match self {
@@ -40,7 +40,7 @@ impl Weekday {
 pub struct ClockTime(u16);
 
 impl ClockTime {
-    /// Minutes since midnight, 0 to 1440.
+    /// Returns the minutes since midnight, 0 to 1440.
     #[must_use]
     pub const fn minutes(self) -> u16 {
         self.0
@@ -82,20 +82,19 @@ impl<'de> Deserialize<'de> for ClockTime {
     }
 }
 
-/// The hours in which values may leave; what changes outside of them leaves, newest only, when they
-/// begin.
+/// Hours in which values may be released. Of changes outside of them, the newest is released when
+/// they begin.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct WorkingHours {
-    /// The days.
     pub days: Vec<Weekday>,
     /// The first minute, `HH:MM`.
     #[schema(value_type = String, example = "06:00")]
     pub from: ClockTime,
-    /// The first minute no more, `HH:MM`; later than `from`.
+    /// The first minute after them, `HH:MM`; later than `from`.
     #[schema(value_type = String, example = "22:00")]
     pub until: ClockTime,
-    /// How far the plant's clock is ahead of UTC, in minutes.
+    /// Offset of the plant's clock from UTC, in minutes; positive to the east.
     #[serde(default)]
     pub utc_offset_minutes: i16,
 }
@@ -113,8 +112,7 @@ const MILLIS_PER_MINUTE: i64 = 60_000;
 const MILLIS_PER_DAY: i64 = 86_400_000;
 
 impl WorkingHours {
-    /// The first instant from `at` on that lies within the hours; `None` if there is none in a
-    /// week.
+    /// Returns the first instant from `at` on within the hours; `None` if there is none in a week.
     #[must_use]
     pub fn first_open(&self, at: DateTime) -> Option<DateTime> {
         let offset = i64::from(self.utc_offset_minutes) * MILLIS_PER_MINUTE;
@@ -147,7 +145,7 @@ impl WorkingHours {
         format!("only {} from {} until {}", days.join(", "), self.from, self.until)
     }
 
-    /// The same as members of a message.
+    /// Returns the same as members of a message.
     #[must_use]
     pub fn statement(&self) -> HoursStatement {
         HoursStatement {
@@ -158,7 +156,7 @@ impl WorkingHours {
         }
     }
 
-    /// The longest time the hours can hold a value back.
+    /// Returns the longest time for which hours can withhold a value.
     #[must_use]
     pub const fn longest_pause() -> Duration {
         Duration::from_secs(7 * 86_400)

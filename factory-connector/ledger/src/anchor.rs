@@ -1,28 +1,27 @@
-//! What stands in the place of entries that retention removed.
+//! Anchor of a chain, in place of entries that retention removed.
 
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use serde::{Deserialize, Serialize};
 
-/// A signed statement about the beginning of a chain: it goes on from here.
+/// Signed statement about the beginning of a chain, from which it continues.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Anchor {
-    /// Whose ledger.
     pub factory_id: FactoryId,
-    /// Whose chain.
+    /// Organisation of the chain.
     pub recipient: OrganisationId,
-    /// The number of the last entry that was removed.
+    /// Number of the last entry that was removed.
     pub number: u64,
-    /// Its hash, hexadecimal: the first entry that is left follows it.
+    /// Hash of that entry, hexadecimal; the first remaining entry follows it.
     pub hash: String,
-    /// When the last entry that was removed had been recorded.
+    /// Time at which that entry had been recorded.
     pub last_entry_at: DateTime,
-    /// When they were removed.
+    /// Time of the removal.
     pub recorded_at: DateTime,
 }
 
 impl Anchor {
-    /// The text that is signed and stored.
+    /// Returns the text that is signed and stored.
     #[must_use]
     pub fn canonical(&self) -> String {
         serde_json::to_string(self).expect("an anchor has text keys only")

@@ -1,16 +1,16 @@
-//! The chains' heads: where the next entry goes and what it follows.
+//! Heads of the chains, to which entries are appended.
 
 use std::collections::BTreeMap;
 
 use asi_model::{DateTime, OrganisationId};
 use sha2::{Digest, Sha256};
 
-use super::{Entry, Event, Hash};
+use super::{Event, Hash, LedgerEntry};
 
-/// Sets our hashes apart from any other use of SHA-256.
+/// Domain separator: these hashes differ from any other use of SHA-256.
 const DOMAIN: &[u8] = b"verbund ledger 1";
 
-/// The hash of an entry: over the hash of the one before and the entry's canonical text.
+/// Computes the hash of an entry over the hash of the one before and the entry's canonical text.
 #[must_use]
 pub fn chain_hash(previous: &Hash, content: &str) -> Hash {
     let mut hasher = Sha256::new();
@@ -23,24 +23,22 @@ pub fn chain_hash(previous: &Hash, content: &str) -> Hash {
 /// The last entry of a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Head {
-    /// Its number; 0 for an empty chain.
+    /// Number of the entry; 0 for an empty chain.
     pub number: u64,
-    /// Its hash; zeros for an empty chain.
+    /// Hash of the entry; zeros for an empty chain.
     pub hash: Hash,
 }
 
-/// An entry in its place, ready to be stored.
+/// An entry that was appended to its chain and is to be stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LinkedEntry {
-    /// Whose chain.
+    /// Organisation of the chain.
     pub recipient: OrganisationId,
-    /// Its place.
+    /// Number in the chain, from 1.
     pub number: u64,
-    /// When it was recorded.
     pub recorded_at: DateTime,
-    /// The hashed text.
+    /// The canonical text that is hashed.
     pub content: String,
-    /// Its hash.
     pub hash: Hash,
 }
 
@@ -49,13 +47,13 @@ pub struct LinkedEntry {
 pub struct Heads(BTreeMap<OrganisationId, Head>);
 
 impl Heads {
-    /// The heads as stored.
+    /// Creates the heads from stored ones.
     #[must_use]
     pub fn new(heads: impl IntoIterator<Item = (OrganisationId, Head)>) -> Self {
         Self(heads.into_iter().collect())
     }
 
-    /// Every chain with its head.
+    /// Returns all chains with their heads.
     pub fn iter(&self) -> impl Iterator<Item = (&OrganisationId, &Head)> {
         self.0.iter()
     }
@@ -70,7 +68,7 @@ impl Heads {
         let head = self.0.entry(recipient.clone()).or_default();
         let number = head.number + 1;
         let content =
-            Entry { recipient: recipient.clone(), number, recorded_at, event }.canonical();
+            LedgerEntry { recipient: recipient.clone(), number, recorded_at, event }.canonical();
         let hash = chain_hash(&head.hash, &content);
         *head = Head { number, hash };
         LinkedEntry { recipient: recipient.clone(), number, recorded_at, content, hash }

@@ -1,21 +1,18 @@
-//! Signed statements of all heads, so that not even the newest entries can be cut off unnoticed.
+//! Checkpoints: signed statements of all heads, which reveal the removal of the newest entries.
 
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use serde::{Deserialize, Serialize};
 
 use super::Heads;
 
-/// What a checkpoint states.
+/// Content of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Checkpoint {
-    /// Whose ledger.
     pub factory_id: FactoryId,
-    /// Its place, from 1 without gaps.
+    /// Number of the checkpoint, from 1 without gaps.
     pub number: u64,
-    /// When.
     pub recorded_at: DateTime,
-    /// The heads of all chains.
     pub heads: Vec<CheckpointHead>,
 }
 
@@ -23,17 +20,17 @@ pub struct Checkpoint {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CheckpointHead {
-    /// Whose chain.
+    /// Organisation of the chain.
     #[schema(value_type = String)]
     pub recipient: OrganisationId,
-    /// The number of its last entry.
+    /// Number of its last entry.
     pub number: u64,
-    /// The hash of its last entry, hexadecimal.
+    /// Hash of its last entry, hexadecimal.
     pub hash: String,
 }
 
 impl Checkpoint {
-    /// A checkpoint over the heads as they stand.
+    /// Creates a checkpoint over the present heads.
     #[must_use]
     pub fn new(factory_id: FactoryId, number: u64, recorded_at: DateTime, heads: &Heads) -> Self {
         let heads = heads.iter().map(|(recipient, head)| CheckpointHead {
@@ -44,7 +41,7 @@ impl Checkpoint {
         Self { factory_id, number, recorded_at, heads: heads.collect() }
     }
 
-    /// The text that is signed and stored.
+    /// Returns the text that is signed and stored.
     #[must_use]
     pub fn canonical(&self) -> String {
         serde_json::to_string(self).expect("a checkpoint has text keys only")

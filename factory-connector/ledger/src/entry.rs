@@ -1,4 +1,4 @@
-//! What the ledger records.
+//! Entries of the ledger and the events that they record.
 
 use std::collections::BTreeMap;
 
@@ -13,86 +13,76 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SequenceRange {
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch.
     pub epoch: u32,
-    /// The first.
     pub first_sequence: u32,
-    /// The last.
     pub last_sequence: u32,
 }
 
-/// What happened.
+/// Event that an entry records.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "SCREAMING_SNAKE_CASE", rename_all_fields = "camelCase")]
 #[expect(clippy::large_enum_variant, reason = "one at a time, moved once")]
 pub enum Event {
     /// The engineer decided about a field.
     Consent {
-        /// Which.
         field: FieldKey,
-        /// Counts the consents of the field.
+        /// Number of the consent of the field, from 1.
         version: u32,
-        /// The decision.
         mapping_state: MappingState,
-        /// Where values come from.
+        /// Source of the values; none for a refusal.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         value_source: Option<ValueSource>,
-        /// How they are coarsened.
         policy: DisclosurePolicy,
-        /// Who decided.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         decided_by: Option<String>,
-        /// The rules and named policies on whose grounds it was decided.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        grounds: Option<DecisionBasis>,
+        /// The rules and named policies that the decision is based on.
+        #[serde(rename = "grounds", default, skip_serializing_if = "Option::is_none")]
+        basis: Option<DecisionBasis>,
     },
-    /// A DataSetMessage was committed to the spool: from here on it will leave.
+    /// A DataSetMessage was committed to the spool and will be sent.
     Queued {
-        /// Which; first and last are the same.
+        /// The DataSetMessage; first and last sequence number are the same.
         #[serde(flatten)]
         range: SequenceRange,
         /// Root over the salted hashes of its members, hexadecimal.
         values: String,
-        /// Under which consent each field left.
+        /// The consent of each field, by its number.
         consents: BTreeMap<FieldName, u32>,
     },
-    /// The broker accepted them.
+    /// The broker accepted these DataSetMessages.
     Sent {
-        /// Which.
         #[serde(flatten)]
         range: SequenceRange,
-        /// The NetworkMessage they left in.
+        /// The NetworkMessage that contained them.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         message_id: Option<MessageId>,
     },
-    /// The platform holds them.
+    /// The platform has stored them.
     Receipted(SequenceRange),
-    /// The spool was full and only newer values were kept.
+    /// They were dropped for newer values, because the spool was full.
     Coalesced(SequenceRange),
     /// They became too old before they could be sent.
     Expired(SequenceRange),
-    /// They were taken back because the consent or the request ended; those not sent never left.
+    /// They were withdrawn because the consent or the request ended; those not sent never will be.
     Purged(SequenceRange),
-    /// A consent ended; the receipt with this id says which.
+    /// A consent ended, as the receipt with this id states.
     Revoked {
-        /// The receipt.
         revocation_id: String,
-        /// The writer that the fields left with.
+        /// The writer of the fields' reports.
         data_set_writer_id: u16,
-        /// Its epoch up to then.
+        /// The writer's epoch until then.
         epoch: u32,
-        /// The last number that the broker accepted.
+        /// The last sequence number that the broker accepted.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         last_sent_sequence: Option<u32>,
-        /// The last number that the platform said it holds.
+        /// The last sequence number that the platform confirmed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         last_delivered_sequence: Option<u32>,
     },
 }
 
-/// The kinds of events, to look for.
+/// Kind of an event, for searches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 #[allow(missing_docs)]
@@ -108,7 +98,7 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// Those that name reports by their writer.
+    /// Kinds of events about reports.
     pub const OF_REPORTS: [Self; 7] = [
         Self::Queued,
         Self::Sent,
@@ -119,9 +109,9 @@ impl EventKind {
         Self::Revoked,
     ];
 
-    /// For people to read, as the pages say it.
+    /// Returns the name for people, the same as on the pages.
     #[must_use]
-    pub const fn said_in(self, language: Language) -> &'static str {
+    pub const fn in_language(self, language: Language) -> &'static str {
         let (english, german) = match self {
             Self::Consent => ("Decision", "Entscheidung"),
             Self::Queued => ("Queued", "Eingereiht"),
@@ -135,7 +125,7 @@ impl EventKind {
         language.choose(english, german)
     }
 
-    /// As in the hashed text.
+    /// Returns the name in the hashed text.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -151,23 +141,20 @@ impl EventKind {
     }
 }
 
-/// An entry of a chain, as it is hashed.
+/// An entry of a chain, whose canonical text is hashed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Entry {
-    /// Whose chain.
+pub struct LedgerEntry {
     pub recipient: OrganisationId,
-    /// Its place, from 1 without gaps.
+    /// Number in the chain, from 1 without gaps.
     pub number: u64,
-    /// When it was recorded.
     pub recorded_at: DateTime,
-    /// What happened.
     #[serde(flatten)]
     pub event: Event,
 }
 
-impl Entry {
-    /// The canonical text that is hashed and stored.
+impl LedgerEntry {
+    /// Returns the canonical text that is hashed and stored.
     #[must_use]
     pub fn canonical(&self) -> String {
         serde_json::to_string(self).expect("an entry has text keys and finite numbers only")
@@ -180,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_text_of_entries_never_changes() {
-        let entry = |event| Entry {
+        let entry = |event| LedgerEntry {
             recipient: "acme".parse().expect("an id"),
             number: 7,
             recorded_at: "2026-11-21T10:00:00Z".parse().expect("a time"),
@@ -198,7 +185,7 @@ mod tests {
         insta::assert_snapshot!(sent.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"SENT","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4}"#);
         for entry in [queued, sent] {
             assert_eq!(
-                serde_json::from_str::<Entry>(&entry.canonical()).expect("reads back"),
+                serde_json::from_str::<LedgerEntry>(&entry.canonical()).expect("reads back"),
                 entry
             );
         }

@@ -1,27 +1,27 @@
-//! Signed ends of the chains, written with every entry: not even the newest entries can be cut off
-//! unnoticed.
+//! Signed heads of the chains, written with every entry: they reveal the removal of the newest
+//! entries.
 
 use asi_model::{FactoryId, OrganisationId};
 
 use super::{Hash, LedgerKey, LinkedEntry, key::is_signed};
 
-/// The signed end of a chain.
+/// The signed head of a chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SignedHead {
-    /// Whose chain.
+    /// Organisation of the chain.
     pub recipient: OrganisationId,
-    /// The number of its last entry.
+    /// Number of its last entry.
     pub number: u64,
-    /// The hash of its last entry.
+    /// Hash of its last entry.
     pub hash: Hash,
-    /// The Ed25519 signature over number and hash.
+    /// Ed25519 signature over factory, organisation, number and hash.
     pub signature: [u8; 64],
-    /// The key it is verified with.
+    /// The Ed25519 key that verifies it.
     pub public_key: [u8; 32],
 }
 
 impl SignedHead {
-    /// Signs the end of a chain.
+    /// Signs the head of a chain.
     #[must_use]
     pub fn new(
         factory: &FactoryId,
@@ -34,7 +34,7 @@ impl SignedHead {
         Self { recipient, number, hash, signature, public_key: key.public() }
     }
 
-    /// The ends of all chains that these entries belong to.
+    /// Signs the heads of all chains of these entries.
     #[must_use]
     pub fn of<'a>(
         factory: &FactoryId,
@@ -52,12 +52,12 @@ impl SignedHead {
     }
 }
 
-/// What is signed.
+/// Returns the text that is signed.
 fn text(factory: &str, recipient: &str, number: u64, hash: &[u8]) -> String {
     format!("verbund ledger head 1\n{factory}\n{recipient}\n{number}\n{}", hex::encode(hash))
 }
 
-/// Whether a stored end was signed with the secret half of its public key.
+/// Returns whether a stored head was signed with the secret half of its public key.
 pub(super) fn is_signed_head(
     factory: &str,
     recipient: &str,

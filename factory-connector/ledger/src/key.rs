@@ -1,4 +1,4 @@
-//! The key that signs the ledger: Ed25519, as a PKCS#8 document in PEM.
+//! Key that signs the ledger: Ed25519, as a PKCS#8 document in PEM.
 
 use ed25519_dalek::{
     Signature, Signer as _, SigningKey, Verifier as _, VerifyingKey,
@@ -7,7 +7,7 @@ use ed25519_dalek::{
 
 use super::Hash;
 
-/// The text is no Ed25519 key in PKCS#8 PEM.
+/// Fault of a text that is not an Ed25519 key in PKCS#8 PEM.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("this is no Ed25519 key in PEM: {0}")]
 pub struct InvalidKey(String);
@@ -26,7 +26,7 @@ impl LedgerKey {
     /// Reads a key from its PEM text.
     ///
     /// # Errors
-    /// [`InvalidKey`] where the text is no Ed25519 key.
+    /// [`InvalidKey`] when the text is not an Ed25519 key.
     pub fn from_pem(pem: &str) -> Result<Self, InvalidKey> {
         SigningKey::from_pkcs8_pem(pem).map(Self).map_err(|error| InvalidKey(error.to_string()))
     }
@@ -34,7 +34,7 @@ impl LedgerKey {
     /// Writes the key, its secret half included, as PEM.
     ///
     /// # Errors
-    /// [`InvalidKey`] where the key cannot be encoded.
+    /// [`InvalidKey`] when the key cannot be encoded.
     pub fn to_pem(&self) -> Result<String, InvalidKey> {
         let pem = self.0.to_pkcs8_pem(LineEnding::LF);
         pem.map(|pem| pem.as_str().to_owned()).map_err(|error| InvalidKey(error.to_string()))
@@ -53,7 +53,7 @@ impl LedgerKey {
     }
 }
 
-/// Returns true where the secret half of `public_key` made `signature` over `text`.
+/// Returns whether the secret half of `public_key` made `signature` over `text`.
 pub(super) fn is_signed(text: &str, signature: &[u8], public_key: &[u8]) -> bool {
     let key = public_key.try_into().ok().and_then(|bytes| VerifyingKey::from_bytes(bytes).ok());
     let signature = Signature::from_slice(signature).ok();

@@ -1,12 +1,12 @@
-//! The ledger: everything that left this factory, provable years later.
+//! Ledger: a tamper-evident record of all values that left this factory.
 //!
-//! One hash chain per recipient organisation. Entries say what was consented, queued, sent,
-//! receipted or withdrawn; a QUEUED entry commits to the values by a root over salted hashes, the
-//! values themselves lie in the report's row, which retention may empty without breaking the chain.
-//! The end of each chain is signed with the connector's own key whenever it grows; so are a daily
-//! checkpoint over all chains, receipts of ended consents, and anchors in the place of what
-//! retention removed. This module is pure; the store writes what it yields in the transaction of
-//! the effect.
+//! One hash chain per recipient organisation. Entries record consents, and reports that were queued,
+//! sent, receipted or withdrawn. A QUEUED entry commits to the values by a root over salted hashes;
+//! the values themselves are in the report's row, which retention may empty without breaking the
+//! chain. The head of each chain is signed with the connector's key whenever it grows; so are a
+//! daily checkpoint over all chains, receipts of ended consents, and anchors in place of entries
+//! that retention removed. This crate is pure; the store writes the entries in the transaction of
+//! their effect.
 
 mod anchor;
 mod chain;
@@ -21,7 +21,7 @@ mod verification;
 pub use anchor::Anchor;
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
 pub use checkpoint::{Checkpoint, CheckpointHead};
-pub use entry::{Entry, Event, EventKind, SequenceRange};
+pub use entry::{Event, EventKind, LedgerEntry, SequenceRange};
 pub use head::SignedHead;
 pub use key::{InvalidKey, LedgerKey};
 pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};

@@ -3,31 +3,28 @@
 use asi_model::{DateTime, FactoryId, FieldKey, OrganisationId, RequestKey, messages::GapCause};
 use serde::{Deserialize, Serialize};
 
-/// A statement of what had left when a consent ended. It is signed with the ledger's key and kept
-/// for ever.
+/// Statement about the reports that had left when a consent ended. It is signed with the ledger's key
+/// and never deleted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevocationReceipt {
-    /// Its id.
     pub revocation_id: String,
-    /// Whose.
     #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    /// When: nothing of these fields left afterwards.
+    /// Time of the end; no value of these fields left afterwards.
     #[schema(value_type = String, format = "date-time")]
     pub revoked_at: DateTime,
-    /// Who ended the consent; none where the partner withdrew or changed the request.
+    /// User who ended the consent; none when the partner withdrew or changed the request.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub revoked_by: Option<String>,
-    /// Why.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// `REVOKED`, or `WITHDRAWN` by the partner.
     #[schema(value_type = String)]
     pub cause: GapCause,
-    /// The fields that no longer leave, with the consent that ended.
+    /// The fields with the consents that ended.
     pub fields: Vec<RevokedField>,
-    /// The data sets they left in.
+    /// The data sets that contained them.
     pub writers: Vec<RevokedWriter>,
 }
 
@@ -35,51 +32,47 @@ pub struct RevocationReceipt {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevokedField {
-    /// The field.
     #[schema(value_type = Object)]
     pub field: FieldKey,
-    /// The number of the consent that ended.
+    /// Number of the consent that ended.
     pub consent_version: u32,
 }
 
-/// What had left of a data set.
+/// Delivery of a data set until the end of the consent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevokedWriter {
-    /// The writer.
     pub data_set_writer_id: u16,
-    /// Its epoch up to now.
+    /// The writer's epoch until then.
     pub epoch: u32,
-    /// What it reported about.
+    /// The request that it reported for.
     #[schema(value_type = Object)]
     pub request: RequestKey,
-    /// Who could see it.
+    /// Organisations that received it.
     #[schema(value_type = Vec<String>)]
     pub recipient_list: Vec<OrganisationId>,
-    /// The last number given to a report; none where there was none.
+    /// The last sequence number given to a report; none when there was no report.
     pub last_queued_sequence: Option<u32>,
-    /// The last that the broker accepted.
+    /// The last sequence number that the broker accepted.
     pub last_sent_sequence: Option<u32>,
-    /// The last that the platform said it holds.
+    /// The last sequence number that the platform confirmed.
     pub last_delivered_sequence: Option<u32>,
-    /// Sent, but not yet said to be held: they may have arrived, and are not sent again.
+    /// Sent without a confirmation: they may have arrived, and are not sent again.
     pub in_flight: Vec<Sequences>,
-    /// Queued and taken back: they never left.
+    /// Queued and withdrawn: they never left.
     pub taken_back: Vec<Sequences>,
 }
 
-/// Neighbouring sequence numbers.
+/// A range of consecutive sequence numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Sequences {
-    /// The first.
     pub first_sequence: u32,
-    /// The last.
     pub last_sequence: u32,
 }
 
 impl Sequences {
-    /// Numbers as few ranges, ascending.
+    /// Joins numbers to as few ranges as possible, in ascending order.
     #[must_use]
     pub fn of(mut numbers: Vec<u32>) -> Vec<Self> {
         numbers.sort_unstable();
@@ -98,7 +91,7 @@ impl Sequences {
 }
 
 impl RevocationReceipt {
-    /// The text that is signed and stored.
+    /// Returns the text that is signed and stored.
     #[must_use]
     pub fn canonical(&self) -> String {
         serde_json::to_string(self).expect("a receipt has text keys only")

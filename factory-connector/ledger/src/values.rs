@@ -1,4 +1,4 @@
-//! The commitment to a DataSetMessage's values.
+//! Commitment to a DataSetMessage's values.
 
 use std::{borrow::Cow, fmt};
 
@@ -14,22 +14,21 @@ use super::Hash;
 /// Length of a report's salt, in bytes.
 pub const SALT_BYTES: usize = 16;
 
-/// The text is not a DataSetMessage.
+/// Fault of a text that is not a DataSetMessage.
 #[derive(Debug, thiserror::Error)]
 #[error("the report is not a JSON object with members that can be hashed")]
 pub struct ValuesError(#[from] serde_json::Error);
 
-/// The root over the salted hashes of all members of a DataSetMessage (its JSON text), payload
-/// members singly.
+/// Computes the root over the salted hashes of all members of a DataSetMessage (its JSON text), with
+/// each payload member separately.
 ///
-/// Each member has a salt of its own, derived from the report's, so that one value can be shown to
-/// an auditor - with its salt and the other members' hashes - without showing the others or letting
-/// them be guessed.
+/// Each member has its own salt, derived from the report's. An auditor can be shown one value, with
+/// its salt and the hashes of the other members, without a way to read or guess the others.
 ///
 /// # Errors
 /// [`ValuesError`] when the text is not a JSON object.
 pub fn values_root(report: &str, salt: &[u8]) -> Result<Hash, ValuesError> {
-    let mut root = Root { salt, place: 0, hasher: Sha256::new() };
+    let mut root = Root { salt, index: 0, hasher: Sha256::new() };
     let mut text = serde_json::Deserializer::from_str(report);
     Members { root: &mut root, path: "" }.deserialize(&mut text)?;
     text.end()?;
@@ -39,7 +38,7 @@ pub fn values_root(report: &str, salt: &[u8]) -> Result<Hash, ValuesError> {
 /// The root while members are added to it, in the order of the text.
 struct Root<'a> {
     salt: &'a [u8],
-    place: u32,
+    index: u32,
     hasher: Sha256,
 }
 
@@ -47,8 +46,8 @@ impl Root<'_> {
     fn add(&mut self, path: &str, name: &str, value: &str) {
         let mut member_salt = Sha256::new();
         member_salt.update(self.salt);
-        member_salt.update(self.place.to_be_bytes());
-        self.place += 1;
+        member_salt.update(self.index.to_be_bytes());
+        self.index += 1;
         let mut leaf = Sha256::new();
         leaf.update(member_salt.finalize());
         for part in [path, name, value] {
@@ -59,7 +58,7 @@ impl Root<'_> {
     }
 }
 
-/// The members of the message, or of its payload, read once and kept nowhere.
+/// The members of the message, or of its payload, read once and not stored.
 struct Members<'r, 'a> {
     root: &'r mut Root<'a>,
     path: &'static str,
@@ -123,7 +122,7 @@ mod tests {
     fn the_root_of_a_report_never_changes() {
         let report = r#"{"DataSetWriterId":7,"Payload":{"a":{"Type":9,"Body":"1"},"\u00e4":2},"Status":{"Code":0}}"#;
         let root = hex::encode(values_root(report, &[7; SALT_BYTES]).expect("a report"));
-        // Computed apart from this code, by the words above.
+        // Computed independently of this code, from the description above.
         insta::assert_snapshot!(root, @"198a9281f697f80bc1f0835c67146ec04904cad1f3fb8be5926fee511ca5ed9e");
     }
 }

@@ -1,162 +1,54 @@
-//! Verification: finds any change, deletion or reordering.
+//! Verification of the ledger: finds any change, deletion or reordering.
 //!
-//! Entries and reports are looked at one by one, which may happen on several threads
-//! ([`StoredEntry::check`]); the [`Verifier`] then takes the entries in their order and compares
-//! them with what is signed: anchors at the beginning of pruned chains, heads at their ends, daily
-//! checkpoints over all of them, and receipts of ended consents.
+//! Entries and reports are first checked separately, on several threads if the caller wants
+//! ([`StoredEntry::check`]). The [`Verifier`] then takes the entries in their order and compares
+//! them with the signed records: anchors at the beginning of pruned chains, heads at their ends,
+//! daily checkpoints over all of them, and receipts of ended consents.
 
+mod result;
 mod row;
+mod stored;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use serde::Serialize;
-
+pub use result::{LedgerFault, Verification};
 use row::Values;
 pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
+pub use stored::{StoredConsent, StoredHead, StoredStatement, Surroundings};
 
 use super::{
     Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, head::is_signed_head, key::is_signed,
 };
 
-/// Most faults that are listed; more are counted only.
+/// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
 
-/// Something that is not as it was written.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct LedgerFault {
-    /// Whose chain; empty where no single chain is concerned.
-    pub recipient: String,
-    /// The entry or checkpoint.
-    pub number: u64,
-    /// What is wrong with it.
-    pub message: String,
-}
-
-/// The outcome of a verification.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct Verification {
-    /// Entries verified.
-    pub entries: u64,
-    /// Of these, how many could be compared with the values they commit to.
-    pub values_compared: u64,
-    /// Values that retention has emptied.
-    pub values_emptied: u64,
-    /// Entries that retention has removed, by the signed anchors in their place.
-    pub entries_pruned: u64,
-    /// Checkpoints verified.
-    pub checkpoints: u64,
-    /// Receipts of ended consents verified.
-    pub revocations: u64,
-    /// The key that everything signed was signed with, hexadecimal: compare it with the one you
-    /// noted.
-    pub public_key: Option<String>,
-    /// How many faults there are.
-    pub fault_count: u64,
-    /// The first hundred of them.
-    pub fault_list: Vec<LedgerFault>,
-}
-
-impl Verification {
-    /// Nothing is wrong.
-    #[must_use]
-    pub const fn is_intact(&self) -> bool {
-        self.fault_count == 0
-    }
-}
-
-/// A signed text as stored.
-#[derive(Debug, Clone, Default)]
-pub struct StoredStatement {
-    /// The columns beside it that repeat what it says: a name or number, and a time in
-    /// microseconds.
-    pub name: String,
-    /// When, as the column says.
-    pub recorded_at: i64,
-    /// The signed text.
-    pub content: Vec<u8>,
-    /// The signature.
-    pub signature: Vec<u8>,
-    /// The public key.
-    pub public_key: Vec<u8>,
-}
-
-/// A chain's signed end as stored.
-#[derive(Debug, Clone, Default)]
-pub struct StoredHead {
-    /// Whose chain.
-    pub recipient: String,
-    /// The number of its last entry.
-    pub number: i64,
-    /// The hash of its last entry.
-    pub hash: Vec<u8>,
-    /// The signature.
-    pub signature: Vec<u8>,
-    /// The public key.
-    pub public_key: Vec<u8>,
-}
-
-/// A consent as its own table has it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StoredConsent {
-    /// `PENDING`, `MAPPED` or `REFUSED`.
-    pub mapping_state: String,
-    /// Where values come from.
-    pub value_source: Option<String>,
-    /// The policy as JSON.
-    pub policy: String,
-    /// Who.
-    pub decided_by: Option<String>,
-    /// When, in microseconds.
-    pub decided_at: i64,
-}
-
-/// Everything beside the entries.
-#[derive(Debug, Default)]
-pub struct Surroundings {
-    /// Whose ledger.
-    pub factory_id: String,
-    /// The key that must have signed everything; any single key without it.
-    pub trusted_key: Option<Hash>,
-    /// What stands in the place of pruned entries.
-    pub anchors: Vec<StoredStatement>,
-    /// The daily checkpoints, in order.
-    pub checkpoints: Vec<StoredStatement>,
-    /// Receipts of ended consents.
-    pub revocations: Vec<StoredStatement>,
-    /// The signed ends.
-    pub heads: Vec<StoredHead>,
-    /// The consents by field and number.
-    pub consents: HashMap<(String, u32), StoredConsent>,
-}
-
-/// Takes the entries of all chains, each chain in its order.
+/// Verifies the entries of all chains, each chain in its order.
 pub struct Verifier {
     heads: BTreeMap<String, Head>,
     starts: BTreeMap<String, Head>,
-    /// Hashes that checkpoints refer to.
-    wanted: BTreeMap<(String, u64), String>,
+    /// Hashes stated in checkpoints, by organisation and number.
+    stated: BTreeMap<(String, u64), String>,
     factory_id: String,
     key: Option<Hash>,
     signed_heads: Vec<StoredHead>,
     consents: HashMap<(String, u32), StoredConsent>,
-    /// Receipts by id, with those that no entry has spoken of yet.
+    /// Ids of all receipts, and of those that no entry has mentioned yet.
     revocations: BTreeSet<String>,
     unmentioned: BTreeSet<String>,
     outcome: Verification,
 }
 
 impl Verifier {
-    /// A verification against what is signed.
+    /// Starts a verification against signed records.
     #[must_use]
     pub fn new(surroundings: Surroundings) -> Self {
         let mut verifier = Self {
             heads: BTreeMap::new(),
             starts: BTreeMap::new(),
-            wanted: BTreeMap::new(),
+            stated: BTreeMap::new(),
             factory_id: surroundings.factory_id,
             key: surroundings.trusted_key,
             signed_heads: surroundings.heads,
@@ -168,8 +60,8 @@ impl Verifier {
         for anchor in &surroundings.anchors {
             verifier.anchor(anchor);
         }
-        for (place, checkpoint) in (1..).zip(&surroundings.checkpoints) {
-            verifier.checkpoint(place, checkpoint);
+        for (number, checkpoint) in (1..).zip(&surroundings.checkpoints) {
+            verifier.checkpoint(number, checkpoint);
         }
         for revocation in &surroundings.revocations {
             verifier.revocation(revocation);
@@ -177,7 +69,7 @@ impl Verifier {
         verifier
     }
 
-    /// The hash that a chain's first stored entry follows.
+    /// Returns the hash that a chain's first stored entry follows.
     #[must_use]
     pub fn start_of(&self, recipient: &[u8]) -> Hash {
         std::str::from_utf8(recipient)
@@ -187,7 +79,7 @@ impl Verifier {
             .unwrap_or_default()
     }
 
-    /// Takes the next entries of a chain.
+    /// Verifies the next entries of a chain.
     pub fn take(&mut self, recipient: &[u8], entries: impl IntoIterator<Item = CheckedEntry>) {
         let recipient = String::from_utf8_lossy(recipient).into_owned();
         let known = self.heads.get(&recipient).or_else(|| self.starts.get(&recipient));
@@ -231,16 +123,16 @@ impl Verifier {
                 self.fault(recipient, number, "the receipt of this revocation was deleted");
             }
         }
-        if !self.wanted.is_empty()
-            && let Some(wanted) = self.wanted.remove(&(recipient.to_owned(), number))
-            && wanted != hex::encode(hash)
+        if !self.stated.is_empty()
+            && let Some(stated) = self.stated.remove(&(recipient.to_owned(), number))
+            && stated != hex::encode(hash)
         {
             self.fault(recipient, number, "a signed checkpoint states another hash for this entry");
         }
         Head { number, hash }
     }
 
-    /// Ends the verification: compares the chains' ends with what was signed of them.
+    /// Ends the verification: compares the chains' heads with the signed ones.
     #[must_use]
     pub fn finish(mut self) -> Verification {
         for stored in std::mem::take(&mut self.signed_heads) {
@@ -274,7 +166,7 @@ impl Verifier {
         for (recipient, head) in std::mem::take(&mut self.heads) {
             self.fault(&recipient, head.number, "the signed end of the chain was deleted");
         }
-        for (recipient, number) in std::mem::take(&mut self.wanted).into_keys() {
+        for (recipient, number) in std::mem::take(&mut self.stated).into_keys() {
             let is_pruned = self.starts.get(&recipient).is_some_and(|start| number <= start.number);
             if !is_pruned {
                 self.fault(
@@ -294,7 +186,7 @@ impl Verifier {
         self.outcome
     }
 
-    /// Whether a consent's own table has it as the entry has.
+    /// Returns whether the consent in its own table equals that of the entry.
     fn is_given(&self, event: &Event, at: i64) -> bool {
         let Event::Consent { field, version, .. } = event else { return false };
         let stored = self.consents.get(&(field.to_string(), *version));
@@ -317,7 +209,7 @@ impl Verifier {
         let fits = anchor.recipient.as_str() == stored.name
             && anchor.recorded_at.unix_micros() == stored.recorded_at
             && anchor.factory_id.as_str() == self.factory_id;
-        if !(fits && self.is_stated(stored)) {
+        if !(fits && self.is_signed(stored)) {
             self.fault(
                 &stored.name,
                 anchor.number,
@@ -328,26 +220,26 @@ impl Verifier {
         self.starts.insert(stored.name.clone(), Head { number: anchor.number, hash });
     }
 
-    fn checkpoint(&mut self, place: u64, stored: &StoredStatement) {
+    fn checkpoint(&mut self, number: u64, stored: &StoredStatement) {
         self.outcome.checkpoints += 1;
         let text = std::str::from_utf8(&stored.content).ok();
         let Some(checkpoint) = text.and_then(|text| serde_json::from_str::<Checkpoint>(text).ok())
         else {
-            return self.fault("", place, "the checkpoint cannot be read");
+            return self.fault("", number, "the checkpoint cannot be read");
         };
-        let fits = checkpoint.number == place
-            && stored.name == place.to_string()
+        let fits = checkpoint.number == number
+            && stored.name == number.to_string()
             && checkpoint.recorded_at.unix_micros() == stored.recorded_at
             && checkpoint.factory_id.as_str() == self.factory_id;
-        if !(fits && self.is_stated(stored)) {
+        if !(fits && self.is_signed(stored)) {
             return self.fault(
                 "",
-                place,
+                number,
                 "the checkpoint is out of place or its signature is wrong",
             );
         }
         for head in checkpoint.heads.into_iter().filter(|head| head.number > 0) {
-            self.wanted.insert((head.recipient.to_string(), head.number), head.hash);
+            self.stated.insert((head.recipient.to_string(), head.number), head.hash);
         }
     }
 
@@ -359,7 +251,7 @@ impl Verifier {
             receipt.revocation_id == stored.name
                 && receipt.revoked_at.unix_micros() == stored.recorded_at
         });
-        if !(fits && self.is_stated(stored)) {
+        if !(fits && self.is_signed(stored)) {
             self.fault(
                 "",
                 0,
@@ -374,13 +266,13 @@ impl Verifier {
         }
     }
 
-    fn is_stated(&mut self, stored: &StoredStatement) -> bool {
+    fn is_signed(&mut self, stored: &StoredStatement) -> bool {
         std::str::from_utf8(&stored.content)
             .is_ok_and(|text| is_signed(text, &stored.signature, &stored.public_key))
             && self.is_known(&stored.public_key)
     }
 
-    /// One key signs everything: the trusted one, or else the first that is met.
+    /// Returns whether a key is the trusted one, or else the first one that was found.
     fn is_known(&mut self, public_key: &[u8]) -> bool {
         let Ok(key) = Hash::try_from(public_key) else { return false };
         *self.key.get_or_insert(key) == key

@@ -23,7 +23,7 @@ use crate::{
     desk::{DeskError, now},
     operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
-use disclosure::{DisclosurePolicy, DocumentId, Outcome};
+use disclosure::{DisclosurePolicy, DocumentId, GateOutcome};
 
 /// How long a server may take to say where a variable stands.
 const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
@@ -288,13 +288,13 @@ fn not_manual() -> Problem {
     )
 }
 
-impl From<Outcome> for Entered {
-    fn from(outcome: Outcome) -> Self {
+impl From<GateOutcome> for Entered {
+    fn from(outcome: GateOutcome) -> Self {
         let (outcome, is_coarsened, until) = match outcome {
-            Outcome::Disclosed { is_coarsened } => ("DISCLOSED", is_coarsened, None),
-            Outcome::Unchanged { is_coarsened } => ("UNCHANGED", is_coarsened, None),
-            Outcome::Withheld { until } => ("WITHHELD", false, Some(until)),
-            Outcome::Suppressed => ("SUPPRESSED", true, None),
+            GateOutcome::Disclosed { is_coarsened } => ("DISCLOSED", is_coarsened, None),
+            GateOutcome::Unchanged { is_coarsened } => ("UNCHANGED", is_coarsened, None),
+            GateOutcome::Withheld { until } => ("WITHHELD", false, Some(until)),
+            GateOutcome::Suppressed => ("SUPPRESSED", true, None),
         };
         Self { outcome, is_coarsened, until }
     }

@@ -165,7 +165,7 @@ pub async fn show_consent_offer(
             let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
             let every_change = measured.and_then(Measured::candidates_per_hour);
             Some(ConsentOffer {
-                told: disclosure.told(field.definition.unit.as_deref()),
+                told: Statement::of(&disclosure, field.definition.unit.as_deref()),
                 rules: ruled
                     .map(|ruled| {
                         ruled

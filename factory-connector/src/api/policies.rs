@@ -41,7 +41,7 @@ pub struct PolicyView {
 fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
     let takes = |id: Option<&DocumentId>| id == Some(&policy.key.id);
     PolicyView {
-        told: policy.document.disclosure.told(None),
+        told: Statement::of(&policy.document.disclosure, None),
         field_count: books
             .fields
             .iter()
@@ -155,10 +155,11 @@ pub async fn preview_policy(
                 .policy_changes(&id, &draft.disclosure)
                 .into_iter()
                 .map(|(key, now, then, unit)| {
-                    let Statement { statement, statement_parts } = then.told(unit.as_deref());
+                    let Statement { statement, statement_parts } =
+                        Statement::of(&then, unit.as_deref());
                     PolicyUse {
                         key,
-                        told: now.told(unit.as_deref()),
+                        told: Statement::of(&now, unit.as_deref()),
                         statement_then: statement,
                         statement_then_parts: statement_parts,
                     }

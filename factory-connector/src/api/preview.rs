@@ -30,7 +30,8 @@ use crate::{
     values::{ShownValue, typed_value},
 };
 use disclosure::{
-    DisclosurePolicy, DocumentId, Effect, LeakWarning, Outcome, Statement, effects, leak_warnings,
+    DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement, effects,
+    leak_warnings,
 };
 
 /// What would be decided.
@@ -152,7 +153,7 @@ pub async fn preview_decision(
             let field_type = books.field(&field)?.definition.field_type.0;
             let mut gate = books.trial_gate(&field, Arc::clone(&policy), now)?;
             let outcome = gate.on(now, candidate.clone());
-            let is_withheld = outcome == Outcome::Suppressed;
+            let is_withheld = outcome == GateOutcome::Suppressed;
             let effects = effects(&policy, field_type, &candidate, is_withheld, now);
             // What is delayed or waits for its hour leaves like this once its time has come.
             let mut held_until = None;
@@ -231,7 +232,7 @@ async fn told(
         .read(move |books| books.field(&key).map(|field| field.definition.unit.clone()))
         .await?;
     let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
-    Ok(policy.told(unit.as_deref()))
+    Ok(Statement::of(policy, unit.as_deref()))
 }
 
 /// The mapping's result on the live values of its inputs.

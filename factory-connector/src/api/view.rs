@@ -105,8 +105,9 @@ impl FieldView {
     /// As it stands.
     pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
-        let told =
-            decision.is_mapped().then(|| field.gate.policy().told(definition.unit.as_deref()));
+        let told = decision
+            .is_mapped()
+            .then(|| Statement::of(field.gate.policy(), definition.unit.as_deref()));
         Self {
             name: definition.name.to_string(),
             field_type: definition.field_type.0.name().to_owned(),
@@ -183,7 +184,7 @@ impl RuleOfferView {
                 .map(|(key, name)| RuleReference { key: key.clone(), name: name.clone() })
                 .collect(),
             disclosure: (*offer.disclosure).clone(),
-            told: offer.disclosure.told(field.definition.unit.as_deref()),
+            told: Statement::of(&offer.disclosure, field.definition.unit.as_deref()),
             value_source: offer.value_source,
             mapping: offer.mapping.clone(),
             reason: offer.reason.clone(),

@@ -295,7 +295,7 @@ impl Books {
             value_source: decision.value_source,
             policy: (**policy).clone(),
             decided_by: decision.decided_by.clone(),
-            grounds: Some(grounds).filter(|grounds| !grounds.is_empty()),
+            basis: Some(grounds).filter(|basis| !basis.is_empty()),
         };
         self.changes.consents.push(consent);
         self.send(&FactoryMessage::Decision(message), None, now);

@@ -1,6 +1,6 @@
 //! Requested fields: the decision about each, and its gate.
 
-use disclosure::{DecisionBasis, gate_from_json, gate_to_json};
+use disclosure::{DecisionBasis, disclosure_statement, gate_from_json, gate_to_json};
 use std::{collections::BTreeSet, sync::Arc};
 
 use asi_model::{
@@ -113,7 +113,7 @@ impl Field {
     pub fn statement(&self) -> Option<DisclosureStatement> {
         self.decision
             .is_mapped()
-            .then(|| self.gate.policy().statement(self.definition.unit.as_deref()))
+            .then(|| disclosure_statement(self.gate.policy(), self.definition.unit.as_deref()))
     }
 
     /// What the twin shows.

@@ -12,7 +12,7 @@ use crate::{
     operator::{EntryFault, Journal, OperationKey, OperatorEntry},
     values::typed_value,
 };
-use disclosure::Outcome;
+use disclosure::GateOutcome;
 
 /// Entries that waited longer than this on a page are not taken any more.
 const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);
@@ -21,7 +21,7 @@ const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);
 #[derive(Debug, Clone, PartialEq)]
 pub enum EntryOutcome {
     /// It is kept; these fields took a value from it.
-    Taken(Vec<(FieldKey, Outcome)>),
+    Taken(Vec<(FieldKey, GateOutcome)>),
     /// It was here already.
     Repeated,
     /// It is not kept, and never will be.

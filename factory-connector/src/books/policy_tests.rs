@@ -12,7 +12,7 @@ use super::{
     tests::{arrive, at, books, field, map, network, offer},
     *,
 };
-use disclosure::{DisclosurePolicy, Outcome, RuleAction};
+use disclosure::{DisclosurePolicy, GateOutcome, RuleAction};
 
 fn id(text: &str) -> DocumentId {
     text.parse().expect("an id")
@@ -178,7 +178,7 @@ fn one_fields_state_withholds_another() {
     offer(&mut books, "note", "SETUP", 4);
     let value = DataValue::good(3_u64, at(5));
     let outcome = books.candidate(&field("made"), ValueSource::Manual, value, None, at(5));
-    assert_eq!(outcome, Some(Outcome::Suppressed));
+    assert_eq!(outcome, Some(GateOutcome::Suppressed));
     let left = offer(&mut books, "note", "RUN", 6);
     assert_eq!(left[0]["Payload"]["made"]["Body"], "2", "what came in the state never leaves");
     books

@@ -16,7 +16,7 @@ use mapping_engine::TransformState;
 
 use super::{Books, Marks, field::Field, range_of};
 use crate::store::{CarriedFieldRow, NewReport};
-use disclosure::{Gate, Outcome};
+use disclosure::{Gate, GateOutcome};
 use ledger::{Event, SALT_BYTES, values_root};
 
 /// Largest NetworkMessage that several reports share, in bytes.
@@ -60,7 +60,7 @@ impl Books {
         value: DataValue,
         transform: Option<TransformState>,
         now: DateTime,
-    ) -> Option<Outcome> {
+    ) -> Option<GateOutcome> {
         let number = self.fields.get(key)?.id;
         self.candidate_for(number, source, value, transform, now)
     }
@@ -73,7 +73,7 @@ impl Books {
         value: DataValue,
         transform: Option<TransformState>,
         now: DateTime,
-    ) -> Option<Outcome> {
+    ) -> Option<GateOutcome> {
         let Self { fields, watchers, dirty_fields, dirty_writers, due, .. } = self;
         let mut follows = Follows { dirty_fields, dirty_writers, due };
         let field =

@@ -15,7 +15,7 @@ use crate::{
     outbox::Departure,
     store::{SourceRow, TemplateRow},
 };
-use disclosure::Outcome;
+use disclosure::GateOutcome;
 
 /// Why the desk did not do what was asked.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -35,7 +35,7 @@ pub enum DeskError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Taken {
     /// It went through the gate.
-    Through(Outcome),
+    Through(GateOutcome),
     /// It was not taken.
     Not(StatusCode),
 }

@@ -151,7 +151,7 @@ impl LedgerReader {
                 .map_err(StoreError::while_doing("read a consent"))?;
         let policy =
             policy.and_then(|policy| serde_json::from_str::<DisclosurePolicy>(&policy).ok());
-        let told = policy.map(|policy| policy.told(None));
+        let told = policy.map(|policy| Statement::of(&policy, None));
         if let Some(told) = told.clone().filter(|_| self.wordings.len() < WORDINGS_MAX) {
             self.wordings.insert(key, told);
         }

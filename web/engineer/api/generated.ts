@@ -3683,7 +3683,7 @@ export interface components {
          */
         Aggregate: "minimum" | "maximum" | "mean" | "sum" | "count" | "last";
         /**
-         * @description What is made of a window's values.
+         * @description Function that aggregates a window's values.
          * @enum {string}
          */
         AggregateFunction: "LAST" | "MAXIMUM" | "MINIMUM" | "SUM" | "MEAN";
@@ -3813,14 +3813,14 @@ export interface components {
         };
         /** @description The head of one chain. */
         CheckpointHead: {
-            /** @description The hash of its last entry, hexadecimal. */
+            /** @description Hash of its last entry, hexadecimal. */
             hash: string;
             /**
              * Format: int64
-             * @description The number of its last entry.
+             * @description Number of its last entry.
              */
             number: number;
-            /** @description Whose chain. */
+            /** @description Organisation of the chain. */
             recipient: string;
         };
         /**
@@ -3981,7 +3981,7 @@ export interface components {
             isTrusted: boolean;
         };
         /**
-         * @description What follows from fields that are open together.
+         * @description Conclusion from fields that are disclosed together.
          * @enum {string}
          */
         Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
@@ -4089,20 +4089,21 @@ export interface components {
              */
             quietMs: number;
         };
-        /** @description Named policies and standing rules that a decision rests on, beside the engineer's own words. */
+        /** @description Named policies and standing rules that a decision is based on, beside the engineer's own policy. */
         DecisionBasis: {
             /**
-             * @description The named policies that shaped the precision, with the versions that held; in consents only.
+             * @description The named policies that contributed to the precision, in their versions at that time; in
+             *     consents only.
              * @default []
              */
             policies: components["schemas"]["DocumentVersion"][];
             /**
-             * @description The named policy that the field takes, in whatever version.
+             * @description The named policy of the field, in its newest version.
              * @default null
              */
             policyId: string | null;
             /**
-             * @description The rules that decided, each in the version that did.
+             * @description The rules that decided, each in its version at that time.
              * @default []
              */
             rules: components["schemas"]["DocumentVersion"][];
@@ -4144,11 +4145,12 @@ export interface components {
             changes: components["schemas"]["MappingChange"][];
         };
         /**
-         * @description How a field's values are coarsened before they leave. Empty: every change leaves as it is.
+         * @description Coarsening of a field's values before they are released. Empty: every change is released
+         *     unchanged.
          *
-         *     In this order: what comes in a withheld state is dropped, an aggregate is made of each window,
-         *     the number is banded or rounded and then cut to its significant digits; the result waits for its
-         *     delay, the intervals and rates, the time step and the working hours.
+         *     In this order: values in a withheld state are dropped, each window is aggregated, the number is
+         *     banded or rounded and then cut to its significant digits; the result waits for its delay, the
+         *     intervals and rates, the time step and the working hours.
          */
         DisclosurePolicy: {
             aggregate?: components["schemas"]["WindowAggregate"] | null;
@@ -4159,17 +4161,17 @@ export interface components {
             bands?: number[];
             /**
              * Format: int64
-             * @description Every value leaves this many milliseconds late.
+             * @description Delay of every value, in milliseconds.
              */
             delayMs?: number | null;
-            /** @description Values leave within each of these hours only, beside the working hours. */
+            /** @description Values are released only within all of these hours, too. */
             furtherHours?: components["schemas"]["WorkingHours"][];
             /**
              * Format: int64
-             * @description At most one value leaves per this many milliseconds; the latest wins.
+             * @description Shortest time between two released values, in milliseconds; the latest value wins.
              */
             minimumIntervalMs?: number | null;
-            /** @description At most so many values leave per period; all of these hold. */
+            /** @description Most released values per period; all of these limits apply. */
             rateLimits?: components["schemas"]["RateLimit"][];
             /**
              * Format: double
@@ -4178,26 +4180,25 @@ export interface components {
             roundingStep?: number | null;
             /**
              * Format: int32
-             * @description Numbers have at most so many significant digits, 1 to 15.
+             * @description Most significant digits of numbers, 1 to 15.
              */
             significantDigits?: number | null;
             /**
              * Format: int64
-             * @description Times are rounded down to multiples of this many milliseconds since 1970, and values leave
-             *     on them only.
+             * @description Times are rounded down to multiples of this many milliseconds since 1970, and values are
+             *     released only at these times.
              */
             timeStepMs?: number | null;
-            /** @description Nothing leaves while any of these is met, and what comes meanwhile never leaves. */
+            /** @description No value is released while one of these conditions is met; candidates of that time never are. */
             withholdWhile?: components["schemas"]["WithholdCondition"][];
             workingHours?: components["schemas"]["WorkingHours"] | null;
         };
         /** @description One version of a policy or rule. */
         DocumentVersion: {
-            /** @description Which. */
             id: string;
             /**
              * Format: int32
-             * @description From 1, one more with every change.
+             * @description From 1, increases by one with every change.
              */
             version: number;
         };
@@ -4220,15 +4221,14 @@ export interface components {
          * @enum {string}
          */
         EdgeDirection: "rising" | "falling" | "both";
-        /** @description What a part of a policy does. */
+        /** @description Effect of one part of a policy. */
         Effect: {
-            /** @description It changes this very value or its times, or holds it back now. */
+            /** @description True when it changes this value or its times, or withholds it at present. */
             isFelt: boolean;
-            /** @description Which part. */
             kind: components["schemas"]["EffectKind"];
             /** @description The same as codes with parameters. */
             parts: components["schemas"]["StatementPart"][];
-            /** @description In words. */
+            /** @description Sentence in English. */
             text: string;
         };
         /**
@@ -4388,24 +4388,23 @@ export interface components {
             operationId: string;
             operationNetworkId: string;
         };
-        /** @description What one field tells. */
+        /** @description Information in one field. */
         FieldLeak: components["schemas"]["Statement"] & {
             /**
              * Format: double
-             * @description The most that one value can tell, in bits; none for texts and other values without bound.
+             * @description Most information of one value, in bits; none for texts and other values without a bound.
              */
             bitsPerValue?: number | null;
             key: components["schemas"]["FieldKey"];
-            /** @description What was measured. */
             measured: components["schemas"]["Measured"];
             /**
              * Format: int64
-             * @description How exactly changes are timed, in milliseconds; 0: as they happen.
+             * @description Resolution of the times of changes, in milliseconds; 0 when every change is released at once.
              */
             timeResolutionMs: number;
             /**
              * Format: double
-             * @description Values per hour at most; none where only the publishing interval limits them.
+             * @description Most values per hour; none when only the publishing interval limits them.
              */
             valuesPerHourMax?: number | null;
         };
@@ -4627,18 +4626,17 @@ export interface components {
          * @enum {string}
          */
         LateValues: "ignore" | "use";
-        /** @description What a partner learns in sum. */
+        /** @description Information that a partner gets in total. */
         LeakBudget: {
             /**
              * Format: double
-             * @description Bits per hour at most; none where a field has no limit.
+             * @description Most bits per hour; none when a field has no limit.
              */
             bitsPerHourMax?: number | null;
-            /** @description Each field. */
             fields: components["schemas"]["FieldLeak"][];
             /**
              * Format: double
-             * @description Values per hour at most; none where a field has no limit.
+             * @description Most values per hour; none when a field has no limit.
              */
             valuesPerHourMax?: number | null;
             /**
@@ -4646,34 +4644,32 @@ export interface components {
              * @description Values per hour as measured.
              */
             valuesPerHourMeasured: number;
-            /** @description What can be concluded. */
             warnings: components["schemas"]["LeakWarning"][];
         };
-        /** @description What a partner learns in sum, in short. */
+        /** @description Information that a partner gets in total, as a summary. */
         LeakSummary: {
             /**
              * Format: double
-             * @description Bits per hour at most; none where a field has no limit.
+             * @description Most bits per hour; none when a field has no limit.
              */
             bitsPerHourMax?: number | null;
             /**
              * Format: double
-             * @description The most that one value of any field can tell, in bits; none where a field has no bound.
+             * @description Most information of one value of any field, in bits; none when a field has no bound.
              */
             bitsPerValueMax?: number | null;
-            /** @description What, each once. */
+            /** @description Possible conclusions, each once. */
             conclusions: components["schemas"]["Conclusion"][];
-            /** @description How many fields. */
             fieldCount: number;
             /**
              * Format: int64
-             * @description How exactly changes of the field that is timed best are timed, in milliseconds; 0: as they
-             *     happen.
+             * @description Finest resolution of the times of changes of any field, in milliseconds; 0 when every change
+             *     is released at once.
              */
             timeResolutionMs: number;
             /**
              * Format: double
-             * @description Values per hour at most; none where a field has no limit.
+             * @description Most values per hour; none when a field has no limit.
              */
             valuesPerHourMax?: number | null;
             /**
@@ -4681,38 +4677,37 @@ export interface components {
              * @description Values per hour as measured.
              */
             valuesPerHourMeasured: number;
-            /** @description How many things can be concluded. */
+            /** @description Number of warnings in the full budget. */
             warningCount: number;
         };
-        /** @description A warning. */
+        /** @description Warning about a conclusion that a partner can draw. */
         LeakWarning: {
-            /** @description What can be concluded, as a code; its parameters are the other members. */
+            /** @description The conclusion, as a code with the other members as parameters. */
             conclusion: components["schemas"]["Conclusion"];
             fields: components["schemas"]["FieldKey"][];
             /**
              * Format: int64
-             * @description The time from which on it could not be concluded, in milliseconds, where that helps.
+             * @description Resolution of times that prevents the conclusion, in milliseconds, if one does.
              */
             neededMs?: number | null;
             /**
              * Format: int64
-             * @description How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan
-             *     says so.
+             * @description Planned time of a piece in milliseconds, for `CYCLE_TIME` and when the plan has one.
              */
             pieceMs?: number | null;
-            /** @description In English, with what would prevent it. */
+            /** @description English text, with the remedy. */
             text: string;
         };
-        /** @description Something that is not as it was written. */
+        /** @description A difference from what was written. */
         LedgerFault: {
-            /** @description What is wrong with it. */
+            /** @description Description of the fault. */
             message: string;
             /**
              * Format: int64
-             * @description The entry or checkpoint.
+             * @description Number of the entry or checkpoint.
              */
             number: number;
-            /** @description Whose chain; empty where no single chain is concerned. */
+            /** @description Organisation of the chain; empty when no single chain is affected. */
             recipient: string;
         };
         /** @description A field that the ledger speaks of, requested still or no more. */
@@ -4932,21 +4927,22 @@ export interface components {
             /** @description Its identity within the connector. */
             templateId: string;
         };
-        /** @description What was counted over a time. */
+        /** @description Counts over a period. */
         Measured: {
             /**
              * Format: int64
-             * @description Values that came from the source.
+             * @description Candidates from the source.
              */
             candidates: number;
             /**
              * Format: double
-             * @description Over how many hours, at most 24; since the connector started or the field was opened.
+             * @description Length of the period in hours, at most 24; since the connector started or the field was
+             *     opened.
              */
             hours: number;
             /**
              * Format: int64
-             * @description Values that left.
+             * @description Values that the gate released.
              */
             released: number;
         };
@@ -4987,13 +4983,12 @@ export interface components {
              */
             samplingIntervalMs?: number | null;
         };
-        /** @description A policy with a name, to be chosen for fields and set for recipients. */
+        /** @description A policy with a name, which can be chosen for fields and set for recipients. */
         NamedPolicy: {
-            /** @description What it says. */
             disclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description It is kept, but offered and applied no more. */
+            /** @description True when it is no longer offered or applied. */
             isRetired?: boolean;
-            /** @description What it is called. */
+            /** @description Name for people, 1 to 120 characters. */
             name: string;
         };
         /** @description What the revision in force changed. */
@@ -5471,7 +5466,7 @@ export interface components {
             /** @description Time that the rate refers to. */
             per?: components["schemas"]["RatePeriod"];
         };
-        /** @description At most so many values leave within any period of this length. */
+        /** @description Most values that are released within any period of this length. */
         RateLimit: {
             /**
              * Format: int64
@@ -5480,7 +5475,7 @@ export interface components {
             periodMs: number;
             /**
              * Format: int32
-             * @description How many values, 1 to 100.
+             * @description Number of values, 1 to 100.
              */
             values: number;
         };
@@ -5619,72 +5614,66 @@ export interface components {
          */
         RevocationListState: "CURRENT" | "OUTDATED" | "MISSING";
         /**
-         * @description A statement of what had left when a consent ended. It is signed with the ledger's key and kept
-         *     for ever.
+         * @description Statement about the reports that had left when a consent ended. It is signed with the ledger's key
+         *     and never deleted.
          */
         RevocationReceipt: {
             /** @description `REVOKED`, or `WITHDRAWN` by the partner. */
             cause: string;
-            /** @description Whose. */
             factoryId: string;
-            /** @description The fields that no longer leave, with the consent that ended. */
+            /** @description The fields with the consents that ended. */
             fields: components["schemas"]["RevokedField"][];
-            /** @description Why. */
             reason?: string | null;
-            /** @description Its id. */
             revocationId: string;
             /**
              * Format: date-time
-             * @description When: nothing of these fields left afterwards.
+             * @description Time of the end; no value of these fields left afterwards.
              */
             revokedAt: string;
-            /** @description Who ended the consent; none where the partner withdrew or changed the request. */
+            /** @description User who ended the consent; none when the partner withdrew or changed the request. */
             revokedBy?: string | null;
-            /** @description The data sets they left in. */
+            /** @description The data sets that contained them. */
             writers: components["schemas"]["RevokedWriter"][];
         };
         /** @description A field whose consent ended. */
         RevokedField: {
             /**
              * Format: int32
-             * @description The number of the consent that ended.
+             * @description Number of the consent that ended.
              */
             consentVersion: number;
             field: components["schemas"]["FieldKey"];
         };
-        /** @description What had left of a data set. */
+        /** @description Delivery of a data set until the end of the consent. */
         RevokedWriter: {
-            /**
-             * Format: int32
-             * @description The writer.
-             */
+            /** Format: int32 */
             dataSetWriterId: number;
             /**
              * Format: int32
-             * @description Its epoch up to now.
+             * @description The writer's epoch until then.
              */
             epoch: number;
-            /** @description Sent, but not yet said to be held: they may have arrived, and are not sent again. */
+            /** @description Sent without a confirmation: they may have arrived, and are not sent again. */
             inFlight: components["schemas"]["Sequences"][];
             /**
              * Format: int32
-             * @description The last that the platform said it holds.
+             * @description The last sequence number that the platform confirmed.
              */
             lastDeliveredSequence?: number | null;
             /**
              * Format: int32
-             * @description The last number given to a report; none where there was none.
+             * @description The last sequence number given to a report; none when there was no report.
              */
             lastQueuedSequence?: number | null;
             /**
              * Format: int32
-             * @description The last that the broker accepted.
+             * @description The last sequence number that the broker accepted.
              */
             lastSentSequence?: number | null;
-            /** @description Who could see it. */
+            /** @description Organisations that received it. */
             recipientList: string[];
             request: components["schemas"]["RequestKey"];
-            /** @description Queued and taken back: they never left. */
+            /** @description Queued and withdrawn: they never left. */
             takenBack: components["schemas"]["Sequences"][];
         };
         /**
@@ -5699,28 +5688,27 @@ export interface components {
         Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
         /** @description A standing rule. */
         Rule: {
-            /** @description What is done with them. */
             action: components["schemas"]["RuleAction"];
             /** @description The precision, with `ACCEPT` and `PREFILL`. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
-            /** @description It is applied to new requests; otherwise it is kept, and can be looked at. */
+            /** @description True when it is applied to new requests. */
             isEnabled?: boolean;
-            /** @description What it is called. */
+            /** @description Name for people, 1 to 120 characters. */
             name: string;
-            /** @description A named policy that holds beside it: the strictest of both. */
+            /** @description A named policy that applies as well: the strictest of both. */
             policyId?: string | null;
-            /** @description What the partner is told, with `REFUSE`. */
+            /** @description Reason for the partner, with `REFUSE`. */
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
-            /** @description Which fields it means. */
+            /** @description Selection of fields. */
             when: components["schemas"]["RuleCondition"];
         };
         /**
-         * @description What a rule does with the fields it means.
+         * @description Action of a rule for the fields that it matches.
          * @enum {string}
          */
         RuleAction: "ACCEPT" | "PREFILL" | "REFUSE";
-        /** @description Which fields a rule means: those that every list names. An empty list names everything. */
+        /** @description Selection of fields: those that every list contains. An empty list matches all. */
         RuleCondition: {
             /**
              * @description Built-in types by name.
@@ -5729,8 +5717,8 @@ export interface components {
             dataTypes: string[];
             namePattern?: string | null;
             /**
-             * @description Organisations. A rule that accepts or pre-fills means requests of which the requester and
-             *     *every* recipient are among them; a rule that refuses, requests of which any is.
+             * @description Organisations. A rule that accepts or pre-fills matches requests of which the requester and
+             *     *every* recipient are listed; a rule that refuses, requests of which any is.
              * @default []
              */
             partners: string[];
@@ -5875,17 +5863,11 @@ export interface components {
             /** @description Field names and 0-based indexes, as `Axes[2].Position` or `[0]`. */
             path: string;
         };
-        /** @description Neighbouring sequence numbers. */
+        /** @description A range of consecutive sequence numbers. */
         Sequences: {
-            /**
-             * Format: int32
-             * @description The first.
-             */
+            /** Format: int32 */
             firstSequence: number;
-            /**
-             * Format: int32
-             * @description The last.
-             */
+            /** Format: int32 */
             lastSequence: number;
         };
         /** @description The members of a series. */
@@ -6109,18 +6091,18 @@ export interface components {
             /** @description `Running`, `Interrupted` or `Ended`; none before anything was entered. */
             state?: string | null;
         };
-        /** @description A state as a plain value. */
+        /** @description A state as a JSON value. */
         StateValue: boolean | number | string;
-        /** @description A precision as the partner is told it. */
+        /** @description A precision as published to the partner. */
         Statement: {
-            /** @description In words: the English sentence that the partner gets. */
+            /** @description The English sentence that the partner gets. */
             statement: string;
             /** @description The same as codes with parameters. */
             statementParts: components["schemas"]["StatementPart"][];
         };
         /**
-         * @description A part of a policy as the partner is told it: a code with its parameters, for who says it in
-         *     another language.
+         * @description Part of a policy as published to the partner: a code with parameters, for texts in another
+         *     language.
          */
         StatementPart: {
             /** @enum {string} */
@@ -6128,20 +6110,16 @@ export interface components {
         } | {
             /** @enum {string} */
             code: "AGGREGATED";
-            /** @description What is made of a window's values. */
             function: components["schemas"]["AggregateFunction"];
             /**
              * Format: int64
-             * @description Its length in milliseconds.
+             * @description The window's length in milliseconds.
              */
             windowMs: number;
         } | {
             /** @enum {string} */
             code: "ROUNDED";
-            /**
-             * Format: double
-             * @description The step.
-             */
+            /** Format: double */
             step: number;
             /** @description The field's unit. */
             unit?: string | null;
@@ -6155,10 +6133,7 @@ export interface components {
         } | {
             /** @enum {string} */
             code: "DIGITS";
-            /**
-             * Format: int32
-             * @description How many.
-             */
+            /** Format: int32 */
             digits: number;
         } | {
             /** @enum {string} */
@@ -6176,10 +6151,7 @@ export interface components {
              * @description The period in milliseconds.
              */
             periodMs: number;
-            /**
-             * Format: int32
-             * @description How many.
-             */
+            /** Format: int32 */
             values: number;
         } | {
             /** @enum {string} */
@@ -6194,13 +6166,12 @@ export interface components {
             code: "DELAYED";
             /**
              * Format: int64
-             * @description By so many milliseconds.
+             * @description The delay in milliseconds.
              */
             periodMs: number;
         } | {
             /** @enum {string} */
             code: "HOURS";
-            /** @description The hours. */
             hours: components["schemas"]["WorkingHours"];
         } | {
             /** @enum {string} */
@@ -6595,48 +6566,48 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
-        /** @description The outcome of a verification. */
+        /** @description Result of a verification. */
         Verification: {
             /**
              * Format: int64
-             * @description Checkpoints verified.
+             * @description Number of verified checkpoints.
              */
             checkpoints: number;
             /**
              * Format: int64
-             * @description Entries verified.
+             * @description Number of verified entries.
              */
             entries: number;
             /**
              * Format: int64
-             * @description Entries that retention has removed, by the signed anchors in their place.
+             * @description Number of entries that retention has removed, by the signed anchors.
              */
             entriesPruned: number;
             /**
              * Format: int64
-             * @description How many faults there are.
+             * @description Number of all faults.
              */
             faultCount: number;
-            /** @description The first hundred of them. */
+            /** @description The first hundred faults. */
             faultList: components["schemas"]["LedgerFault"][];
             /**
-             * @description The key that everything signed was signed with, hexadecimal: compare it with the one you
-             *     noted.
+             * @description The public key of all signatures, hexadecimal; to be compared with a copy outside of the
+             *     connector.
              */
             publicKey?: string | null;
             /**
              * Format: int64
-             * @description Receipts of ended consents verified.
+             * @description Number of verified receipts of ended consents.
              */
             revocations: number;
             /**
              * Format: int64
-             * @description Of these, how many could be compared with the values they commit to.
+             * @description Number of entries that were compared with the values that they commit to.
              */
             valuesCompared: number;
             /**
              * Format: int64
-             * @description Values that retention has emptied.
+             * @description Number of entries whose values retention has emptied.
              */
             valuesEmptied: number;
         };
@@ -6674,19 +6645,15 @@ export interface components {
         };
         /** @description A document with its version, author and time. */
         Versioned_NamedPolicy: components["schemas"]["DocumentVersion"] & {
-            /** @description What it says. */
             disclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description It is kept, but offered and applied no more. */
+            /** @description True when it is no longer offered or applied. */
             isRetired?: boolean;
-            /** @description What it is called. */
+            /** @description Name for people, 1 to 120 characters. */
             name: string;
         } & {
-            /**
-             * Format: date-time
-             * @description When.
-             */
+            /** Format: date-time */
             changedAt: string;
-            /** @description Who changed it last. */
+            /** @description User of the last change. */
             changedBy: string;
         };
         /**
@@ -6715,7 +6682,6 @@ export interface components {
         };
         /** @description An aggregate over windows. */
         WindowAggregate: {
-            /** @description What is made of a window's values. */
             function: components["schemas"]["AggregateFunction"];
             /**
              * Format: int64
@@ -6724,24 +6690,23 @@ export interface components {
             windowMs: number;
         };
         /**
-         * @description While a value is in one of these states nothing of the field leaves, and what comes meanwhile
-         *     never leaves.
+         * @description Condition that withholds a field: while a value is in one of these states, no value of the field
+         *     is released, and candidates of that time never are.
          */
         WithholdCondition: {
             /**
-             * @description Another field of the same request; the field's own value without it. While the other field's
-             *     state is not known the condition counts as met.
+             * @description Another field of the same request; absent for the field's own value. While the other field's
+             *     state is not known, the condition counts as met.
              */
             field?: string | null;
             /** @description The states: texts, numbers or truth values. */
             states: components["schemas"]["StateValue"][];
         };
         /**
-         * @description The hours in which values may leave; what changes outside of them leaves, newest only, when they
-         *     begin.
+         * @description Hours in which values may be released. Of changes outside of them, the newest is released when
+         *     they begin.
          */
         WorkingHours: {
-            /** @description The days. */
             days: components["schemas"]["Weekday"][];
             /**
              * @description The first minute, `HH:MM`.
@@ -6749,13 +6714,13 @@ export interface components {
              */
             from: string;
             /**
-             * @description The first minute no more, `HH:MM`; later than `from`.
+             * @description The first minute after them, `HH:MM`; later than `from`.
              * @example 22:00
              */
             until: string;
             /**
              * Format: int32
-             * @description How far the plant's clock is ahead of UTC, in minutes.
+             * @description Offset of the plant's clock from UTC, in minutes; positive to the east.
              */
             utcOffsetMinutes?: number;
         };

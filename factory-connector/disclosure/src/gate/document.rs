@@ -1,4 +1,4 @@
-//! The stored form of a gate's state: a JSON document with data values in the compact encoding of
+//! Stored form of a gate's state: a JSON document with data values in the compact encoding of
 //! OPC UA JSON (OPC 10000-6, 5.4).
 
 use std::collections::{BTreeMap, VecDeque};
@@ -34,7 +34,7 @@ struct StoredGate {
     withheld_by: BTreeMap<FieldName, bool>,
 }
 
-/// An aggregate's open window as stored. Numbers that JSON could round are kept as texts.
+/// An aggregate's open window as stored. Numbers that JSON could round are texts.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct StoredWindow {
@@ -54,7 +54,7 @@ struct StoredWindow {
     has_doubtful: bool,
 }
 
-/// What an exact sum that no longer fits is stored as.
+/// Stored text of an exact sum that overflowed.
 const OVERFLOW: &str = "overflow";
 
 impl StoredWindow {
@@ -107,7 +107,7 @@ impl StoredWindow {
     }
 }
 
-/// A gate's state as a stored document.
+/// Encodes a gate's state as a JSON document.
 #[must_use]
 pub fn gate_to_json(state: &GateState) -> String {
     let stored = StoredGate {
@@ -123,10 +123,10 @@ pub fn gate_to_json(state: &GateState) -> String {
     serde_json::to_string(&stored).expect("times and JSON texts serialise")
 }
 
-/// A gate's state from a stored document.
+/// Decodes a gate's state from a JSON document.
 ///
 /// # Errors
-/// What is wrong with the document.
+/// A description of the fault in the document.
 pub fn gate_from_json(text: &str) -> Result<GateState, String> {
     let stored: StoredGate = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let value = |json: &RawValue| data_value_from_json(json.get());

@@ -28,24 +28,24 @@ fn shown(gate: &Gate) -> Option<i128> {
 #[test]
 fn an_open_policy_lets_every_change_pass_once() {
     let mut gate = gate("{}");
-    assert_eq!(gate.on(at(0), candidate(0, 1)), Outcome::Disclosed { is_coarsened: false });
+    assert_eq!(gate.on(at(0), candidate(0, 1)), GateOutcome::Disclosed { is_coarsened: false });
     assert!(gate.take_released());
-    assert_eq!(gate.on(at(1), candidate(1, 1)), Outcome::Unchanged { is_coarsened: false });
+    assert_eq!(gate.on(at(1), candidate(1, 1)), GateOutcome::Unchanged { is_coarsened: false });
     assert!(!gate.take_released());
-    assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });
+    assert_eq!(gate.on(at(2), candidate(2, 2)), GateOutcome::Disclosed { is_coarsened: false });
 }
 
 #[test]
 fn rounding_does_not_let_the_changes_below_it_show() {
     let mut gate = gate(r#"{"roundingStep":10}"#);
-    let mut news = Vec::new();
+    let mut released = Vec::new();
     for value in 0..=25 {
         gate.on(at(u64::try_from(value).expect("positive")), candidate(0, value));
         if gate.take_released() {
-            news.push(shown(&gate));
+            released.push(shown(&gate));
         }
     }
-    assert_eq!(news, [Some(0), Some(10), Some(20), Some(30)]);
+    assert_eq!(released, [Some(0), Some(10), Some(20), Some(30)]);
 }
 
 #[test]
@@ -53,8 +53,8 @@ fn the_latest_value_leaves_when_the_interval_is_over() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(0), candidate(0, 1));
     assert!(gate.take_released());
-    assert_eq!(gate.on(at(100), candidate(100, 2)), Outcome::Withheld { until: at(1000) });
-    assert_eq!(gate.on(at(900), candidate(900, 3)), Outcome::Withheld { until: at(1000) });
+    assert_eq!(gate.on(at(100), candidate(100, 2)), GateOutcome::Withheld { until: at(1000) });
+    assert_eq!(gate.on(at(900), candidate(900, 3)), GateOutcome::Withheld { until: at(1000) });
     gate.on_time(at(999));
     assert!(!gate.take_released());
     gate.on_time(at(1000));
@@ -62,7 +62,10 @@ fn the_latest_value_leaves_when_the_interval_is_over() {
     assert_eq!(shown(&gate), Some(3));
     assert_eq!(gate.due(), None);
     gate.on(at(1100), candidate(1100, 4));
-    assert_eq!(gate.on(at(1200), candidate(1200, 3)), Outcome::Unchanged { is_coarsened: false });
+    assert_eq!(
+        gate.on(at(1200), candidate(1200, 3)),
+        GateOutcome::Unchanged { is_coarsened: false }
+    );
 }
 
 #[test]
@@ -85,7 +88,7 @@ fn what_waits_survives_a_restart_and_a_clock_set_back() {
 #[test]
 fn delay_releases_each_value_late_and_in_order() {
     let mut gate = gate(r#"{"delayMs":1000}"#);
-    assert_eq!(gate.on(at(0), candidate(0, 1)), Outcome::Withheld { until: at(1000) });
+    assert_eq!(gate.on(at(0), candidate(0, 1)), GateOutcome::Withheld { until: at(1000) });
     gate.on(at(500), candidate(500, 2));
     gate.on_time(at(1000));
     assert_eq!(shown(&gate), Some(1));
@@ -101,7 +104,7 @@ fn a_closed_gate_forgets_what_waited() {
     gate.on(at(10), candidate(10, 2));
     gate.close();
     assert_eq!((gate.due(), gate.disclosed()), (None, None));
-    assert_eq!(gate.on(at(500), candidate(500, 3)), Outcome::Withheld { until: at(1000) });
+    assert_eq!(gate.on(at(500), candidate(500, 3)), GateOutcome::Withheld { until: at(1000) });
 }
 
 #[test]
@@ -110,7 +113,7 @@ fn a_lost_source_shows_as_its_status() {
     gate.on(at(0), candidate(0, 1));
     let mut lost = candidate(0, 1);
     lost.status = StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE;
-    assert_eq!(gate.on(at(1), lost.clone()), Outcome::Disclosed { is_coarsened: false });
+    assert_eq!(gate.on(at(1), lost.clone()), GateOutcome::Disclosed { is_coarsened: false });
     assert_eq!(gate.disclosed(), Some(&lost));
 }
 
@@ -133,7 +136,7 @@ fn what_was_due_within_the_hours_does_not_leave_after_them() {
 #[test]
 fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
     let mut gate = gate(r#"{"roundingStep":5,"aggregate":{"function":"MEAN","windowMs":1000}}"#);
-    assert_eq!(gate.on(at(0), candidate(0, 10)), Outcome::Withheld { until: at(1000) });
+    assert_eq!(gate.on(at(0), candidate(0, 10)), GateOutcome::Withheld { until: at(1000) });
     gate.on(at(500), candidate(500, 30));
     let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(600));
     gate.on_time(at(999));
@@ -151,7 +154,7 @@ fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
 #[test]
 fn a_sum_is_told_for_every_window() {
     let mut gate = gate(r#"{"aggregate":{"function":"SUM","windowMs":1000}}"#);
-    let mut news = Vec::new();
+    let mut released = Vec::new();
     for ms in [0, 400, 1100, 1500, 2000, 3000, 4000, 5000] {
         if ms < 2000 {
             gate.on(at(ms), candidate(ms, 5));
@@ -159,10 +162,10 @@ fn a_sum_is_told_for_every_window() {
             gate.on_time(at(ms))
         }
         if gate.take_released() {
-            news.push((ms, shown(&gate)));
+            released.push((ms, shown(&gate)));
         }
     }
-    assert_eq!(news, [(1100, Some(10)), (2000, Some(10)), (3000, Some(0))]);
+    assert_eq!(released, [(1100, Some(10)), (2000, Some(10)), (3000, Some(0))]);
 }
 
 #[test]
@@ -186,23 +189,27 @@ fn what_comes_in_a_withheld_state_never_leaves() {
     let other: FieldName = "state".parse().expect("a name");
     assert_eq!(
         gate.on(at(0), candidate(0, 1)),
-        Outcome::Suppressed,
+        GateOutcome::Suppressed,
         "the other field's state is not known"
     );
     gate.on_state(at(1), &other, Some(false));
     assert!(!gate.take_released());
-    assert_eq!(gate.on(at(2), candidate(2, 2)), Outcome::Disclosed { is_coarsened: false });
+    assert_eq!(gate.on(at(2), candidate(2, 2)), GateOutcome::Disclosed { is_coarsened: false });
     gate.on_state(at(3), &other, Some(true));
-    assert_eq!(gate.on(at(4), candidate(4, 3)), Outcome::Suppressed);
+    assert_eq!(gate.on(at(4), candidate(4, 3)), GateOutcome::Suppressed);
     let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, gate.state(), at(5));
-    assert_eq!(gate.on(at(5), candidate(5, 4)), Outcome::Suppressed, "still, after a restart");
+    assert_eq!(gate.on(at(5), candidate(5, 4)), GateOutcome::Suppressed, "still, after a restart");
     gate.on_state(at(6), &other, Some(false));
     assert_eq!((gate.due(), shown(&gate)), (None, Some(2)));
-    assert_eq!(gate.on(at(7), candidate(7, -1)), Outcome::Suppressed, "its own state");
+    assert_eq!(gate.on(at(7), candidate(7, -1)), GateOutcome::Suppressed, "its own state");
     let mut lost = candidate(8, 0);
     lost.status = StatusCode::BAD_NO_DATA;
-    assert_eq!(gate.on(at(8), lost), Outcome::Suppressed, "a loss within the state is the state's");
-    assert_eq!(gate.on(at(9), candidate(9, 5)), Outcome::Disclosed { is_coarsened: false });
+    assert_eq!(
+        gate.on(at(8), lost),
+        GateOutcome::Suppressed,
+        "a loss within the state is the state's"
+    );
+    assert_eq!(gate.on(at(9), candidate(9, 5)), GateOutcome::Disclosed { is_coarsened: false });
 }
 
 #[test]
@@ -233,7 +240,7 @@ fn a_clock_set_back_keeps_the_interval_and_no_more() {
     gate.on(at(300_000), candidate(0, 1));
     assert!(gate.take_released());
     gate.set_clock_back(at(5_000));
-    assert_eq!(gate.on(at(5_100), candidate(0, 2)), Outcome::Withheld { until: at(6_000) });
+    assert_eq!(gate.on(at(5_100), candidate(0, 2)), GateOutcome::Withheld { until: at(6_000) });
     gate.on_time(at(6_000));
     assert_eq!(shown(&gate), Some(2));
 }

@@ -1,10 +1,10 @@
-//! How much a single value can tell.
+//! Information of a single value.
 
 use asi_model::{BuiltInType, network::Semantic};
 
-use super::OpenField;
+use super::open_field::OpenField;
 
-/// The most that one value can tell: the logarithm of how many different values there can be.
+/// Returns the most bits that one value can have: the logarithm of the number of different values.
 pub(super) fn bits_per_value(field: &OpenField<'_>) -> Option<f64> {
     let (policy, definition) = (field.policy, field.definition);
     let field_type = definition.field_type.0;
@@ -41,7 +41,7 @@ pub(super) fn bits_per_value(field: &OpenField<'_>) -> Option<f64> {
         bits = bits.min((range / step + 1.0).max(1.0).log2());
     }
     if let Some(digits) = policy.significant_digits {
-        // Sign, digits, and the decades that the type has.
+        // Sign, digits, and the decades of the type.
         let decades: f64 = match field_type {
             BuiltInType::Double => 617.0,
             BuiltInType::Float => 77.0,

@@ -1,4 +1,4 @@
-//! What approved fields reveal when they are put together.
+//! Conclusions from several disclosed fields together.
 
 use std::collections::HashMap;
 
@@ -8,48 +8,46 @@ use asi_model::{
 };
 use serde::Serialize;
 
-use super::OpenField;
+use super::open_field::OpenField;
 use crate::{DisclosurePolicy, effects::time_resolution_ms};
 
-/// Times coarser than this do not tell how a machine was used.
+/// Times coarser than this do not reveal the utilisation of a machine.
 const UTILISATION_MS: u64 = 3_600_000;
-/// Times coarser than this do not tell single pieces, where the plan does not say how long one
-/// takes.
+/// Times coarser than this do not reveal single pieces, when the plan has no time per piece.
 const PIECE_MS: u64 = 15 * 60_000;
 
-/// What follows from fields that are open together.
+/// Conclusion from fields that are disclosed together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Conclusion {
-    /// How long single pieces took: a counter is timed more exactly than a piece takes.
+    /// Time of single pieces: the times of a counter are finer than that of a piece.
     CycleTime,
-    /// How much of the time a machine works: a state is timed within the hour.
+    /// Share of the time in which a machine works: the times of a state are finer than an hour.
     Utilisation,
-    /// How large the whole order is: a share and a count of the same operation.
+    /// Size of the whole order: a share and a count of the same operation.
     OrderQuantity,
-    /// How many pieces are scrap: counts of good, bad or all pieces of the same operation.
+    /// Share of scrap: counts of good, bad or all pieces of the same operation.
     Yield,
 }
 
-/// A warning.
+/// Warning about a conclusion that a partner can draw.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct LeakWarning {
-    /// What can be concluded, as a code; its parameters are the other members.
+    /// The conclusion, as a code with the other members as parameters.
     pub conclusion: Conclusion,
-    /// In English, with what would prevent it.
+    /// English text, with the remedy.
     pub text: String,
-    /// From which fields.
+    /// The fields that allow the conclusion.
     #[schema(value_type = Vec<Object>)]
     pub fields: Vec<FieldKey>,
-    /// How long a piece takes by the plan, in milliseconds, where its time is at stake and the plan
-    /// says so.
+    /// Planned time of a piece in milliseconds, for `CYCLE_TIME` and when the plan has one.
     pub piece_ms: Option<u64>,
-    /// The time from which on it could not be concluded, in milliseconds, where that helps.
+    /// Resolution of times that prevents the conclusion, in milliseconds, if one does.
     pub needed_ms: Option<u64>,
 }
 
-/// Everything that can be concluded from open fields together.
+/// Returns all conclusions from disclosed fields together.
 #[must_use]
 pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
     let mut warnings = Vec::new();
@@ -67,9 +65,9 @@ pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
             .push(field);
     }
     for fields in operations.into_values() {
-        let of = |wanted: &[Semantic]| -> Vec<FieldKey> {
+        let of = |searched: &[Semantic]| -> Vec<FieldKey> {
             let means = |field: &&&OpenField<'_>| {
-                field.definition.semantic.as_ref().is_some_and(|s| wanted.contains(s))
+                field.definition.semantic.as_ref().is_some_and(|s| searched.contains(s))
             };
             fields.iter().filter(means).map(|field| field.key.clone()).collect()
         };
@@ -108,14 +106,14 @@ pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
     warnings
 }
 
-/// The longest of what keeps two changes from being told apart, in milliseconds.
+/// Returns the longest time within which two changes cannot be distinguished, in milliseconds.
 fn granularity_ms(policy: &DisclosurePolicy) -> u64 {
     let rates =
         policy.rate_limits.iter().map(|limit| limit.period_ms / u64::from(limit.values.max(1)));
     rates.chain(policy.minimum_interval_ms).fold(time_resolution_ms(policy), u64::max)
 }
 
-/// How long one piece takes by the plan, in milliseconds.
+/// Returns the planned time of a piece, in milliseconds.
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn piece_ms(operation: &Operation) -> Option<u64> {
     let (start, end) = (operation.planned_start?, operation.planned_end?);
@@ -141,7 +139,7 @@ fn cycle_time(field: &OpenField<'_>) -> Option<LeakWarning> {
     }
     let step = field.policy.rounding_step.map_or(1.0, |step| step.decimal().to_f64().max(1.0));
     let known = piece_ms(field.operation);
-    // With a rounding step the pieces of a whole step are timed together: only their mean is told.
+    // With a rounding step the pieces of a step have one time: only their mean is revealed.
     let needed = known.unwrap_or(PIECE_MS);
     let is_single = step < 2.0 && granularity_ms(field.policy) < needed;
     is_single.then(|| LeakWarning {

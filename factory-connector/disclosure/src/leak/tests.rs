@@ -1,6 +1,8 @@
+use asi_model::network::{Operation, ReportField};
 use serde_json::{Value, json};
 
 use super::*;
+use crate::DisclosurePolicy;
 
 fn operation() -> Operation {
     serde_json::from_value(
@@ -10,7 +12,7 @@ fn operation() -> Operation {
     .expect("an operation")
 }
 
-/// The budget of fields, each a definition with its policy.
+/// Computes the budget of fields, each a definition with its policy.
 fn budget(fields: &[(Value, Value)]) -> LeakBudget {
     with_open(fields, leak_budget)
 }
@@ -113,7 +115,7 @@ fn a_summary_says_the_same_in_short() {
 }
 
 #[test]
-fn a_warning_says_whether_the_plan_tells_how_long_a_piece_takes() {
+fn a_warning_contains_the_planned_time_of_a_piece() {
     let counter = json!({ "name": "count", "type": 9, "unit": "PIECE" });
     let planned = &budget(&[(counter, json!({}))]).warnings[0];
     assert_eq!((planned.piece_ms, planned.needed_ms), (Some(360_000), Some(360_000)));

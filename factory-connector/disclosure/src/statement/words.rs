@@ -1,15 +1,15 @@
-//! A precision in words: English as the partner is told it, German for people of the plant.
+//! Sentences for a precision: English for the partner, German for people in the plant.
 
-use super::StatementPart;
+use super::part::StatementPart;
 use crate::{AggregateFunction, Language, working_hours::Weekday};
 
-/// Parts as one sentence.
+/// Joins parts to one sentence.
 pub(super) fn sentence(parts: &[StatementPart], language: Language) -> String {
-    let say = match language {
+    let describe = match language {
         Language::En => in_english,
         Language::De => in_german,
     };
-    let parts: Vec<String> = parts.iter().map(say).collect();
+    let parts: Vec<String> = parts.iter().map(describe).collect();
     let mut text = parts.join("; ");
     if let Some(first) = text.get_mut(..1) {
         first.make_ascii_uppercase();
@@ -110,7 +110,7 @@ fn of(unit: &Option<String>) -> String {
     unit.as_ref().map(|unit| format!(" {unit}")).unwrap_or_default()
 }
 
-/// A period with the largest unit that divides it.
+/// Formats a period with the largest unit that divides it.
 pub(crate) fn describe_period(ms: u64) -> String {
     for (length, name) in [(86_400_000, "d"), (3_600_000, "h"), (60_000, "min"), (1_000, "s")] {
         if ms.is_multiple_of(length) {

@@ -1,41 +1,38 @@
-//! The verification of one entry or report by itself: everything that needs no other entry but the
-//! hash of the one before.
+//! Verification of one entry or report separately: all checks that need only the hash of the entry
+//! before.
 
 use std::borrow::Cow;
 
 use asi_model::{DateTime, OrganisationId};
 use serde::Deserialize;
 
-use super::super::{Entry, Event, Hash, chain_hash, values_root};
+use super::super::{Event, Hash, LedgerEntry, chain_hash, values_root};
 
-/// A stored entry, as raw as it lies there: whatever is wrong with it is to be found, not to be
-/// tripped over.
+/// A stored entry with unchecked columns: its faults are reported, not errors of the reader.
 #[derive(Debug, Clone, Default)]
 pub struct StoredEntry {
-    /// Its place.
+    /// Number in the chain.
     pub number: i64,
-    /// When it was recorded, in microseconds since 1970.
+    /// Time of recording, in microseconds since 1970.
     pub recorded_at: i64,
     /// The report it refers to.
     pub report_id: Option<i64>,
-    /// The hashed text.
+    /// The canonical text that is hashed.
     pub content: Vec<u8>,
     /// The stored hash.
     pub hash: Vec<u8>,
 }
 
-/// The report of a QUEUED entry, as raw as it lies there.
+/// The report of a QUEUED entry, with unchecked columns.
 #[derive(Debug, Clone, Default)]
 pub struct StoredReport {
-    /// The writer.
     pub data_set_writer_id: i64,
-    /// Its epoch.
     pub epoch: i64,
-    /// Its sequence number.
+    /// Sequence number within the epoch.
     pub sequence: i64,
-    /// When it was made, in microseconds since 1970.
+    /// Time of creation, in microseconds since 1970.
     pub created_at: i64,
-    /// Who may see it, as JSON.
+    /// The recipients, a JSON array of organisations.
     pub recipients: Vec<u8>,
     /// The DataSetMessage, unless emptied.
     pub body: Option<Vec<u8>>,
@@ -43,7 +40,7 @@ pub struct StoredReport {
     pub salt: Option<Vec<u8>>,
 }
 
-/// A report without its values: what the entries of all its recipients are compared with.
+/// A report without its values, with which the entries of all its recipients are compared.
 #[derive(Debug, Clone)]
 pub struct ReportDigest {
     /// Writer, epoch, sequence number and time.
@@ -52,19 +49,18 @@ pub struct ReportDigest {
     values: Stored,
 }
 
-/// What is left of a report's values.
+/// Stored state of a report's values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Stored {
-    /// The root over them, hexadecimal; none where they cannot be read.
+    /// The root over them, hexadecimal; none when they cannot be read.
     Root(Option<String>),
-    /// Nothing.
     Emptied,
     /// Values without their salt, or a salt without its values.
     InPart,
 }
 
 impl StoredReport {
-    /// Hashes the values: once, however many recipients the report has.
+    /// Hashes the values, once for all recipients of the report.
     #[must_use]
     pub fn digest(&self) -> ReportDigest {
         let values = match (&self.body, &self.salt) {
@@ -84,34 +80,34 @@ impl StoredReport {
     }
 }
 
-/// What came of the values of an entry.
+/// Result for the values of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Values {
-    /// It has none.
+    /// The entry has no values.
     None,
-    /// They were compared.
+    /// They were compared with the root.
     Compared,
     /// Retention has emptied them.
     Emptied,
 }
 
-/// An entry that was looked at by itself.
+/// An entry that was checked separately.
 pub struct CheckedEntry {
     pub(super) number: u64,
-    /// The hash as stored: the next entry follows it, so that one change yields one fault.
+    /// The stored hash. The next entry follows it, so that one change results in one fault.
     pub(super) hash: Hash,
     pub(super) faults: Vec<&'static str>,
     pub(super) values: Values,
-    /// A consent, and when it was recorded.
+    /// A consent with its time of recording.
     pub(super) consent: Option<(Event, i64)>,
     pub(super) revocation: Option<String>,
 }
 
-/// What verification needs of an entry's text. Consents and revocations are rare and read as a
-/// whole.
+/// The members of an entry's text that most checks need. Consents and revocations are rare and are
+/// parsed completely.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Glance<'t> {
+struct EntryHeader<'t> {
     #[serde(borrow)]
     recipient: Cow<'t, str>,
     number: u64,
@@ -137,14 +133,14 @@ enum Kind {
 }
 
 impl StoredEntry {
-    /// The hash as stored; zeros where it is none.
+    /// Returns the stored hash; zeros when it is not one.
     #[must_use]
     pub fn stored_hash(&self) -> Hash {
         self.hash.as_slice().try_into().unwrap_or_default()
     }
 
-    /// Looks at the entry of a chain, given the stored hash of the one before it and its report,
-    /// where there is one with that number.
+    /// Checks an entry of a chain, given the stored hash of the one before and its report, if it has
+    /// one.
     #[must_use]
     pub fn check(
         &self,
@@ -164,30 +160,30 @@ impl StoredEntry {
         if content.is_some_and(|content| chain_hash(previous, content)[..] != self.hash[..]) {
             checked.faults.push("the entry or one before it was changed");
         }
-        let Some((content, glance)) = content
-            .and_then(|content| Some((content, serde_json::from_str::<Glance<'_>>(content).ok()?)))
-        else {
+        let Some((content, header)) = content.and_then(|content| {
+            Some((content, serde_json::from_str::<EntryHeader<'_>>(content).ok()?))
+        }) else {
             checked.faults.push("the entry cannot be read");
             return checked;
         };
-        if glance.recipient.as_bytes() != recipient || glance.number != checked.number {
+        if header.recipient.as_bytes() != recipient || header.number != checked.number {
             checked.faults.push("the entry stands in another's place");
         }
-        if glance.recorded_at.unix_micros() != self.recorded_at {
+        if header.recorded_at.unix_micros() != self.recorded_at {
             checked.faults.push("the time beside the entry is not the entry's");
         }
-        if glance.event == Kind::Queued {
-            self.compare(&mut checked, &glance, report);
+        if header.event == Kind::Queued {
+            self.compare(&mut checked, &header, report);
         } else if self.report_id.is_some() {
             checked.faults.push("the entry refers to a report that is not its own");
-        } else if matches!(glance.event, Kind::Consent | Kind::Revoked) {
-            self.read_whole(&mut checked, content);
+        } else if matches!(header.event, Kind::Consent | Kind::Revoked) {
+            self.parse_completely(&mut checked, content);
         }
         checked
     }
 
-    fn read_whole(&self, checked: &mut CheckedEntry, content: &str) {
-        match serde_json::from_str::<Entry>(content).map(|entry| entry.event) {
+    fn parse_completely(&self, checked: &mut CheckedEntry, content: &str) {
+        match serde_json::from_str::<LedgerEntry>(content).map(|entry| entry.event) {
             Ok(Event::Revoked { revocation_id, .. }) => checked.revocation = Some(revocation_id),
             Ok(event @ Event::Consent { .. }) => checked.consent = Some((event, self.recorded_at)),
             _ => checked.faults.push("the entry cannot be read"),
@@ -197,7 +193,7 @@ impl StoredEntry {
     fn compare(
         &self,
         checked: &mut CheckedEntry,
-        glance: &Glance<'_>,
+        header: &EntryHeader<'_>,
         report: Option<&ReportDigest>,
     ) {
         let Some(report) = report else {
@@ -205,20 +201,20 @@ impl StoredEntry {
             return;
         };
         let (writer, epoch, sequence, at) = report.stated;
-        let is_same = glance.data_set_writer_id.map(i64::from) == Some(writer)
-            && glance.epoch.map(i64::from) == Some(epoch)
-            && glance.first_sequence.map(i64::from) == Some(sequence)
+        let is_same = header.data_set_writer_id.map(i64::from) == Some(writer)
+            && header.epoch.map(i64::from) == Some(epoch)
+            && header.first_sequence.map(i64::from) == Some(sequence)
             && at == self.recorded_at;
         if !is_same {
             checked.faults.push("the report is not the one that was queued");
         }
-        if !report.recipients.iter().any(|recipient| recipient.as_str() == glance.recipient) {
+        if !report.recipients.iter().any(|recipient| recipient.as_str() == header.recipient) {
             checked.faults.push("the report's recipients were changed");
         }
         match &report.values {
             Stored::Root(root) => {
                 checked.values = Values::Compared;
-                if root.is_none() || root.as_deref() != glance.values {
+                if root.is_none() || root.as_deref() != header.values {
                     checked.faults.push("the values are not those that were reported");
                 }
             }

@@ -118,11 +118,11 @@ fn every_single_bit_of_an_entry_is_guarded() {
 fn deletion_and_reordering_are_found() {
     let (intact, _, linked) = entries(5);
     let key = key();
-    for place in 0..intact.len() {
+    for index in 0..intact.len() {
         let mut entries = intact.clone();
-        entries.remove(place);
-        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "without {place}");
-        assert!(!verify(&intact[..place], signed(&linked, &key)).is_intact(), "cut at {place}");
+        entries.remove(index);
+        assert!(!verify(&entries, signed(&linked, &key)).is_intact(), "without {index}");
+        assert!(!verify(&intact[..index], signed(&linked, &key)).is_intact(), "cut at {index}");
     }
     let mut entries = intact;
     entries.swap(1, 2);

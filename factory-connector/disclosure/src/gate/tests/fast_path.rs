@@ -1,4 +1,4 @@
-//! The short way through the gate, where nothing has to wait, beside the long one.
+//! Equality of the fast path through the gate, on which no value waits, and the general path.
 
 use proptest::prelude::*;
 
@@ -8,17 +8,17 @@ use super::{
 };
 
 proptest! {
-    /// Both come to the same, in what they say and in what they remember.
+    /// Both paths have the same results and the same state.
     #[test]
-    fn the_short_way_is_as_the_long_one(policy in policies(), steps in steps(900), is_clock_set_back in any::<bool>()) {
+    fn the_fast_path_equals_the_general_one(policy in policies(), steps in steps(900), is_clock_set_back in any::<bool>()) {
         let DisclosurePolicy { rounding_step, bands, significant_digits, .. } = policy;
         let policy = DisclosurePolicy { rounding_step, bands, significant_digits, ..Default::default() };
         let mut short = Gate::new(Arc::new(policy), BuiltInType::Int64, GateState::default(), at(0));
         let mut long = Gate { is_immediate: false, ..short.clone() };
         let (mut now, last) = (0, steps.len() / 2);
-        for (place, (pause, step)) in steps.into_iter().enumerate() {
+        for (index, (pause, step)) in steps.into_iter().enumerate() {
             now += pause;
-            if is_clock_set_back && place == last {
+            if is_clock_set_back && index == last {
                 now /= 2;
             }
             match step {

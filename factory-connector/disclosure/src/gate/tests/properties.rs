@@ -1,6 +1,6 @@
-//! The gate's promises as properties: whatever the policy, whatever a script yields and in whatever
-//! order things happen, what leaves is never finer, faster or earlier than the policy allows. The
-//! checks look at what came and what left only; none of them knows how the gate works.
+//! Guarantees of the gate as properties: for every policy, all candidates and any order of events, a
+//! released value is never finer, faster or earlier than the policy allows. The checks compare only
+//! candidates and released values; none of them depends on the gate's implementation.
 
 use asi_model::Variant;
 use proptest::prelude::*;
@@ -11,10 +11,10 @@ use super::{
 };
 use crate::{RoundingStep, StateValue, WithholdCondition, gate_from_json, gate_to_json};
 
-/// What left, and when.
+/// Released values with their times.
 type Left = Vec<(u64, DataValue)>;
 
-/// Runs a gate through steps. Woken in time, or (`is_late`) only when something happens.
+/// Runs a gate through steps. It is woken in time, or (`is_late`) only at the next event.
 fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left {
     let policy = Arc::new(policy.clone());
     let mut gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, GateState::default(), at(0));
@@ -32,7 +32,7 @@ fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left 
             note(&mut gate, now);
         }
         now = next;
-        // What is due leaves before anything new comes, so that each release is seen.
+        // Due values are released before the next candidate, so that each release is observed.
         gate.on_time(at(now));
         note(&mut gate, now);
         match step {
@@ -68,13 +68,13 @@ fn significant(number: i128) -> usize {
     number.unsigned_abs().to_string().trim_end_matches('0').len()
 }
 
-/// Monday and Wednesday from 05:00 to 13:30 UTC, as the only hours that are tested.
+/// Returns whether a time is within the only hours tested: Monday and Wednesday, 05:00 to 13:30 UTC.
 fn is_working(ms: u64) -> bool {
     let (day, of_day) = (ms / (24 * HOUR_MS) % 7, ms % (24 * HOUR_MS));
     (day == 0 || day == 2) && (5 * HOUR_MS..13 * HOUR_MS + HOUR_MS / 2).contains(&of_day)
 }
 
-/// When candidates came and whether they came in a withheld state, told from the steps alone.
+/// Candidates with their times, true for those in a withheld state, computed from the steps alone.
 fn arrivals(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<(u64, DataValue, bool)> {
     let (mut now, mut own, mut foreign) = (0, false, true);
     let mut all = Vec::new();
@@ -113,64 +113,94 @@ fn arrivals(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<(u64, DataV
     all
 }
 
+/// Checks released values against the policy: each one, each pair of neighbours, and the rates.
 fn check(
     policy: &DisclosurePolicy,
     steps: &[(u64, Step)],
     left: &Left,
 ) -> Result<(), TestCaseError> {
     let arrivals = arrivals(policy, steps);
-    let delay = policy.delay_ms.unwrap_or(0);
     for (when, value) in left {
-        for number in numbers(value) {
-            if let Some(digits) = policy.significant_digits {
-                prop_assert!(
-                    significant(number) <= usize::from(digits),
-                    "{number} is finer than {digits} digits"
-                );
-            } else if let Some(step) = policy.rounding_step.and_then(RoundingStep::to_integer) {
-                prop_assert_eq!(number % step, 0, "not a multiple");
-            } else if !policy.bands.is_empty() {
-                prop_assert!([-100, 0, 100].contains(&number));
-            }
-        }
-        prop_assert_eq!((value.server_timestamp, value.source_picoseconds), (None, 0));
-        let source = value.source_timestamp.expect("a source time").unix_millis();
-        let millis = |ms: u64| i64::try_from(ms).expect("small");
-        let left_at = START_MS + millis(*when);
-        if let Some(step) = policy.time_step_ms {
-            prop_assert_eq!(source.rem_euclid(millis(step)), 0, "a time between the steps");
-        }
-        let windowed = policy.aggregate.map_or(0, |aggregate| aggregate.window_ms);
-        if windowed == 0 {
-            // Something that came, long enough ago and in no withheld state, looks like this.
-            let is_explained = arrivals.iter().any(|(came, candidate, is_withheld)| {
-                let is_alike = candidate.status.is_bad() == value.status.is_bad()
-                    || candidate.value.built_in_type() != Some(BuiltInType::Int64);
-                came + delay <= *when && !is_withheld && is_alike
-            });
-            prop_assert!(is_explained, "{value:?} left at {when}");
-            prop_assert!(source + millis(delay) <= left_at, "left before its delay");
-        } else if policy.time_step_ms.is_none() {
-            prop_assert_eq!(source.rem_euclid(millis(windowed)), 0, "a time within a window");
+        check_precision(policy, value)?;
+        check_time(policy, &arrivals, *when, value)?;
+        check_states(policy, &arrivals, *when)?;
+    }
+    check_intervals(policy, left)?;
+    check_rates(policy, left)
+}
+
+fn check_precision(policy: &DisclosurePolicy, value: &DataValue) -> Result<(), TestCaseError> {
+    for number in numbers(value) {
+        if let Some(digits) = policy.significant_digits {
             prop_assert!(
-                source + millis(windowed + delay) <= left_at,
-                "left before its window's end or its delay"
+                significant(number) <= usize::from(digits),
+                "{number} is finer than {digits} digits"
             );
-        }
-        if policy.working_hours.is_some() {
-            prop_assert!(is_working(*when), "left outside of working hours");
-        }
-        // The last thing that is known of the states when it left.
-        if let Some((came, _, true)) = arrivals.iter().rev().find(|(came, ..)| came < when) {
-            let is_over = arrivals
-                .iter()
-                .any(|(later, _, is_withheld)| came < later && later <= when && !is_withheld);
-            prop_assert!(
-                is_over || policy.withhold_while.iter().any(|c| c.field.is_some()),
-                "left in its own state"
-            );
+        } else if let Some(step) = policy.rounding_step.and_then(RoundingStep::to_integer) {
+            prop_assert_eq!(number % step, 0, "not a multiple");
+        } else if !policy.bands.is_empty() {
+            prop_assert!([-100, 0, 100].contains(&number));
         }
     }
+    prop_assert_eq!((value.server_timestamp, value.source_picoseconds), (None, 0));
+    Ok(())
+}
+
+fn check_time(
+    policy: &DisclosurePolicy,
+    arrivals: &[(u64, DataValue, bool)],
+    when: u64,
+    value: &DataValue,
+) -> Result<(), TestCaseError> {
+    let delay = policy.delay_ms.unwrap_or(0);
+    let source = value.source_timestamp.expect("a source time").unix_millis();
+    let millis = |ms: u64| i64::try_from(ms).expect("small");
+    let left_at = START_MS + millis(when);
+    if let Some(step) = policy.time_step_ms {
+        prop_assert_eq!(source.rem_euclid(millis(step)), 0, "a time between the steps");
+    }
+    let windowed = policy.aggregate.map_or(0, |aggregate| aggregate.window_ms);
+    if windowed == 0 {
+        // An earlier candidate, long enough ago and in no withheld state, explains the value.
+        let is_explained = arrivals.iter().any(|(came, candidate, is_withheld)| {
+            let is_alike = candidate.status.is_bad() == value.status.is_bad()
+                || candidate.value.built_in_type() != Some(BuiltInType::Int64);
+            came + delay <= when && !is_withheld && is_alike
+        });
+        prop_assert!(is_explained, "{value:?} was released at {when}");
+        prop_assert!(source + millis(delay) <= left_at, "released before its delay");
+    } else if policy.time_step_ms.is_none() {
+        prop_assert_eq!(source.rem_euclid(millis(windowed)), 0, "a time within a window");
+        prop_assert!(
+            source + millis(windowed + delay) <= left_at,
+            "released before its window's end or its delay"
+        );
+    }
+    if policy.working_hours.is_some() {
+        prop_assert!(is_working(when), "released outside of working hours");
+    }
+    Ok(())
+}
+
+/// Checks that the last state known before a release was not a withheld one.
+fn check_states(
+    policy: &DisclosurePolicy,
+    arrivals: &[(u64, DataValue, bool)],
+    when: u64,
+) -> Result<(), TestCaseError> {
+    if let Some((came, _, true)) = arrivals.iter().rev().find(|(came, ..)| *came < when) {
+        let is_over = arrivals
+            .iter()
+            .any(|(later, _, is_withheld)| came < later && *later <= when && !is_withheld);
+        prop_assert!(
+            is_over || policy.withhold_while.iter().any(|c| c.field.is_some()),
+            "released in its own withheld state"
+        );
+    }
+    Ok(())
+}
+
+fn check_intervals(policy: &DisclosurePolicy, left: &Left) -> Result<(), TestCaseError> {
     for pair in left.windows(2) {
         let (before, after) = (pair[0].0, pair[1].0);
         prop_assert!(
@@ -191,6 +221,10 @@ fn check(
             is_sum || pair[0].1.value != pair[1].1.value || pair[0].1.status != pair[1].1.status
         );
     }
+    Ok(())
+}
+
+fn check_rates(policy: &DisclosurePolicy, left: &Left) -> Result<(), TestCaseError> {
     for limit in &policy.rate_limits {
         for (first, _) in left {
             let count = left
@@ -208,7 +242,8 @@ fn check(
 }
 
 proptest! {
-    /// Never finer, faster or earlier: short pauses, so that windows, intervals and delays meet.
+    /// Never finer, faster or earlier. The pauses are short, so that windows, intervals and delays
+    /// overlap.
     #[test]
     fn nothing_leaves_that_the_policy_does_not_allow(policy in policies(), steps in steps(2_000), is_late in any::<bool>()) {
         check(&policy, &steps, &run(&policy, &steps, is_late))?;
@@ -220,8 +255,8 @@ proptest! {
         check(&policy, &steps, &run(&policy, &steps, is_late))?;
     }
 
-    /// What comes in a withheld state leaves no trace: without it, exactly the same leaves at the
-    /// same times.
+    /// Candidates in a withheld state leave no trace: without them, the same values are released at
+    /// the same times.
     #[test]
     fn withheld_candidates_leave_no_trace(steps in steps(500), minimum_interval_ms in proptest::option::of(1_u64..2_000)) {
         let condition = WithholdCondition { field: Some(other()), states: vec![StateValue::Integer(1)] };
@@ -243,8 +278,8 @@ proptest! {
         prop_assert_eq!(run(&policy, &steps, false), run(&policy, &without, false));
     }
 
-    /// Two courses that differ below the rounding step only look the same from outside, in value
-    /// and in time.
+    /// Two sequences that differ only below the rounding step release the same values at the same
+    /// times.
     #[test]
     fn what_is_below_the_step_cannot_be_told(
         step in 1_i64..100,
@@ -254,7 +289,7 @@ proptest! {
         #[allow(clippy::cast_precision_loss)]
         let rounding_step = Some((step as f64).try_into().expect("positive"));
         let policy = DisclosurePolicy { rounding_step, minimum_interval_ms, ..Default::default() };
-        // Offsets that stay within half a step of the multiple, whichever way it lies.
+        // Offsets within half a step of the multiple, in both directions.
         let near = |multiple: i64, offset: i64| multiple * step + offset % ((step + 1) / 2);
         let course = |pick: fn(&(u64, i64, i64, i64)) -> i64| -> Vec<(u64, Step)> {
             values.iter().map(|v| (v.0, Step::Candidate(DataValue::good(near(v.1, pick(v)), at(0))))).collect()
@@ -263,8 +298,7 @@ proptest! {
         prop_assert_eq!(shown(run(&policy, &course(|v| v.2), false)), shown(run(&policy, &course(|v| v.3), false)));
     }
 
-    /// Two courses that differ in when things happened within a time step look the same from
-    /// outside.
+    /// Two sequences that differ only in times within a time step release the same values.
     #[test]
     fn what_is_within_a_time_step_cannot_be_told(
         values in proptest::collection::vec((0_u64..3, -9_i64..9, 0_u64..100, 0_u64..100), 1..40),
@@ -289,7 +323,7 @@ proptest! {
         prop_assert_eq!(run(&policy, &course(|v| v.2), false), run(&policy, &course(|v| v.3), false));
     }
 
-    /// The mean over a window is what one gets who looks every millisecond.
+    /// The mean over a window equals that of one sample per millisecond.
     #[test]
     fn a_mean_is_the_mean(values in proptest::collection::vec((1_u64..700, -1000_i64..1000), 1..30)) {
         let policy: DisclosurePolicy =
@@ -320,7 +354,7 @@ proptest! {
         }
     }
 
-    /// Without an end of time nothing is lost: after the last limit the newest value is shown.
+    /// After the last limit has passed, the newest value is shown.
     #[test]
     fn the_newest_value_leaves_in_the_end(policy in policies(), values in proptest::collection::vec((0_u64..2_000, -1000_i64..1000), 1..40)) {
         let policy = DisclosurePolicy { withhold_while: Vec::new(), aggregate: None, ..policy };
@@ -333,7 +367,7 @@ proptest! {
         prop_assert_eq!(&left.last().expect("something left").1.value, &expected);
     }
 
-    /// A restart at any moment does not let more out.
+    /// A restart at any moment releases no other values.
     #[test]
     fn restarts_change_nothing(policy in policies(), steps in steps(900)) {
         let without: Vec<_> = steps

@@ -1,4 +1,4 @@
-//! What is played at a gate: any policy, and anything that may happen.
+//! Strategies for a gate: any policy, and any sequence of events.
 
 use asi_model::{Scalar, StatusCode, Variant, values::Array};
 use proptest::prelude::*;
@@ -18,18 +18,17 @@ pub(super) fn other() -> FieldName {
     "state".parse().expect("a name")
 }
 
-/// What happens at a gate.
+/// An event at a gate.
 #[derive(Debug, Clone)]
 pub(super) enum Step {
     Candidate(DataValue),
     State(Option<bool>),
     Wake,
-    /// The connector ends and starts again from what was stored.
+    /// The connector stops and starts again from the stored state.
     Restart,
 }
 
-/// Anything that a mapping, a script, a person or an OPC UA client could bring for a field of whole
-/// numbers.
+/// Any candidate of a mapping, a script, a person or an OPC UA client for a field of whole numbers.
 fn candidates() -> impl Strategy<Value = DataValue> {
     let value = prop_oneof![
         8 => (-1000_i64..1000).prop_map(Variant::from),

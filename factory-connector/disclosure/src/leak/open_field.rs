@@ -1,0 +1,51 @@
+//! A disclosed field, as input of the leak budget.
+
+use asi_model::{
+    FieldKey,
+    network::{Operation, ReportField},
+};
+use serde::Serialize;
+
+use crate::DisclosurePolicy;
+
+/// A field that is disclosed to a partner.
+#[derive(Debug, Clone, Copy)]
+pub struct OpenField<'f> {
+    pub key: &'f FieldKey,
+    /// Definition in the request.
+    pub definition: &'f ReportField,
+    /// The operation that the request is about.
+    pub operation: &'f Operation,
+    /// The policy in force.
+    pub policy: &'f DisclosurePolicy,
+    pub measured: Measured,
+}
+
+/// Counts over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Measured {
+    /// Candidates from the source.
+    pub candidates: u64,
+    /// Values that the gate released.
+    pub released: u64,
+    /// Length of the period in hours, at most 24; since the connector started or the field was
+    /// opened.
+    pub hours: f64,
+}
+
+impl Measured {
+    /// Returns the released values per hour; none before any time has passed.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn released_per_hour(self) -> Option<f64> {
+        (self.hours > 0.0).then(|| self.released as f64 / self.hours)
+    }
+
+    /// Returns the candidates per hour; none before any time has passed.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn candidates_per_hour(self) -> Option<f64> {
+        (self.hours > 0.0).then(|| self.candidates as f64 / self.hours)
+    }
+}
